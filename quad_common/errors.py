@@ -1,0 +1,233 @@
+"""
+The errors of quadwalk.
+
+Every error takes facts and makes its own sentence: what was wrong, with the
+numbers, and what would be valid. Nodes catch :class:`QuadError` at their
+callbacks and turn it into a log line and a ``diagnostics`` entry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ', '.join(sorted(names)) or 'none'
+
+
+class QuadError(Exception):
+    """Base of every error that quadwalk raises on purpose."""
+
+
+class ParameterError(QuadError, ValueError):
+    """
+    A parameter or an argument is outside what is valid.
+
+    Parameters
+    ----------
+    name : str
+        Name of the parameter.
+    value : object
+        The value that was refused.
+    valid : str
+        What would be valid, as the end of the sentence "it must be ...".
+    """
+
+    def __init__(self, name: str, value: object, valid: str) -> None:
+        self.name = name
+        self.value = value
+        super().__init__(f"'{name}' is {value!r}; it must be {valid}")
+
+
+class RobotModelError(QuadError):
+    """A robot's data file is missing, incomplete or contradicts itself."""
+
+
+class MapError(QuadError):
+    """A map file or an occupancy grid cannot be used."""
+
+
+class PlannerError(QuadError):
+    """
+    A plan could not be made.
+
+    Attributes
+    ----------
+    code : int
+        The error code of Nav2's ComputePathToPose action (Jazzy) for this failure.
+    """
+
+    code = 200
+
+
+class InvalidPlanner(PlannerError):
+    """There is no planning method of that name."""
+
+    code = 201
+
+    def __init__(self, method: str, available: Iterable[str]) -> None:
+        super().__init__(f"there is no planning method '{method}'; available: {_listed(available)}")
+
+
+class WrongFrame(PlannerError):
+    """A pose came in a frame that cannot be related to the map's."""
+
+    code = 202
+
+    def __init__(self, what: str, frame: str, expected: str) -> None:
+        super().__init__(
+            f"the {what} is in frame '{frame}', which cannot be related to '{expected}'; "
+            f"give it in '{expected}'"
+        )
+
+
+class InvalidPose(PlannerError):
+    """A pose holds a number that is not finite, or no rotation at all."""
+
+    def __init__(self, what: str, reason: str) -> None:
+        super().__init__(f'the {what} is not a pose: {reason}')
+
+
+class _OutsideMap(PlannerError):
+    _what = 'pose'
+
+    def __init__(self, x: float, y: float, bounds: Sequence[float]) -> None:
+        x_min, y_min, x_max, y_max = bounds
+        super().__init__(
+            f'the {self._what} ({x:.2f}, {y:.2f}) m is outside the map, which spans '
+            f'x {x_min:.2f} to {x_max:.2f} m and y {y_min:.2f} to {y_max:.2f} m'
+        )
+
+
+class StartOutsideMap(_OutsideMap):
+    """The start lies outside the map."""
+
+    code = 203
+    _what = 'start'
+
+
+class GoalOutsideMap(_OutsideMap):
+    """The goal lies outside the map."""
+
+    code = 204
+    _what = 'goal'
+
+
+class _Occupied(PlannerError):
+    _what = 'pose'
+
+    def __init__(self, x: float, y: float, clearance: float, required: float) -> None:
+        self.clearance = clearance
+        self.required = required
+        super().__init__(
+            f'the {self._what} ({x:.2f}, {y:.2f}) m is {clearance:.2f} m from the nearest '
+            f'occupied or unknown cell; the robot needs {required:.2f} m'
+        )
+
+
+class StartOccupied(_Occupied):
+    """The start is too near to an obstacle for the robot to stand there."""
+
+    code = 205
+    _what = 'start'
+
+
+class GoalOccupied(_Occupied):
+    """The goal is too near to an obstacle for the robot to stand there."""
+
+    code = 206
+    _what = 'goal'
+
+
+class PlannerTimedOut(PlannerError):
+    """The search ran out of its time."""
+
+    code = 207
+
+    def __init__(self, limit: float) -> None:
+        super().__init__(f'no plan was found within the limit of {limit:.2f} s')
+
+
+class NoPathFound(PlannerError):
+    """Start and goal are both valid, but nothing connects them."""
+
+    code = 208
+
+    def __init__(self, start: Sequence[float], goal: Sequence[float], why: str) -> None:
+        super().__init__(
+            f'no path from ({start[0]:.2f}, {start[1]:.2f}) m to '
+            f'({goal[0]:.2f}, {goal[1]:.2f}) m: {why}'
+        )
+
+
+class GaitError(QuadError):
+    """A gait cycle cannot be generated."""
+
+
+class FootTargetUnreachable(GaitError):
+    """
+    A foot was asked to go where its leg does not reach.
+
+    Parameters
+    ----------
+    foot : str
+        Name of the leg, for example ``lf``.
+    distance : float
+        Distance from the leg's pitch axis to the wanted foot [m].
+    reach : tuple of float
+        Least and largest distance that the leg reaches [m].
+    """
+
+    def __init__(self, foot: str, distance: float, reach: tuple[float, float]) -> None:
+        self.foot = foot
+        self.distance = distance
+        self.reach = reach
+        super().__init__(
+            f'foot {foot} would have to be {distance:.3f} m from its pitch axis; '
+            f'the leg reaches {reach[0]:.3f} to {reach[1]:.3f} m'
+        )
+
+
+class JointLimitExceeded(GaitError):
+    """A joint would leave its range."""
+
+    def __init__(
+        self, joint: str, value: float, lower: float, upper: float, quantity: str = 'rad'
+    ) -> None:
+        self.joint = joint
+        super().__init__(
+            f'joint {joint} would go to {value:.3f} {quantity}; '
+            f'its range is {lower:.3f} to {upper:.3f} {quantity}'
+        )
+
+
+class UnstableCycle(GaitError):
+    """The static stability margin of a planned cycle is too small."""
+
+    def __init__(self, margin: float, least: float) -> None:
+        super().__init__(
+            f'the planned cycle has a least stability margin of {1e3 * margin:.1f} mm; '
+            f'it must be at least {1e3 * least:.1f} mm'
+        )
+
+
+class TrajectoryError(QuadError):
+    """A joint trajectory is malformed or comes too late."""
+
+
+class SimulatorError(QuadError):
+    """The simulator cannot do what it was asked to."""
+
+
+class JointNotFound(SimulatorError):
+    """A joint of that name does not exist."""
+
+    def __init__(self, name: str, available: Iterable[str]) -> None:
+        super().__init__(f"there is no joint '{name}'; available: {_listed(available)}")
+
+
+class MissingOptionalDependency(SimulatorError):
+    """A capability needs a package that is not installed."""
+
+    def __init__(self, package: str, command: str) -> None:
+        super().__init__(f"this needs the package '{package}'; install it with: {command}")

@@ -1,0 +1,68 @@
+"""
+A joint trajectory: positions and velocities of named joints over time.
+
+It holds what a trajectory_msgs/JointTrajectory message holds, checked, as arrays.
+Between points the joints follow cubic polynomials, as ros2_control's
+joint_trajectory_controller interpolates positions with velocities.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import TrajectoryError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointTrajectory:
+    """
+    Points of a joint trajectory.
+
+    Raises
+    ------
+    TrajectoryError
+        If it is empty, its sizes disagree, a number is not finite, or its times do not
+        rise.
+    """
+
+    joint_names: tuple[str, ...]
+    """n joints."""
+    stamp: float
+    """When it starts [s]; 0 means on arrival."""
+    times: Array
+    """Of the points, from the start, shape (m,) [s]."""
+    positions: Array
+    """Shape (m, n) [rad]."""
+    velocities: Array
+    """Shape (m, n) [rad/s]."""
+
+    def __post_init__(self) -> None:
+        points, joints = len(self.times), len(self.joint_names)
+        if points == 0 or joints == 0:
+            raise TrajectoryError(
+                f'the trajectory has {points} points for {joints} joints; it needs at least one'
+            )
+        if len(set(self.joint_names)) != joints:
+            raise TrajectoryError('the trajectory names a joint twice')
+        for what, values in (('positions', self.positions), ('velocities', self.velocities)):
+            if values.shape != (points, joints):
+                raise TrajectoryError(
+                    f'the trajectory has {what} of shape {values.shape}; '
+                    f'{points} points of {joints} joints need {(points, joints)}'
+                )
+            if not np.all(np.isfinite(values)):
+                raise TrajectoryError(f'the trajectory has {what} that are not finite')
+        if not np.all(np.isfinite(self.times)) or not np.isfinite(self.stamp):
+            raise TrajectoryError('the trajectory has times that are not finite')
+        if self.times[0] < 0.0 or np.any(np.diff(self.times) <= 0.0):
+            raise TrajectoryError('the times of a trajectory must rise, from zero or later')
+
+    @property
+    def end(self) -> float:
+        """When the last point is reached [s]."""
+        return self.stamp + float(self.times[-1])

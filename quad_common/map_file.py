@@ -1,0 +1,227 @@
+"""
+Map files: Nav2's YAML beside an image, read as ``nav2_map_server`` of Jazzy reads them.
+
+The rules are those of its ``map_io.cpp``. The image is brought to 8-bit grey, g; the
+occupancy of a pixel is p = 1 - g/255, or g/255 with ``negate``. Then, by ``mode``:
+
+    trinary   p >= occupied_thresh: 100;  p <= free_thresh: 0;  between: unknown
+    scale     the same, but between them 100 (p - free) / (occupied - free), rounded
+    raw       g itself where it is at most 100, unknown elsewhere; ``negate`` has no say
+
+In trinary and scale a pixel that is not wholly opaque is unknown. These are the rules
+since release 1.3.7 of May 2025; before it, comparisons were strict, colours were averaged
+evenly, and trinary averaged alpha among them. What ``map_saver`` wrote reads the same.
+
+Images are read by Pillow, not OpenCV: OpenCV leaves a PGM whose white is not 255
+unscaled, and says so to nobody.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from PIL import Image
+
+from quad_common.errors import MapError
+from quad_common.occupancy_grid import (
+    FREE,
+    OCCUPIED,
+    OCCUPIED_THRESHOLD,
+    UNKNOWN,
+    OccupancyGrid,
+)
+from quad_common.planar_pose import Pose2D
+
+MODES = ('trinary', 'scale', 'raw')
+_FORMATS = ('PPM', 'PNG', 'BMP')
+
+
+def load_map(path: str | Path) -> OccupancyGrid:
+    """
+    Read a map.
+
+    Parameters
+    ----------
+    path : str or Path
+        The YAML file; its ``image`` is relative to it, or absolute.
+
+    Returns
+    -------
+    OccupancyGrid
+        The map, its last image row as row 0.
+
+    Raises
+    ------
+    MapError
+        If the file or its image is missing, unreadable, or says what it cannot.
+    """
+    path = Path(path).expanduser()
+    document = _document(path)
+    try:
+        mode = str(document.get('mode', 'trinary')).lower()
+        if mode not in MODES:
+            raise _Invalid(f"'mode' is {document['mode']!r}; it must be one of {', '.join(MODES)}")
+        resolution = _number(document, 'resolution')
+        origin = _origin(document)
+        free, occupied = _number(document, 'free_thresh'), _number(document, 'occupied_thresh')
+        if not 0.0 <= free <= occupied <= 1.0:
+            raise _Invalid(
+                f"'free_thresh' is {free:g} and 'occupied_thresh' {occupied:g}; "
+                'they must be 0 <= free_thresh <= occupied_thresh <= 1'
+            )
+        negate = _flag(document, 'negate')
+        image = document.get('image')
+        if not isinstance(image, str) or not image:
+            raise _Invalid(f"'image' is {image!r}; it must be the name of an image file")
+        grey, alpha = _read_image(path.parent / image)
+        cells = _raw(grey) if mode == 'raw' else _graded(grey, alpha, negate, free, occupied, mode)
+        # The image's first row is the top of the map, the grid's first row its bottom.
+        return OccupancyGrid(np.ascontiguousarray(cells[::-1]), resolution, origin)
+    except (_Invalid, MapError) as error:
+        raise MapError(f'map file {path}: {error}') from error
+
+
+def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25) -> None:
+    """
+    Write a map as a trinary PGM and its YAML, as Nav2's ``map_saver`` does.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    path : str or Path
+        The YAML file; the image goes beside it under the same name.
+    free_threshold : int
+        Cells from 0 to this value are written as free, those from 65 as occupied, the
+        others as unknown.
+
+    Raises
+    ------
+    MapError
+        If a file cannot be written.
+    """
+    path = Path(path).expanduser()
+    pixels = np.full(grid.cells.shape, 205, dtype=np.uint8)
+    pixels[(grid.cells >= FREE) & (grid.cells <= free_threshold)] = 254
+    pixels[grid.occupied(OCCUPIED_THRESHOLD)] = 0
+    o = grid.origin
+    try:
+        Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(path.with_suffix('.pgm'))
+        path.write_text(
+            f'image: {path.stem}.pgm\n'
+            'mode: trinary\n'
+            f'resolution: {float(grid.resolution)!r}\n'
+            f'origin: [{float(o.x)!r}, {float(o.y)!r}, {float(o.yaw)!r}]\n'
+            'negate: 0\n'
+            'occupied_thresh: 0.65\n'
+            'free_thresh: 0.196\n',
+            encoding='utf-8',
+        )
+    except OSError as error:
+        raise MapError(f'map file {path} cannot be written: {error}') from error
+
+
+class _Invalid(Exception):
+    """What is wrong with a map file, still without the file's name."""
+
+
+def _document(path: Path) -> Mapping[str, Any]:
+    try:
+        document = yaml.safe_load(path.read_text(encoding='utf-8'))
+    except OSError as error:
+        raise MapError(f'map file {path} cannot be read: {error.strerror}') from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise MapError(f'map file {path} is not YAML: {" ".join(str(error).split())}') from error
+    if not isinstance(document, dict):
+        raise MapError(f'map file {path} must hold keys such as image, resolution and origin')
+    return document
+
+
+def _value(document: Mapping[str, Any], key: str) -> Any:
+    if key not in document:
+        raise _Invalid(f"the key '{key}' is missing")
+    return document[key]
+
+
+def _finite(value: Any, what: str) -> float:
+    # Text is tried too: YAML 1.1 reads 5e-2 as text, and yaml-cpp reads it as a number.
+    try:
+        number = math.nan if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise _Invalid(f'{what} is {value!r}; it must be a finite number')
+    return number
+
+
+def _number(document: Mapping[str, Any], key: str) -> float:
+    return _finite(_value(document, key), f"'{key}'")
+
+
+def _origin(document: Mapping[str, Any]) -> Pose2D:
+    value = _value(document, 'origin')
+    if not isinstance(value, list) or len(value) != 3:
+        raise _Invalid(f"'origin' is {value!r}; it must be [x, y, yaw]")
+    named = zip(('x', 'y', 'yaw'), value)
+    return Pose2D(*(_finite(number, f"{name} of 'origin'") for name, number in named))
+
+
+def _flag(document: Mapping[str, Any], key: str) -> bool:
+    value = _value(document, key)
+    if not isinstance(value, (bool, int)):
+        raise _Invalid(f"'{key}' is {value!r}; it must be 0 or 1")
+    return bool(value)
+
+
+def _read_image(path: Path) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
+    """Return the 8-bit grey values of an image, and its alpha if it has one."""
+    try:
+        with Image.open(path, formats=_FORMATS) as image:
+            if image.mode.startswith('I'):
+                # 16-bit grey: 65535 / 255 = 257, rounded.
+                return ((np.asarray(image).astype(np.int64) + 128) // 257).astype(np.uint8), None
+            # ITU-R 601 luma, 0.299 R + 0.587 G + 0.114 B, here and in GraphicsMagick.
+            if 'A' in image.getbands() or 'transparency' in image.info:
+                grey, alpha = np.moveaxis(np.asarray(image.convert('RGBA').convert('LA')), -1, 0)
+                return grey, alpha
+            return np.asarray(image.convert('L')), None
+    except FileNotFoundError as error:
+        raise _Invalid(f"the image '{path}' does not exist") from error
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise _Invalid(f"the image '{path}' cannot be read as PGM, PNG or BMP: {error}") from error
+
+
+def _raw(grey: NDArray[np.uint8]) -> NDArray[np.int8]:
+    return np.where(grey <= OCCUPIED, grey.astype(np.int8), np.int8(UNKNOWN))
+
+
+def _graded(
+    grey: NDArray[np.uint8],
+    alpha: NDArray[np.uint8] | None,
+    negate: bool,
+    free: float,
+    occupied: float,
+    mode: str,
+) -> NDArray[np.int8]:
+    # There are only 256 shades: grade those, then look each pixel up. In single
+    # precision, as Nav2 does, so that a threshold equal to a shade falls the same way.
+    p = np.arange(256, dtype=np.float32) / np.float32(255.0)
+    if not negate:
+        p = np.float32(1.0) - p
+    shades = np.full(256, UNKNOWN, dtype=np.int8)
+    if mode == 'scale' and free < occupied:
+        scaled = (p - np.float32(free)) / np.float32(occupied - free) * np.float32(100.0)
+        between = (p > np.float32(free)) & (p < np.float32(occupied))
+        shades[between] = np.floor(scaled[between] + np.float32(0.5)).astype(np.int8)
+    shades[p >= np.float32(occupied)] = OCCUPIED
+    shades[p <= np.float32(free)] = FREE
+    cells = shades[grey]
+    if alpha is not None:
+        cells[alpha < 255] = UNKNOWN
+    return cells

@@ -1,0 +1,185 @@
+"""
+Parameters of nodes, as data: one table gives default, unit, range and description.
+
+From a node's table come its ROS declarations and their checks, its commented file in
+``config/``, and its page in ``msg_docs/``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Union
+
+from quad_common.errors import ParameterError
+
+Value = Union[bool, int, float, str, list[float]]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a node."""
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ''
+    lower: float | None = None
+    """Least valid value, inclusive."""
+    upper: float | None = None
+    """Largest valid value, inclusive."""
+    choices: tuple[str, ...] = ()
+    """Valid values of a text; empty if any will do."""
+    length: int | None = None
+    """Number of elements of a list."""
+
+    def check(self, value: object) -> Value:
+        """
+        Return a value as the parameter's type, if it is valid.
+
+        Parameters
+        ----------
+        value : object
+            What was given.
+
+        Returns
+        -------
+        bool, int, float, str or list of float
+            The value, of the default's type.
+
+        Raises
+        ------
+        ParameterError
+            Saying what would be valid.
+        """
+        if isinstance(self.default, bool):
+            if not isinstance(value, bool):
+                raise ParameterError(self.name, value, 'true or false')
+            return value
+        if isinstance(self.default, str):
+            if not isinstance(value, str) or (self.choices and value not in self.choices):
+                choices = f'one of {", ".join(self.choices)}' if self.choices else 'a text'
+                raise ParameterError(self.name, value, choices)
+            return value
+        if isinstance(self.default, list):
+            return self._check_list(value)
+        return self._check_number(value)
+
+    def _check_list(self, value: object) -> list[float]:
+        valid = f'{self.length} finite numbers'
+        try:
+            numbers = [float(item) for item in value]  # type: ignore[attr-defined]
+        except (TypeError, ValueError):
+            raise ParameterError(self.name, value, valid) from None
+        if len(numbers) != self.length or not all(map(math.isfinite, numbers)):
+            raise ParameterError(self.name, numbers, valid)
+        return numbers
+
+    def _check_number(self, value: object) -> float | int:
+        is_integer = isinstance(self.default, int)
+        if isinstance(value, bool) or not isinstance(value, int if is_integer else (int, float)):
+            raise ParameterError(self.name, value, self._valid_number())
+        low = -math.inf if self.lower is None else self.lower
+        high = math.inf if self.upper is None else self.upper
+        if not math.isfinite(value) or not low <= value <= high:
+            raise ParameterError(self.name, value, self._valid_number())
+        return int(value) if is_integer else float(value)
+
+    def _valid_number(self) -> str:
+        kind = 'a whole number' if isinstance(self.default, int) else 'a finite number'
+        unit = f' {self.unit}' if self.unit else ''
+        if self.lower is not None and self.upper is not None:
+            return f'{kind} from {self.lower:g} to {self.upper:g}{unit}'
+        if self.lower is not None:
+            return f'{kind} of at least {self.lower:g}{unit}'
+        return kind if self.upper is None else f'{kind} of at most {self.upper:g}{unit}'
+
+
+def check_parameters(
+    table: Iterable[Parameter], values: Mapping[str, object]
+) -> dict[str, Value]:
+    """
+    Check values against a node's table and fill in the defaults.
+
+    Parameters
+    ----------
+    table : iterable of Parameter
+        The node's parameters.
+    values : mapping of str to object
+        What was given.
+
+    Returns
+    -------
+    dict of str to value
+        One valid value for each parameter of the table.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not valid, or a name is not in the table.
+    """
+    known = {parameter.name: parameter for parameter in table}
+    for name, value in values.items():
+        if name not in known:
+            raise ParameterError(name, value, f'one of {", ".join(known)}')
+    return {
+        name: parameter.check(values.get(name, parameter.default))
+        for name, parameter in known.items()
+    }
+
+
+def yaml_from_parameters(node: str, table: Iterable[Parameter]) -> str:
+    """
+    Write a node's parameters as a commented ROS parameter file.
+
+    Parameters
+    ----------
+    node : str
+        Name of the node.
+    table : iterable of Parameter
+        Its parameters.
+
+    Returns
+    -------
+    str
+        The file's text, holding the defaults.
+    """
+    lines = [
+        f'# Parameters of {node}: the defaults, as the node declares them.',
+        f'# Written by: quadwalk parameters {node}',
+        f'/**/{node}:',
+        '  ros__parameters:',
+    ]
+    for parameter in table:
+        lines.append(f'    # {_comment(parameter)}')
+        lines.append(f'    {parameter.name}: {_yaml(parameter.default)}')
+    return '\n'.join(lines) + '\n'
+
+
+def valid_range(parameter: Parameter) -> str:
+    """Say in a few words which values a parameter takes."""
+    if parameter.choices:
+        return ', '.join(parameter.choices)
+    if isinstance(parameter.default, list):
+        return f'{parameter.length} numbers'
+    if isinstance(parameter.default, (bool, str)):
+        return ''
+    low = '' if parameter.lower is None else f'{parameter.lower:g}'
+    high = '' if parameter.upper is None else f'{parameter.upper:g}'
+    return f'{low} to {high}' if low and high else f'at least {low}' if low else ''
+
+
+def _comment(parameter: Parameter) -> str:
+    notes = [note for note in (parameter.unit, valid_range(parameter)) if note]
+    return parameter.description + (f' [{"; ".join(notes)}]' if notes else '')
+
+
+def _yaml(value: Value) -> str:
+    if isinstance(value, bool):
+        return 'true' if value else 'false'
+    if isinstance(value, str):
+        return f"'{value}'"
+    if isinstance(value, list):
+        return '[' + ', '.join(repr(float(item)) for item in value) + ']'
+    return repr(value)

@@ -1,0 +1,116 @@
+"""
+Poses and motions in the plane: SE(2).
+
+Conventions: x forward, y left, yaw counter-clockwise, metres and radians
+(REP-103). ``a @ b`` composes: if ``a`` is the pose of B in A and ``b`` the pose of
+C in B, ``a @ b`` is the pose of C in A.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def wrap_angle(angle: float) -> float:
+    """
+    Map an angle to the half-open interval [-pi, pi).
+
+    Parameters
+    ----------
+    angle : float
+        Any angle [rad].
+
+    Returns
+    -------
+    float
+        The same direction, in [-pi, pi) [rad].
+    """
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@dataclass(frozen=True)
+class Pose2D:
+    """Position and heading in the plane."""
+
+    x: float
+    """[m]"""
+    y: float
+    """[m]"""
+    yaw: float
+    """Heading, counter-clockwise from the x axis [rad]."""
+
+    def __matmul__(self, other: Pose2D) -> Pose2D:
+        """Compose two poses, left to right."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(
+            self.x + c * other.x - s * other.y,
+            self.y + s * other.x + c * other.y,
+            wrap_angle(self.yaw + other.yaw),
+        )
+
+    def inverse(self) -> Pose2D:
+        """Return the pose that undoes this one."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2D(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
+
+    def distance_to(self, other: Pose2D) -> float:
+        """Return the distance between the two positions [m]."""
+        return math.hypot(other.x - self.x, other.y - self.y)
+
+    def heading_to(self, other: Pose2D) -> float:
+        """Return the direction from this position to the other one [rad]."""
+        return math.atan2(other.y - self.y, other.x - self.x)
+
+    def transform(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """
+        Bring points of the body frame into the frame of this pose.
+
+        Parameters
+        ----------
+        points : ndarray, shape (..., 2) or (..., 3)
+            In the body frame [m]; a third coordinate is left as it is.
+
+        Returns
+        -------
+        ndarray
+            The points in the frame in which this pose is given [m].
+        """
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        result = np.array(points, dtype=float)
+        result[..., 0] = self.x + c * points[..., 0] - s * points[..., 1]
+        result[..., 1] = self.y + s * points[..., 0] + c * points[..., 1]
+        return result
+
+    def is_finite(self) -> bool:
+        """Return whether all three numbers are finite."""
+        return math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.yaw)
+
+
+def distance_to_polyline(point: tuple[float, float], corners: NDArray[np.float64]) -> float:
+    """
+    Distance from a point to a line of straight segments.
+
+    Parameters
+    ----------
+    point : tuple of float
+        x and y [m].
+    corners : ndarray, shape (n, 2), n >= 1
+        The corners in order [m].
+
+    Returns
+    -------
+    float
+        Distance [m].
+    """
+    p = np.asarray(point, dtype=float)
+    if len(corners) == 1:
+        return float(np.linalg.norm(corners[0] - p))
+    a, b = corners[:-1], corners[1:]
+    ab = b - a
+    squared = np.maximum(np.einsum('ij,ij->i', ab, ab), 1e-18)
+    t = np.clip(np.einsum('ij,ij->i', p - a, ab) / squared, 0.0, 1.0)
+    return float(np.min(np.linalg.norm(a + t[:, None] * ab - p, axis=1)))

@@ -1,0 +1,139 @@
+"""
+Motion of the body over one cycle, in ground coordinates.
+
+The ground frame of a cycle is the body's pose at its start, projected to the ground:
+x forward, y left, z up from the ground (S4's insight: plan body and feet there, and
+crawl, turn, crab and any mixture are one generator with different data).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from quad_common.planar_pose import Pose2D, wrap_angle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """
+    What the body does in one cycle: an arc, run through at a steady rate.
+
+    The translation follows the heading (S4 eq. 3, integrated as an arc).
+    """
+
+    forward: float = 0.0
+    """Along the body's own x axis [m]."""
+    left: float = 0.0
+    """Along the body's own y axis [m]."""
+    turn: float = 0.0
+    """Counter-clockwise [rad]."""
+
+    def pose_at(self, share: Array) -> Array:
+        """
+        Place the body after a share of the motion.
+
+        Parameters
+        ----------
+        share : ndarray, shape (...)
+            0 at the start, 1 at the end.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            x, y [m] and yaw [rad] in the ground frame.
+        """
+        angle = self.turn * share
+        # sin(a)/a and (1 - cos(a))/a, both smooth through zero.
+        along = np.sinc(angle / np.pi)
+        across = np.sinc(angle / (2.0 * np.pi)) * np.sin(angle / 2.0)
+        x = share * (self.forward * along - self.left * across)
+        y = share * (self.forward * across + self.left * along)
+        return np.stack([x, y, angle], axis=-1)
+
+    @property
+    def end(self) -> Pose2D:
+        """The body's pose at the end of the cycle, in the ground frame."""
+        x, y, yaw = self.pose_at(np.array(1.0))
+        return Pose2D(float(x), float(y), float(yaw))
+
+    @classmethod
+    def reaching(cls, pose: Pose2D) -> BodyMotion:
+        """
+        Find the arc that ends in a pose.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Wanted pose, in the frame of the body at the start.
+
+        Returns
+        -------
+        BodyMotion
+            The motion with :attr:`end` equal to the pose.
+        """
+        turn = wrap_angle(pose.yaw)
+        along = float(np.sinc(turn / math.pi))
+        across = float(np.sinc(turn / (2.0 * math.pi)) * math.sin(turn / 2.0))
+        square = along**2 + across**2
+        return cls(
+            (along * pose.x + across * pose.y) / square,
+            (along * pose.y - across * pose.x) / square,
+            turn,
+        )
+
+
+def smooth_progress(
+    knots: tuple[tuple[float, float], ...], times: Array
+) -> tuple[Array, Array]:
+    """
+    Run smoothly and monotonously through knots, at rest at both ends.
+
+    Parameters
+    ----------
+    knots : tuple of (float, float)
+        Times [s] and values, both rising.
+    times : ndarray, shape (n,)
+        When to evaluate [s].
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (n,)
+        Value, and rate [1/s].
+    """
+    t, values = (np.array(column) for column in zip(*knots))
+    # A zero slope at both ends comes from holding the end values a little longer.
+    padded_t = np.concatenate([[t[0] - 1.0], t, [t[-1] + 1.0]])
+    padded = np.concatenate([[values[0]], values, [values[-1]]])
+    curve = PchipInterpolator(padded_t, padded)
+    clipped = np.clip(times, t[0], t[-1])
+    inside = (times >= t[0]) & (times <= t[-1])
+    return curve(clipped), np.where(inside, curve(clipped, 1), 0.0)
+
+
+def minimum_jerk(start: float, end: float, times: Array) -> tuple[Array, Array]:
+    """
+    Rise from 0 to 1 between two times, with no speed or acceleration at the ends.
+
+    Parameters
+    ----------
+    start, end : float
+        [s], start < end.
+    times : ndarray, shape (n,)
+        When to evaluate [s].
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (n,)
+        Value, and rate [1/s].
+    """
+    u = np.clip((times - start) / (end - start), 0.0, 1.0)
+    value = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+    rate = 30.0 * u**2 * (1.0 - u) ** 2 / (end - start)
+    return value, rate

@@ -1,0 +1,132 @@
+"""
+A robot under its trajectory controller in a simulator: what ``sim_node`` steps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import ParameterError
+from quad_common.joint_trajectory import JointTrajectory
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.robot import Robot
+from quad_sim.kinematic_simulator import KinematicSimulator
+from quad_sim.simulator import Contact, Observation, Simulator
+from quad_sim.trajectory_executor import TrajectoryExecutor
+from quad_sim.world import world_from_map
+
+Array = NDArray[np.float64]
+
+BACKENDS = ('bullet', 'kinematic')
+
+
+def make_simulator(
+    backend: str,
+    robot: Robot,
+    grid: OccupancyGrid | None,
+    time_step: float = 0.005,
+    friction: float = 0.8,
+    gui: bool = False,
+) -> Simulator:
+    """
+    Make a simulator by the name of its backend.
+
+    Parameters
+    ----------
+    backend : str
+        One of :data:`BACKENDS`.
+    robot : Robot
+        The robot.
+    grid : OccupancyGrid or None
+        Map whose occupied cells become obstacles; the kinematic one has none.
+    time_step : float
+        Fixed step [s].
+    friction : float
+        Between feet and ground.
+    gui : bool
+        Show PyBullet's own window.
+
+    Returns
+    -------
+    Simulator
+        With the robot at the world's origin.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such backend.
+    MissingOptionalDependency
+        If the backend's package is not installed.
+    """
+    if backend == 'kinematic':
+        return KinematicSimulator(robot, time_step)
+    if backend == 'bullet':
+        # Imported here, so that the kinematic one works where PyBullet is not installed.
+        from quad_sim.bullet_simulator import BulletSimulator
+
+        return BulletSimulator(robot, world_from_map(grid, friction=friction), time_step, gui)
+    raise ParameterError('backend', backend, f'one of {", ".join(BACKENDS)}')
+
+
+class Simulation:
+    """
+    Steps a simulator with the commands of the current trajectory, and keeps the record.
+
+    Parameters
+    ----------
+    simulator : Simulator
+        The robot in its world.
+    robot : Robot
+        The same robot's data.
+    start_pose : Pose2D
+        Where it stands at first and after a reset.
+    """
+
+    def __init__(self, simulator: Simulator, robot: Robot, start_pose: Pose2D) -> None:
+        self._simulator = simulator
+        self._initial_joints = robot.initial_joint_angles.reshape(-1)
+        self._executor = TrajectoryExecutor(robot.joint_names, self._initial_joints)
+        self._start_pose = start_pose
+        self.contacts_seen: set[Contact] = set()
+        """Every contact that should not be, since the last reset."""
+        self.has_fallen = False
+        """Whether the robot has fallen since the last reset."""
+        self.reset()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._simulator.time
+
+    @property
+    def time_step(self) -> float:
+        """Fixed step [s]."""
+        return self._simulator.time_step
+
+    def reset(self) -> None:
+        """Put the robot back to its start pose, at rest; time goes on."""
+        self._simulator.reset(self._start_pose)
+        self._executor.hold(self._initial_joints)
+        self.contacts_seen.clear()
+        self.has_fallen = False
+
+    def accept(self, trajectory: JointTrajectory) -> None:
+        """Hand a trajectory to the controller; see :meth:`TrajectoryExecutor.accept`."""
+        self._executor.accept(trajectory, self.time)
+
+    def step(self) -> None:
+        """Advance by one time step."""
+        self._simulator.step(*self._executor.command(self.time + self.time_step))
+
+    def observe(self) -> Observation:
+        """Return the robot's state, and note contacts and falls."""
+        observation = self._simulator.observe()
+        self.contacts_seen.update(observation.contacts)
+        self.has_fallen = self.has_fallen or observation.has_fallen
+        return observation
+
+    def close(self) -> None:
+        """Release the simulator."""
+        self._simulator.close()
