@@ -168,7 +168,7 @@ def _origin(document: Mapping[str, Any]) -> Pose2D:
     value = _value(document, 'origin')
     if not isinstance(value, list) or len(value) != 3:
         raise _Invalid(f"'origin' is {value!r}; it must be [x, y, yaw]")
-    named = zip(('x', 'y', 'yaw'), value)
+    named = zip(('x', 'y', 'yaw'), value, strict=True)
     return Pose2D(*(_finite(number, f"{name} of 'origin'") for name, number in named))
 
 

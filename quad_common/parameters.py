@@ -1,16 +1,18 @@
 """
 Parameters of nodes, as data: one table gives default, unit, range and description.
 
-From a node's table come its ROS declarations and their checks, its commented file in
-``config/``, and its page in ``msg_docs/``.
+A node's parameters are a frozen dataclass whose fields are made by :func:`parameter`.
+From it come the ROS declarations and their checks, the commented file in ``config/``,
+and the page in ``msg_docs/``.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Union
+from typing import Any, TypeVar, Union
 
 from quad_common.errors import ParameterError
 
@@ -96,37 +98,82 @@ class Parameter:
         return kind if self.upper is None else f'{kind} of at most {self.upper:g}{unit}'
 
 
-def check_parameters(
-    table: Iterable[Parameter], values: Mapping[str, object]
-) -> dict[str, Value]:
+def parameter(
+    default: Value,
+    description: str,
+    unit: str = '',
+    lower: float | None = None,
+    upper: float | None = None,
+    choices: tuple[str, ...] = (),
+) -> Any:
+    """
+    Make the field of a parameter dataclass; arguments as in :class:`Parameter`.
+
+    Returns
+    -------
+    dataclasses.Field
+        Its name becomes the parameter's name.
+    """
+    metadata = {
+        'parameter': Parameter(
+            name='',
+            default=default,
+            description=description,
+            unit=unit,
+            lower=lower,
+            upper=upper,
+            choices=choices,
+            length=len(default) if isinstance(default, list) else None,
+        )
+    }
+    if isinstance(default, list):
+        elements = list(default)
+        return dataclasses.field(default_factory=lambda: list(elements), metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def parameters_of(table: type) -> tuple[Parameter, ...]:
+    """List the parameters of a parameter dataclass, in order."""
+    return tuple(
+        dataclasses.replace(field.metadata['parameter'], name=field.name)
+        for field in dataclasses.fields(table)
+    )
+
+
+Table = TypeVar('Table')
+
+
+def checked_parameters(table: type[Table], values: Mapping[str, object]) -> Table:
     """
     Check values against a node's table and fill in the defaults.
 
     Parameters
     ----------
-    table : iterable of Parameter
-        The node's parameters.
+    table : type
+        A parameter dataclass.
     values : mapping of str to object
         What was given.
 
     Returns
     -------
-    dict of str to value
-        One valid value for each parameter of the table.
+    table
+        With one valid value for each parameter.
 
     Raises
     ------
     ParameterError
         If a value is not valid, or a name is not in the table.
     """
-    known = {parameter.name: parameter for parameter in table}
+    known = {parameter.name: parameter for parameter in parameters_of(table)}
     for name, value in values.items():
         if name not in known:
-            raise ParameterError(name, value, f'one of {", ".join(known)}')
-    return {
-        name: parameter.check(values.get(name, parameter.default))
-        for name, parameter in known.items()
-    }
+            raise ParameterError(name, value, f'left out; parameters are {", ".join(known)}')
+    return table(
+        **{
+            name: parameter.check(values.get(name, parameter.default))
+            for name, parameter in known.items()
+        }
+    )
 
 
 def yaml_from_parameters(node: str, table: Iterable[Parameter]) -> str:

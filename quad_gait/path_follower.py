@@ -126,9 +126,12 @@ class PathFollower:
         plan, options = self._plan, self._options
         if plan is None:
             return None
-        distance = distance_to_polyline((pose.x, pose.y), plan.corners)
-        if distance > options.path_tolerance:
-            raise LeftPath(distance, options.path_tolerance)
+        if _distance_to_segment(plan, self._segment, pose) > options.path_tolerance / 2.0:
+            # Something carried the robot away: it may be on another part of its plan.
+            self._segment = _nearest_segment(plan, pose)
+            distance = _distance_to_segment(plan, self._segment, pose)
+            if distance > options.path_tolerance:
+                raise LeftPath(distance, options.path_tolerance)
         last = len(plan.poses) - 1
         while self._segment < last:
             corner, target = plan.poses[self._segment], plan.poses[self._segment + 1]
@@ -183,14 +186,15 @@ class PathFollower:
         return Step(is_turn=False, motion=BodyMotion.reaching(aim))
 
 
+def _distance_to_segment(plan: Plan, segment: int, pose: Pose2D) -> float:
+    """Measure how far a pose is from a segment, or, past the last one, from the goal [m]."""
+    return distance_to_polyline((pose.x, pose.y), plan.corners[segment : segment + 2])
+
+
 def _nearest_segment(plan: Plan, pose: Pose2D) -> int:
     """Find the segment that passes nearest to a pose; the earliest of equals."""
-    corners = plan.corners
-    if len(corners) == 1:
-        return 0
-    point = (pose.x, pose.y)
-    distances = [distance_to_polyline(point, corners[k : k + 2]) for k in range(len(corners) - 1)]
-    return int(np.argmin(np.round(distances, 3)))
+    segments = range(max(1, len(plan.poses) - 1))
+    return int(np.argmin([round(_distance_to_segment(plan, k, pose), 3) for k in segments]))
 
 
 def _along(pose: Pose2D, target: Pose2D, heading: float) -> float:

@@ -28,6 +28,10 @@ from quad_gait.stability import stability_margin, support_polygon
 Array = NDArray[np.float64]
 
 
+_PATIENCE = 1.0
+"""For the joints to come to rest after a cycle [s]."""
+
+
 class Activity(enum.Enum):
     """What the robot is doing, or why it is not moving."""
 
@@ -75,6 +79,12 @@ class ControllerOptions:
     """Joints within this of the initial posture are in it [rad]."""
     rest_speed: float = 0.1
     """Joints slower than this are at rest [rad/s]."""
+    position_tolerance: float = 0.02
+    """The robot is at a turning point or the goal when it is this near [m]."""
+    heading_tolerance: float = math.radians(2.0)
+    """The robot has the goal's heading when it is this near [rad]."""
+    path_tolerance: float = 0.5
+    """Farther from the plan the robot does not follow it [m]."""
     stand_up_time: float = 3.0
     """How long the robot takes to regain its initial posture [s]."""
 
@@ -106,6 +116,9 @@ class WalkController:
             FollowerOptions(
                 largest_stride=robot.largest_stride,
                 largest_turn=robot.largest_turn,
+                position_tolerance=options.position_tolerance,
+                heading_tolerance=options.heading_tolerance,
+                path_tolerance=options.path_tolerance,
             )
         )
         self._new_plan: Plan | None = None
@@ -163,13 +176,19 @@ class WalkController:
         if self._has_new_plan:
             self._has_new_plan = False
             self._follower.follow(self._new_plan, now.pose)
+            self.activity = Activity.STANDING
         if now.joint_positions is None:
             return self._rest(Activity.WAITING, 'no joint states yet')
         if not self._is_at_rest(now):
-            return self._rest(Activity.WAITING, 'the joints are still moving')
+            # A robot may swing a little after a cycle: worth a word only if it lasts.
+            if now.time > self._busy_until + self._options.settle_time + _PATIENCE:
+                self._rest(Activity.WAITING, 'the joints are still moving')
+            return None
         if not self._is_in_posture(now.joint_positions):
             return self._stand_up(now.time, now.joint_positions)
         if self._follower.plan is None:
+            if self.activity is Activity.ARRIVED:
+                return None
             return self._rest(Activity.STANDING, 'no plan to follow')
         try:
             return self._plan_cycle(now)
@@ -216,6 +235,8 @@ class WalkController:
     def _plan_cycle(self, now: Measurement) -> JointTrajectory | None:
         step = self._follower.next_step(now.pose)
         if step is None:
+            # Whatever moves the robot from now on, the job is done until a new plan comes.
+            self._follower.follow(None, now.pose)
             return self._rest(Activity.ARRIVED, 'the goal is reached')
         gait = self._turning_gait if step.is_turn else self._gait
         if step.motion.turn < 0.0:

@@ -1,0 +1,81 @@
+# quadwalk without a ROS installation: everything comes from PyPI into .venv, in the versions of
+# requirements.lock. In a ROS 2 workspace use colcon instead.
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check -qq
+# Another interpreter: make venv PYTHON=python3.10
+PYTHON ?=
+# More for the command behind a target: make test ARGS='-k gait', make demo ARGS='--seed 3'
+ARGS ?=
+
+# A sourced ROS installation, or another environment, must not reach into .venv.
+unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH AMENT_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help venv demo test bench lint lock tf clean
+
+help:
+	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
+	@echo 'make test    set everything up and run every test'
+	@echo 'make bench   measure how well it walks, and print a table'
+	@echo 'make lint    ruff and mypy'
+	@echo 'make venv    set everything up in .venv, and nothing else'
+	@echo 'make tf      build tf2_msgs into .venv, so that the nodes publish tf (optional; CMake, a C++ compiler)'
+	@echo 'make lock    write requirements.lock anew (python3.10 and python3.11)'
+	@echo 'make clean   remove .venv and everything else that was built'
+	@echo "Arguments for the command behind a target: make test ARGS='-k gait'"
+
+# PyBullet has wheels up to Python 3.11, so these come first.
+$(BIN)/python:
+	@set -e; found=; \
+	for python in $(or $(PYTHON),python3.11 python3.10 python3); do \
+	    if $$python -c 'import sys, venv, ensurepip; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' \
+	            >/dev/null 2>&1; then found=$$python; break; fi; \
+	done; \
+	if [ -z "$$found" ]; then \
+	    echo 'quadwalk needs Python 3.11 or 3.10 with venv and pip; on Debian and Ubuntu: sudo apt install python3.11 python3.11-venv (or python3 python3-venv where that is 3.10 or newer)' >&2; \
+	    exit 1; \
+	fi; \
+	echo "Setting up .venv with $$($$found --version) (once; about a minute) ..."; \
+	rm -rf $(VENV); $$found -m venv $(VENV)
+
+$(VENV)/requirements.stamp: requirements.lock | $(BIN)/python
+	@$(PIP) install --requirement requirements.lock || \
+	    { echo 'The packages of requirements.lock could not be installed: see the message above; pip must reach a package index' >&2; exit 1; }
+	@$(BIN)/python -c 'import pybullet' >/dev/null 2>&1 || \
+	    echo 'Note: no PyBullet, which has no wheel for this Python. Either: make clean venv PYTHON=python3.11. Or, some ten minutes with a C++ compiler: $(BIN)/python -m pip install --no-build-isolation pybullet'
+	@touch $@
+
+# Editable: a change in the sources takes effect at once, a change in the packaging installs again.
+$(VENV)/quadwalk.stamp: setup.py setup.cfg pyproject.toml package.xml $(VENV)/requirements.stamp
+	@$(PIP) install --no-deps --no-build-isolation --editable .
+	@touch $@
+
+venv: $(VENV)/quadwalk.stamp
+
+demo: venv
+	@$(BIN)/quadwalk demo $(ARGS)
+
+test: venv
+	@$(BIN)/python -m pytest $(ARGS)
+
+bench: venv
+	@$(BIN)/quadwalk bench $(or $(ARGS),walk)
+
+lint: venv
+	@$(BIN)/ruff check .
+	@$(BIN)/mypy
+
+lock: PYTHONS ?= python3.10 python3.11
+lock:
+	@python3 tools/lock.py --output requirements.lock $(PYTHONS)
+
+tf: venv
+	@$(BIN)/python tools/build_tf2_msgs.py
+
+clean:
+	rm -rf $(VENV) build install log dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

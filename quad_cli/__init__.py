@@ -1,0 +1,3 @@
+"""
+The ``quadwalk`` command: it composes planner, gait and simulator for people.
+"""

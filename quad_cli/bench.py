@@ -1,0 +1,80 @@
+"""
+``quadwalk bench``: measurements, each a table or, with ``--json``, one object of bars.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+from dataclasses import asdict, dataclass
+
+from rich.console import Console
+from rich.table import Table
+
+BENCHMARKS = {'walk': 'quad_cli.bench_walk'}
+"""The module of each benchmark."""
+
+EXAMPLES = """examples:
+  quadwalk bench walk --quick
+  quadwalk bench walk --json > walk.json
+"""
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One figure, and what it should be."""
+
+    name: str
+    value: float | None
+    """None if it could not be measured."""
+    unit: str
+    bar: str
+    """What it should be, for example ``<= 0.05``; empty if it is only to be known."""
+    holds: bool | None
+    """None where there is no bar."""
+
+
+def at_most(name: str, value: float | None, unit: str, limit: float) -> Bar:
+    """Make a bar that a value must not exceed."""
+    return Bar(name, value, unit, f'<= {limit:g}', value is not None and value <= limit)
+
+
+def at_least(name: str, value: float | None, unit: str, limit: float) -> Bar:
+    """Make a bar that a value must reach."""
+    return Bar(name, value, unit, f'>= {limit:g}', value is not None and value >= limit)
+
+
+def figure(name: str, value: float | None, unit: str) -> Bar:
+    """Make an entry for a value that is only to be known."""
+    return Bar(name, value, unit, '', None)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument('benchmark', choices=sorted(BENCHMARKS))
+    parser.add_argument('--quick', action='store_true', help='a sample that ends within 45 s')
+    parser.add_argument('--seed', type=int, default=0, help='of what is drawn at random')
+    parser.add_argument('--json', action='store_true', help='print one JSON object only')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command; return 0 if every bar holds."""
+    console = Console(stderr=arguments.json)
+    module = importlib.import_module(BENCHMARKS[arguments.benchmark])
+    bars, details = module.measure(console, arguments.quick, arguments.seed)
+    if arguments.json:
+        print(json.dumps({'bars': [asdict(bar) for bar in bars], **details}))
+    else:
+        print_bars(console, f'quadwalk bench {arguments.benchmark}', bars)
+    return 0 if all(bar.holds is not False for bar in bars) else 1
+
+
+def print_bars(console: Console, title: str, bars: list[Bar]) -> None:
+    """Print bars as a table."""
+    table = Table('measured', 'value', 'unit', 'bar', 'holds', title=title)
+    for bar in bars:
+        value = 'not measured' if bar.value is None else f'{bar.value:.4g}'
+        holds = {True: 'yes', False: 'NO', None: ''}[bar.holds]
+        table.add_row(bar.name, value, bar.unit, bar.bar, holds)
+    console.print(table)

@@ -1,0 +1,76 @@
+"""
+The ``quadwalk`` command.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+
+from quad_common.errors import QuadError
+
+COMMANDS = {
+    'demo': 'walk from a start to a goal in simulation, and say how well it went',
+    'plan': 'plan a path on a map, and draw it',
+    'bench': 'measure what quadwalk does, and compare it with what it should do',
+    'robot': 'check a robot data file, or print its URDF',
+    'parameters': "print a node's parameters as a commented YAML file",
+}
+"""Each command's module is ``quad_cli.<command>``."""
+
+
+def main(args: list[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : list of str, optional
+        Arguments; those of the process if not given.
+
+    Returns
+    -------
+    int
+        0 if all went well, 1 if it did not, 2 if it could not be tried.
+    """
+    parser = argparse.ArgumentParser(
+        prog='quadwalk', description='Walk a quadruped robot from a map to a goal.'
+    )
+    commands = parser.add_subparsers(dest='command', metavar='command', required=True)
+    for name, summary in COMMANDS.items():
+        module = importlib.import_module(f'quad_cli.{name}')
+        command = commands.add_parser(
+            name,
+            help=summary,
+            description=summary[0].upper() + summary[1:] + '.',
+            epilog=module.EXAMPLES,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.add_arguments(command)
+        command.set_defaults(run=module.run)
+    arguments = parser.parse_args(args)
+    try:
+        code: int = arguments.run(arguments)
+        return code
+    except QuadError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print('interrupted', file=sys.stderr)
+        return 130
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.startswith('quad_'):
+            raise
+        print(f'error: this needs the package {error.name}: {_advice(error.name)}', file=sys.stderr)
+        return 2
+
+
+def _advice(module: str) -> str:
+    if module in ('rclpy', 'rosgraph_msgs') or module.endswith('_msgs'):
+        return "source a ROS 2 installation, or pip install 'quadwalk[ros]'"
+    return f'pip install {module}'
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

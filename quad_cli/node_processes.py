@@ -1,0 +1,184 @@
+"""
+Starts nodes as processes of their own, keeps their logs and ends them by their ids.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+
+from quad_common.errors import QuadError
+from quad_common.resources import share_directory
+
+NODES = {
+    'planner_node': 'quad_planner.planner_node',
+    'gait_node': 'quad_gait.gait_node',
+    'sim_node': 'quad_sim.sim_node',
+}
+"""The module behind each node's executable."""
+
+_FIRST_LOCK_PORT = 32768
+
+
+class NodeDied(QuadError):
+    """A node ended though nobody asked it to."""
+
+    def __init__(self, name: str, code: int, log: str) -> None:
+        super().__init__(f'{name} ended with code {code}; its last words:\n{log}')
+
+
+@contextlib.contextmanager
+def isolated_domain() -> Iterator[int]:
+    """
+    Claim a ROS domain of this machine, so that nothing else hears or disturbs the nodes.
+
+    Yields
+    ------
+    int
+        The domain, from 1 to 100; ``ROS_DOMAIN_ID`` and the other settings stand in
+        ``os.environ`` meanwhile. A domain that the user has set is taken as it is.
+    """
+    changed = {
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        'FASTRTPS_DEFAULT_PROFILES_FILE': str(share_directory() / 'config' / 'fastdds.xml'),
+    }
+    with contextlib.ExitStack() as stack:
+        if 'ROS_DOMAIN_ID' not in os.environ:
+            changed['ROS_DOMAIN_ID'] = str(_claim_domain(stack))
+        before = {name: os.environ.get(name) for name in changed}
+        os.environ.update(changed)
+        try:
+            yield int(os.environ['ROS_DOMAIN_ID'])
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    os.environ.pop(name, None)
+                else:
+                    os.environ[name] = value
+
+
+def _claim_domain(stack: contextlib.ExitStack) -> int:
+    """Hold a TCP port that stands for the domain as long as the stack lives."""
+    domains = list(range(1, 101))
+    random.SystemRandom().shuffle(domains)
+    for domain in domains:
+        lock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            lock.bind(('127.0.0.1', _FIRST_LOCK_PORT + domain))
+        except OSError:
+            lock.close()
+            continue
+        stack.enter_context(contextlib.closing(lock))
+        return domain
+    raise QuadError('all 100 ROS domains of this machine are in use')
+
+
+class NodeProcess:
+    """
+    One node, running.
+
+    Parameters
+    ----------
+    name : str
+        Key of :data:`NODES`.
+    parameters : mapping of str to object
+        Its ROS parameters.
+    log : Path
+        Where its output goes.
+    """
+
+    def __init__(self, name: str, parameters: Mapping[str, object], log: Path) -> None:
+        self.name = name
+        self._log = log
+        arguments = [part for key, value in parameters.items() for part in ('-p', _set(key, value))]
+        environment = dict(os.environ, PYTHONUNBUFFERED='1')
+        # The wheels of rclpy leave it behind to start each python once more only.
+        environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
+        with log.open('ab') as output:
+            self._process = subprocess.Popen(
+                [sys.executable, '-m', NODES[name], '--ros-args', *arguments],
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=environment,
+                start_new_session=True,
+            )
+
+    @property
+    def pid(self) -> int:
+        """The process id."""
+        return self._process.pid
+
+    def check(self) -> None:
+        """Raise NodeDied if it has ended."""
+        code = self._process.poll()
+        if code is not None:
+            raise NodeDied(self.name, code, self.log_tail())
+
+    def log_tail(self, lines: int = 12) -> str:
+        """Return the last lines of its output."""
+        return '\n'.join(self._log.read_text(errors='replace').splitlines()[-lines:])
+
+    def kill(self) -> None:
+        """End it at once, as a crash would."""
+        self._process.kill()
+        self._process.wait()
+
+    def stop(self, timeout: float = 5.0) -> int:
+        """Interrupt it, as Ctrl-C would, and wait; return its exit code."""
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+            try:
+                self._process.wait(timeout)
+            except subprocess.TimeoutExpired:
+                self.kill()
+        return self._process.returncode
+
+
+class NodeProcesses:
+    """Nodes that are ended together when the block ends."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix='quadwalk_')
+        self._running: dict[str, NodeProcess] = {}
+
+    def __enter__(self) -> NodeProcesses:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for process in self._running.values():
+            process.stop()
+        self._folder.cleanup()
+
+    def start(self, name: str, **parameters: object) -> NodeProcess:
+        """Start a node, or start it again."""
+        log = Path(self._folder.name) / f'{name}.log'
+        self._running[name] = NodeProcess(name, parameters, log)
+        return self._running[name]
+
+    def check(self) -> None:
+        """Raise NodeDied if one has ended."""
+        for process in self._running.values():
+            process.check()
+
+
+def _set(name: str, value: object) -> str:
+    if isinstance(value, bool):
+        return f'{name}:={str(value).lower()}'
+    if isinstance(value, str):
+        # Quoted, so that a text that looks like a number or a list stays a text.
+        return f"{name}:='{value}'"
+    return f'{name}:={value}'

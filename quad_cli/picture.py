@@ -1,0 +1,168 @@
+"""
+Draws a walk: map, safety boundary, mesh, plan, walked track and footholds.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from quad_cli.walk_record import WalkRecord
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_common.robot import Robot
+from quad_planner.inflation import inflate
+
+_MARGIN = 1.0
+"""Around what is of interest [m]."""
+
+
+def draw_walk(
+    path: Path,
+    grid: OccupancyGrid,
+    robot: Robot,
+    clearance_radius: float,
+    plan: Plan | None,
+    start: Pose2D,
+    goal: Pose2D,
+    record: WalkRecord | None = None,
+    title: str = '',
+) -> None:
+    """
+    Draw a walk, or only its plan.
+
+    Parameters
+    ----------
+    path : Path
+        Where the picture goes; its ending says in which format.
+    grid : OccupancyGrid
+        The map.
+    robot : Robot
+        The robot.
+    clearance_radius : float
+        How far the planner keeps the robot's centre from obstacles [m].
+    plan : Plan or None
+        The plan in force at the end.
+    start, goal : Pose2D
+        In the map.
+    record : WalkRecord, optional
+        What happened; without it only the plan is drawn.
+    title : str
+        Over the picture.
+    """
+    corners = _corners(grid)
+    figure = Figure(layout='constrained')
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    _draw_map(axes, grid, clearance_radius)
+    _draw_mesh(axes, grid, robot.mesh_size)
+    if record is not None:
+        if record.footholds:
+            feet = np.concatenate(record.footholds)
+            axes.plot(
+                feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds'
+            )
+        track = np.array([(pose.x, pose.y) for pose in record.poses]).reshape(-1, 2)
+        axes.plot(track[:, 0], track[:, 1], color='#d62728', linewidth=1.2, label='walked')
+    if plan is not None:
+        points = plan.corners
+        axes.plot(
+            points[:, 0],
+            points[:, 1],
+            'o-',
+            color='#1f4fd8',
+            linewidth=1.0,
+            markersize=4,
+            label='plan with turning points',
+        )
+    for pose, color, label in ((start, '#000000', 'start'), (goal, '#ff8c00', 'goal')):
+        _draw_pose(axes, robot, pose, color, label)
+    interest = [(start.x, start.y), (goal.x, goal.y)]
+    if plan is not None:
+        interest += [tuple(corner) for corner in plan.corners]
+    _frame(figure, axes, np.array(interest), corners)
+    axes.set_xlabel('x [m]')
+    axes.set_ylabel('y [m]')
+    if title:
+        axes.set_title(title, fontsize=9)
+    axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=150)
+
+
+def _corners(grid: OccupancyGrid) -> NDArray[np.float64]:
+    w, h = grid.width, grid.height
+    return grid.map_to_world(np.array([(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)]))
+
+
+def _draw_map(axes: Axes, grid: OccupancyGrid, clearance_radius: float) -> None:
+    forbidden = inflate(grid, clearance_radius)
+    picture = np.ones((grid.height, grid.width, 3))
+    picture[forbidden] = (1.0, 0.88, 0.85)
+    picture[grid.unknown()] = (0.8, 0.8, 0.8)
+    picture[grid.occupied()] = (0.15, 0.15, 0.15)
+    # Cells are drawn in map coordinates and brought into the world, for maps with a yaw.
+    to_world = (
+        Affine2D()
+        .scale(grid.resolution)
+        .rotate(grid.origin.yaw)
+        .translate(grid.origin.x, grid.origin.y)
+    )
+    axes.imshow(
+        picture,
+        origin='lower',
+        extent=(0, grid.width, 0, grid.height),
+        transform=to_world + axes.transData,
+        interpolation='nearest',
+    )
+    axes.plot([], [], 's', color='#ffe0d9', label='safety boundary')
+
+
+def _draw_mesh(axes: Axes, grid: OccupancyGrid, mesh_size: float) -> None:
+    width, height = grid.width * grid.resolution, grid.height * grid.resolution
+    lines = []
+    for x in np.arange(0.0, width + 1e-9, mesh_size):
+        lines.append([(x, 0.0), (x, height)])
+    for y in np.arange(0.0, height + 1e-9, mesh_size):
+        lines.append([(0.0, y), (width, y)])
+    for index, line in enumerate(lines):
+        ends = grid.origin.transform(np.array(line))
+        axes.plot(
+            ends[:, 0],
+            ends[:, 1],
+            color='#9ab',
+            linewidth=0.3,
+            label='mesh' if index == 0 else None,
+        )
+
+
+def _draw_pose(axes: Axes, robot: Robot, pose: Pose2D, color: str, label: str) -> None:
+    feet = pose.transform(robot.neutral_feet)
+    axes.plot(feet[:, 0], feet[:, 1], 'o', color=color, markersize=3)
+    ends = pose.transform(np.array([(0.0, 0.0), (0.45, 0.0)]))
+    axes.annotate(
+        '',
+        xy=tuple(ends[1]),
+        xytext=tuple(ends[0]),
+        arrowprops={'arrowstyle': '->', 'color': color, 'linewidth': 1.5},
+    )
+    axes.plot([], [], color=color, label=label)
+
+
+def _frame(figure: Figure, axes: Axes, interest: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
+    """Show what is of interest, the map's surroundings of it included."""
+    low = np.maximum(interest.min(axis=0) - 2.0 * _MARGIN, corners.min(axis=0) - 0.2)
+    high = np.minimum(interest.max(axis=0) + 2.0 * _MARGIN, corners.max(axis=0) + 0.2)
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect('equal')
+    width, height = high - low
+    scale = 8.0 / max(width, height)
+    figure.set_size_inches(max(4.0, width * scale) + 2.2, max(3.0, height * scale) + 0.6)

@@ -1,0 +1,156 @@
+"""
+One walk over topics: starts the nodes, gives the goal, watches until it ends.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from quad_cli.node_processes import NodeProcesses, isolated_domain
+from quad_cli.recording import Recording
+from quad_cli.walk_observer import WalkObserver
+from quad_cli.walk_record import WalkRecord
+from quad_common.errors import QuadError
+from quad_common.planar_pose import Pose2D
+
+START_TIMEOUT = 30.0
+"""For the nodes to be ready [s]."""
+
+PLAN_TIMEOUT = 15.0
+"""For the planner to answer to the goal [s]."""
+
+STALL_TIMEOUT = 20.0
+"""For simulated time to advance at all [s]."""
+
+_WORST_SPEED = 0.004
+"""A robot slower than this over its whole path gets nowhere [m/s]."""
+
+
+class WalkFailed(QuadError):
+    """The walk could not be begun or came to nothing."""
+
+
+@dataclass(frozen=True)
+class WalkOptions:
+    """What to walk, and how."""
+
+    map_file: Path
+    start: Pose2D
+    goal: Pose2D
+    robot: str = 'titan_viii'
+    method: str = 'mesh'
+    gait: str = 'crawl'
+    backend: str = 'bullet'
+    safety_distance: float | None = None
+    """The planner's default if None [m]."""
+    seed: int = 0
+    real_time_factor: float = 0.0
+    """0: as fast as possible."""
+    gui: bool = False
+    recording: Path | None = None
+
+
+def walk(
+    options: WalkOptions,
+    on_progress: Callable[[WalkObserver], None] = lambda observer: None,
+) -> WalkRecord:
+    """
+    Walk once, with the three nodes as processes that talk over topics only.
+
+    Parameters
+    ----------
+    options : WalkOptions
+        What to walk.
+    on_progress : callable
+        Called several times a second with the observer.
+
+    Returns
+    -------
+    WalkRecord
+        What happened; also if the robot did not arrive.
+
+    Raises
+    ------
+    WalkFailed
+        If the nodes do not become ready.
+    NodeDied
+        If a node ends on its own.
+    """
+    with isolated_domain(), NodeProcesses() as nodes:
+        planner = {'robot': options.robot, 'method': options.method}
+        if options.safety_distance is not None:
+            planner['safety_distance'] = options.safety_distance
+        nodes.start(
+            'sim_node',
+            robot=options.robot,
+            map_file=str(options.map_file.resolve()),
+            start_pose=[float(v) for v in (options.start.x, options.start.y, options.start.yaw)],
+            real_time_factor=float(options.real_time_factor),
+            backend=options.backend,
+            seed=options.seed,
+            gui=options.gui,
+        )
+        nodes.start('planner_node', **planner)
+        nodes.start('gait_node', robot=options.robot, gait=options.gait)
+        if options.recording is None:
+            with WalkObserver(options.goal) as observer:
+                return _watch(observer, nodes, on_progress)
+        with Recording(options.recording) as recording:
+            with WalkObserver(options.goal, recording) as observer:
+                return _watch(observer, nodes, on_progress)
+
+
+def _watch(
+    observer: WalkObserver,
+    nodes: NodeProcesses,
+    on_progress: Callable[[WalkObserver], None],
+) -> WalkRecord:
+    _wait_until_ready(observer, nodes)
+    record = observer.record
+    observer.give_goal()
+    began = advanced = time.monotonic()
+    seen, start_time = observer.time, observer.time
+    while not record.has_arrived and not record.problem:
+        observer.listen(0.1)
+        nodes.check()
+        on_progress(observer)
+        now = time.monotonic()
+        if observer.time > seen:
+            seen, advanced = observer.time, now
+        record.wall_time = now - began
+        record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
+    return record
+
+
+def _wait_until_ready(observer: WalkObserver, nodes: NodeProcesses) -> None:
+    deadline = time.monotonic() + START_TIMEOUT
+    while not (observer.planner_is_ready() and observer.activity == 'standing'):
+        observer.listen(0.05)
+        nodes.check()
+        if time.monotonic() > deadline:
+            said = '; '.join(f'{name}: {status[1]}' for name, status in observer.statuses.items())
+            raise WalkFailed(
+                f'the nodes were not ready within {START_TIMEOUT:.0f} s '
+                f'({said or "nothing was heard of them"})'
+            )
+
+
+def _problem(observer: WalkObserver, waited: float, stalled: float, walked: float) -> str:
+    """Say why the walk will not succeed; empty while it may."""
+    record = observer.record
+    said = {name: status[1] for name, status in observer.statuses.items()}
+    if record.has_fallen:
+        return said.get('sim_node', 'the robot has fallen')
+    values = observer.statuses.get('planner_node', (b'', '', {}))[2]
+    if not record.plans and values.get('error_code', '0') != '0':
+        return said['planner_node']
+    if not record.plans and waited > PLAN_TIMEOUT:
+        return f'no plan within {PLAN_TIMEOUT:.0f} s: {said.get("planner_node", "no word")}'
+    if stalled > STALL_TIMEOUT:
+        return f'simulated time stands still since {STALL_TIMEOUT:.0f} s'
+    if record.plans and walked > 120.0 + record.plans[0].length / _WORST_SPEED:
+        return f'not there after {walked:.0f} s of walking: {said.get("gait_node", "no word")}'
+    return ''

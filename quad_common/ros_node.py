@@ -1,0 +1,241 @@
+"""
+What the nodes have in common: parameters, diagnostics, sane start and end.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
+
+from quad_common.errors import QuadError
+from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
+
+Table = TypeVar('Table')
+
+OK = DiagnosticStatus.OK
+WARN = DiagnosticStatus.WARN
+ERROR = DiagnosticStatus.ERROR
+STALE = DiagnosticStatus.STALE
+
+_NO_LIMIT = 1e308
+
+
+class QuadNode(Node, Generic[Table]):
+    """
+    A node with a table of parameters and a voice on ``diagnostics``.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    table : type
+        Its parameter dataclass (see :mod:`quad_common.parameters`).
+    use_sim_time : bool
+        What ``use_sim_time`` is unless the user sets it.
+    **kwargs
+        Passed on to rclpy's Node.
+    """
+
+    def __init__(
+        self, name: str, table: type[Table], use_sim_time: bool = True, **kwargs: Any
+    ) -> None:
+        super().__init__(name, **kwargs)
+        self._default_to_sim_time(use_sim_time)
+        self.parameters: Table = self._declare(table)
+        self._diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self._status = (OK, 'starting')
+        self._values: dict[str, object] = {}
+        self._said: tuple[bytes, str] | None = None
+        self._clock_seen = self.get_clock().now().nanoseconds
+        self._clock_seen_at = time.monotonic()
+        # On the wall clock: it must speak up just when simulated time stands still.
+        self.create_timer(1.0, self._on_second, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def report(self, level: bytes, message: str, **values: object) -> None:
+        """
+        Say on ``diagnostics`` what the node does, or why it does not.
+
+        It is published at once when level or message change, and every second; changes
+        are logged too.
+
+        Parameters
+        ----------
+        level : bytes
+            OK, WARN, ERROR or STALE.
+        message : str
+            One sentence.
+        **values
+            Numbers that go with it.
+        """
+        self._status = (level, message)
+        self._values = values
+        if self._said != self._status:
+            self._said = self._status
+            if level == ERROR:
+                self.get_logger().error(message)
+            elif level == OK:
+                self.get_logger().info(message)
+            else:
+                self.get_logger().warning(message)
+            self._publish_status(level, message)
+
+    def update_status(self) -> None:
+        """Report what is going on; called every second. Nodes override it."""
+
+    def guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Wrap a subscription's callback: quadwalk's errors become a report."""
+
+        def wrapped(message: Any) -> None:
+            try:
+                callback(message)
+            except QuadError as error:
+                self.report_error(error)
+
+        return wrapped
+
+    def report_error(self, error: QuadError) -> None:
+        """Report an error, with its code if it has one."""
+        code = getattr(error, 'code', None)
+        values = {} if code is None else {'error_code': code}
+        self.report(ERROR, str(error), error=type(error).__name__, **values)
+
+    def clock_problem(self) -> str | None:
+        """Say why simulated time does not advance; None if it does, or is not used."""
+        if not self.get_parameter('use_sim_time').value:
+            return None
+        now = self.get_clock().now().nanoseconds
+        if now != self._clock_seen:
+            self._clock_seen = now
+            self._clock_seen_at = time.monotonic()
+        elif now == 0:
+            return (
+                'no clock: use_sim_time is true and nothing was heard on /clock; '
+                'start a simulator, or set use_sim_time to false on a real robot'
+            )
+        elif time.monotonic() - self._clock_seen_at > 0.9:
+            return f'stale clock: simulated time stands still at {now / 1e9:.2f} s'
+        return None
+
+    def _on_second(self) -> None:
+        self.update_status()
+        self._publish_status(*self._status)
+
+    def _publish_status(self, level: bytes, message: str) -> None:
+        status = DiagnosticStatus(
+            level=level,
+            name=self.get_fully_qualified_name().lstrip('/'),
+            message=message,
+            hardware_id=str(getattr(self.parameters, 'robot', '')),
+            values=[KeyValue(key=key, value=str(value)) for key, value in self._values.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)
+
+    def _default_to_sim_time(self, use_sim_time: bool) -> None:
+        with self.handle:
+            given = self.handle.get_parameters(RosParameter)
+        if 'use_sim_time' not in given:
+            self.set_parameters([RosParameter('use_sim_time', value=use_sim_time)])
+
+    def _declare(self, table: type[Table]) -> Table:
+        for parameter in parameters_of(table):
+            self.declare_parameter(parameter.name, parameter.default, _descriptor(parameter))
+        return checked_parameters(
+            table, {p.name: _plain(self.get_parameter(p.name).value) for p in parameters_of(table)}
+        )
+
+
+def run_node(
+    make_node: Callable[[], Node],
+    args: list[str] | None = None,
+    drive: Callable[[Any], float] | None = None,
+) -> int:
+    """
+    Run a node until it is interrupted; end quietly.
+
+    Parameters
+    ----------
+    make_node : callable
+        Makes the node.
+    args : list of str, optional
+        Command-line arguments; those of the process if not given.
+    drive : callable, optional
+        Called with the node between callbacks; returns how long it has nothing to do [s].
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 2 if the node could not be made.
+    """
+    node = None
+    try:
+        rclpy.init(args=args)
+        node = make_node()
+        executor = _make_executor()
+        executor.add_node(node)
+        while rclpy.ok():
+            executor.spin_once(timeout_sec=0.5 if drive is None else drive(node))
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except QuadError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 2
+    except Exception:
+        # An interrupt ends the context between two lines: what fails after it is no error.
+        if rclpy.ok():
+            raise
+    finally:
+        # Under ros2 launch a second interrupt comes: it must not disturb the clean-up.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+def _make_executor() -> Any:
+    """Make the executor with the least cost per message that rclpy has."""
+    try:
+        from rclpy.experimental import EventsExecutor
+    except ImportError:
+        from rclpy.executors import SingleThreadedExecutor
+
+        return SingleThreadedExecutor()
+    return EventsExecutor()
+
+
+def _plain(value: Any) -> object:
+    return list(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
+
+
+def _descriptor(parameter: Parameter) -> ParameterDescriptor:
+    described = ParameterDescriptor(
+        description=parameter.description + (f' [{parameter.unit}]' if parameter.unit else ''),
+        additional_constraints=valid_range(parameter),
+        read_only=True,
+    )
+    if isinstance(parameter.default, (bool, str, list)):
+        return described
+    low = -_NO_LIMIT if parameter.lower is None else parameter.lower
+    high = _NO_LIMIT if parameter.upper is None else parameter.upper
+    if isinstance(parameter.default, int):
+        low, high = max(low, -(2**63)), min(high, 2**63 - 1)
+        described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
+    else:
+        described.floating_point_range = [
+            FloatingPointRange(from_value=float(low), to_value=float(high), step=0.0)
+        ]
+    return described

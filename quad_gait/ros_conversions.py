@@ -1,0 +1,111 @@
+"""
+Conversions between ROS messages and the gait generator's values.
+"""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+from builtin_interfaces.msg import Duration, Time
+from geometry_msgs.msg import Point32, Pose, PolygonStamped
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from std_msgs.msg import ColorRGBA
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
+from trajectory_msgs.msg import JointTrajectoryPoint
+from visualization_msgs.msg import Marker, MarkerArray
+
+from quad_common.errors import JointNotFound
+from quad_common.joint_trajectory import JointTrajectory
+from quad_common.robot import LEGS, Robot
+from quad_common.ros_conversions import time_from_seconds
+
+Array = NDArray[np.float64]
+
+
+def trajectory_message(trajectory: JointTrajectory) -> JointTrajectoryMessage:
+    """
+    Write a joint trajectory.
+
+    Parameters
+    ----------
+    trajectory : JointTrajectory
+        Positions and velocities.
+
+    Returns
+    -------
+    trajectory_msgs/JointTrajectory
+        As joint_trajectory_controller takes it.
+    """
+    message = JointTrajectoryMessage(joint_names=list(trajectory.joint_names))
+    message.header.stamp = time_from_seconds(trajectory.stamp)
+    nanoseconds = np.rint(trajectory.times * 1e9).astype(np.int64)
+    message.points = [
+        JointTrajectoryPoint(
+            positions=array('d', positions.tobytes()),
+            velocities=array('d', velocities.tobytes()),
+            time_from_start=Duration(sec=int(t // 10**9), nanosec=int(t % 10**9)),
+        )
+        for t, positions, velocities in zip(
+            nanoseconds, trajectory.positions, trajectory.velocities
+        )
+    ]
+    return message
+
+
+def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array | None]:
+    """
+    Read the robot's joints from a message with any joints in any order.
+
+    Parameters
+    ----------
+    message : sensor_msgs/JointState
+        At least all of the robot's joints.
+    robot : Robot
+        The robot.
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (12,)
+        Positions [rad] and velocities [rad/s]; None for velocities that are not given.
+
+    Raises
+    ------
+    JointNotFound
+        If a joint of the robot is missing.
+    """
+    place = {name: index for index, name in enumerate(message.name)}
+    try:
+        order = [place[name] for name in robot.joint_names]
+    except KeyError as error:
+        raise JointNotFound(str(error.args[0]), message.name) from None
+    positions = np.array(message.position)[order]
+    velocities = np.array(message.velocity)[order] if len(message.velocity) else None
+    return positions, velocities
+
+
+def polygon_message(corners: Array, frame: str, stamp: Time) -> PolygonStamped:
+    """Write a support polygon, corners of shape (n, 2) [m]."""
+    message = PolygonStamped()
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.polygon.points = [Point32(x=float(x), y=float(y)) for x, y in corners]
+    return message
+
+
+def foothold_markers(footholds: Array, frame: str, stamp: Time) -> MarkerArray:
+    """Draw the next footholds, shape (4, 3) [m], one marker a leg."""
+    markers = []
+    for index, (leg, (x, y, z)) in enumerate(zip(LEGS, footholds)):
+        marker = Marker(ns='footholds', id=index, type=Marker.SPHERE, action=Marker.ADD, text=leg)
+        marker.header.frame_id = frame
+        marker.header.stamp = stamp
+        marker.pose = Pose()
+        marker.pose.position.x, marker.pose.position.y = float(x), float(y)
+        marker.pose.position.z = float(z)
+        marker.pose.orientation.w = 1.0
+        marker.scale.x = marker.scale.y = marker.scale.z = 0.04
+        marker.color = ColorRGBA(r=0.1, g=0.7, b=0.2, a=1.0)
+        markers.append(marker)
+    return MarkerArray(markers=markers)

@@ -1,0 +1,287 @@
+"""
+The safety boundary: where the robot's centre may be (S0 section 3).
+
+An obstacle is a whole cell, a square, not the point at its centre. The map's outside is
+no obstacle: what is not on the map takes no room from the robot, whose centre has to
+stay on the map all the same. Whoever wants a wall around the map draws one.
+
+Two distances are used, and the first is never larger than the second:
+
+- from a *cell* to the nearest blocked cell (`inflate`): one look-up tells it for every
+  point of the cell, so it serves for thousands of segments (`segments_allowed`);
+- from a *point or segment* to the nearest blocked cell, exactly (`clearance`,
+  `segment_clearance`): for the few that the robot's own place asks about.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from quad_common.errors import ParameterError
+from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+
+Mask = NDArray[np.bool_]
+Points = NDArray[np.float64]
+
+_SLACK = 1e-6
+"""Relative slack of the inflation radius, above the single precision of OpenCV."""
+
+_EPSILON = 1e-6
+"""A point so near to a cell's edge counts as on it [cells]."""
+
+
+def blocked_cells(
+    grid: OccupancyGrid,
+    *,
+    occupied_threshold: int = OCCUPIED_THRESHOLD,
+    unknown_is_free: bool = False,
+) -> Mask:
+    """Return where the robot must not be near: occupied cells, and by default unknown ones."""
+    blocked = grid.occupied(occupied_threshold)
+    return blocked if unknown_is_free else blocked | grid.unknown()
+
+
+def inflate(
+    grid: OccupancyGrid,
+    radius: float,
+    *,
+    occupied_threshold: int = OCCUPIED_THRESHOLD,
+    unknown_is_free: bool = False,
+) -> Mask:
+    """
+    Find the cells in which the robot's centre could come too near to an obstacle.
+
+    Two cells that lie (dx, dy) cells apart have squares that lie
+    hypot(max(|dx| - 1, 0), max(|dy| - 1, 0)) apart: as far as the one centre from the
+    nearest of the other's 3 x 3 block of centres. So the distance transform of the
+    blocked cells, grown by one cell all round, is the exact distance between squares.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    radius : float
+        Distance that the robot's centre keeps from every blocked cell, >= 0 [m].
+    occupied_threshold : int
+        Cells of at least this value are blocked.
+    unknown_is_free : bool
+        Whether cells of which nothing is known are free.
+
+    Returns
+    -------
+    ndarray of bool, shape (height, width)
+        True where some point of the cell is nearer than `radius` to a blocked cell, and
+        in the blocked cells themselves.
+
+    Raises
+    ------
+    ParameterError
+        If `radius` is negative or not finite.
+    """
+    if not (math.isfinite(radius) and radius >= 0.0):
+        raise ParameterError('radius', radius, 'a finite distance of at least 0 m')
+    blocked = blocked_cells(
+        grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
+    )
+    if not blocked.any():
+        return blocked
+    grown = cv2.dilate(blocked.astype(np.uint8), np.ones((3, 3), np.uint8))
+    distance = cv2.distanceTransform(1 - grown, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    forbidden: Mask = distance < radius / grid.resolution * (1.0 - _SLACK)
+    return forbidden | blocked
+
+
+def points_allowed(allowed: Mask, points: Points) -> Mask:
+    """
+    Return which points lie in an allowed cell, whose edges belong to it.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+    points : ndarray, shape (..., 2)
+        Cell coordinates on the map.
+
+    Returns
+    -------
+    ndarray of bool, shape (...)
+        True where one of the one, two or four cells that hold the point is allowed.
+    """
+    last = np.array(allowed.shape[::-1]) - 1
+    low = np.clip(np.floor(points - _EPSILON).astype(np.intp), 0, last)
+    high = np.clip(np.floor(points + _EPSILON).astype(np.intp), 0, last)
+    result: Mask = (
+        allowed[low[..., 1], low[..., 0]]
+        | allowed[low[..., 1], high[..., 0]]
+        | allowed[high[..., 1], low[..., 0]]
+        | allowed[high[..., 1], high[..., 0]]
+    )
+    return result
+
+
+def segments_allowed(allowed: Mask, starts: Points, step: NDArray[np.float64]) -> Mask:
+    """
+    Return which segments of one shape stay in allowed cells all along.
+
+    A segment is cut where it crosses the lines between the cells. A piece lies in one
+    cell, and its midpoint tells which: nothing is sampled, nothing can be missed. As no
+    point of an allowed cell is nearer to an obstacle than the safety distance, no point
+    of the segment is.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+    starts : ndarray, shape (n, 2)
+        Where the segments start, in cell coordinates.
+    step : ndarray, shape (2,)
+        From start to end of each [cells].
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        Whether the robot fits along the whole segment.
+    """
+    cuts = [np.zeros((len(starts), 1)), np.ones((len(starts), 1))]
+    for axis in (0, 1):
+        if step[axis] != 0.0:
+            first = np.floor(np.minimum(starts[:, axis], starts[:, axis] + step[axis]))
+            lines = first[:, None] + np.arange(1, math.ceil(abs(step[axis])) + 1)
+            cuts.append(np.clip((lines - starts[:, axis, None]) / step[axis], 0.0, 1.0))
+    t = np.sort(np.concatenate(cuts, axis=1), axis=1)
+    midpoints = starts[:, None] + 0.5 * (t[:, 1:] + t[:, :-1])[..., None] * step
+    # A piece of no length is where the segment touches a corner: the next piece decides.
+    touches = np.diff(t, axis=1) * np.abs(step).max() < _EPSILON
+    result: Mask = (touches | points_allowed(allowed, midpoints)).all(axis=1)
+    return result
+
+
+def clearance(
+    grid: OccupancyGrid,
+    x: float,
+    y: float,
+    *,
+    occupied_threshold: int = OCCUPIED_THRESHOLD,
+    unknown_is_free: bool = False,
+) -> float:
+    """
+    Measure how far a point is from the nearest blocked cell.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    x, y : float
+        The point in the world [m].
+    occupied_threshold : int
+        Cells of at least this value are blocked.
+    unknown_is_free : bool
+        Whether cells of which nothing is known are free.
+
+    Returns
+    -------
+    float
+        Distance to the cell's square, 0 inside; infinite if nothing is blocked [m].
+    """
+    blocked = blocked_cells(
+        grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
+    )
+    point = grid.world_to_map(np.array([x, y]))
+    return segment_clearance(blocked, point, point) * grid.resolution
+
+
+def segment_clearance(
+    blocked: Mask, start: ArrayLike, end: ArrayLike, within: float = math.inf
+) -> float:
+    """
+    Measure how far a segment is from the nearest blocked cell, in cells.
+
+    Parameters
+    ----------
+    blocked : ndarray of bool, shape (height, width)
+        The blocked cells.
+    start, end : array_like, shape (2,)
+        Ends of the segment in cell coordinates; equal for a point.
+    within : float
+        Look no further than this; what is farther off may be reported as infinite [cells].
+
+    Returns
+    -------
+    float
+        Least distance between the segment and a blocked cell's square, 0 if they touch;
+        infinite if there is no blocked cell in reach [cells].
+    """
+    a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+    size = np.array(blocked.shape[::-1])
+    reach = min(within, float(size.sum()) + float(np.abs(a).sum()))
+    lowest = np.clip(np.floor(np.minimum(a, b) - reach), 0, size).astype(int)
+    highest = np.clip(np.ceil(np.maximum(a, b) + reach), 0, size).astype(int)
+    rows, columns = np.nonzero(blocked[lowest[1] : highest[1], lowest[0] : highest[0]])
+    if rows.size == 0:
+        return math.inf
+    centres = np.column_stack((columns, rows)) + lowest + 0.5
+
+    # A segment and a square are apart if an axis separates them: x, y, or the normal of
+    # the segment.
+    ab = b - a
+    along_axes = np.abs(centres - 0.5 * (a + b)) <= 0.5 * np.abs(ab) + 0.5
+    across = np.abs(ab[0] * (centres - a)[:, 1] - ab[1] * (centres - a)[:, 0])
+    if np.any(along_axes.all(axis=1) & (across <= 0.5 * np.abs(ab).sum())):
+        return 0.0
+
+    # Apart, they are nearest at an end of the segment or at a corner of the square.
+    squared = math.inf
+    for p in (a, b):
+        to_square = np.maximum(np.abs(centres - p) - 0.5, 0.0)
+        squared = min(squared, float(np.einsum('ij,ij->i', to_square, to_square).min()))
+    for corner in ((-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)):
+        ac = centres + corner - a
+        t = np.clip(ac @ ab / max(float(ab @ ab), 1e-30), 0.0, 1.0)
+        to_corner = ac - t[:, None] * ab
+        squared = min(squared, float(np.einsum('ij,ij->i', to_corner, to_corner).min()))
+    return math.sqrt(squared)
+
+
+@dataclass(frozen=True, eq=False)
+class CombinedObstacles:
+    """Obstacles with their boundaries; those too near each other have become one (S0)."""
+
+    count: int
+    """Number of combined obstacles."""
+    labels: NDArray[np.int32]
+    """Shape (height, width): 1 to `count` in a combined obstacle, 0 in the allowed zone."""
+    outlines: tuple[Points, ...]
+    """
+    Closed lines, each of shape (n, 2), in the world [m], through the centres of the
+    outermost forbidden cells: around each obstacle, and along each hole in it.
+    """
+
+
+def combined_obstacles(grid: OccupancyGrid, forbidden: Mask) -> CombinedObstacles:
+    """
+    Join the obstacles between which the robot does not fit.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    forbidden : ndarray of bool, shape (height, width)
+        The forbidden zone, from `inflate`.
+
+    Returns
+    -------
+    CombinedObstacles
+        The connected parts of the forbidden zone and the lines around them.
+    """
+    image = forbidden.astype(np.uint8)
+    count, labels = cv2.connectedComponents(image, connectivity=8)
+    contours, _ = cv2.findContours(image, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    outlines = tuple(
+        grid.map_to_world(contour.reshape(-1, 2).astype(float) + 0.5) for contour in contours
+    )
+    return CombinedObstacles(int(count) - 1, labels.astype(np.int32), outlines)

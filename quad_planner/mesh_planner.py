@@ -1,0 +1,377 @@
+"""
+The planner of S0 section 3: Dijkstra's algorithm over a mesh of possible turning points.
+
+A mesh of width delta = 2n + S_max (S0 eq. 5: the robot's length and its longest step) is
+laid over the map, its first crossing on the map's origin and its lines along the map's
+axes. Crossings outside the safety boundary are the candidates for turning points; from
+each the robot may walk along the horizontal, the vertical and the diagonals to the next,
+where it fits all the way. Start and goal join the mesh by straight segments.
+
+Among the shortest paths, of which a mesh has many, one with the fewest turns is taken:
+every turn on the spot costs gait cycles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import (
+    GoalOccupied,
+    GoalOutsideMap,
+    InvalidPose,
+    NoPathFound,
+    ParameterError,
+    StartOccupied,
+    StartOutsideMap,
+)
+from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_planner.dijkstra import shortest_path
+from quad_planner.inflation import (
+    Mask,
+    Points,
+    blocked_cells,
+    clearance,
+    inflate,
+    points_allowed,
+    segment_clearance,
+    segments_allowed,
+)
+
+MAX_CROSSINGS = 2**20
+"""The finest mesh that is laid over a map."""
+
+SAME_PLACE = 1e-3
+"""Start and goal nearer than this are one place: the robot only turns [m]."""
+
+# A cost is one whole number: length in micrometres times _MICROMETRE, plus the number of
+# turns. Whole numbers add without rounding, so equal lengths are equal and turns decide.
+_MICROMETRE = 1 << 20
+_TURN = 1
+
+# Bearings, in the map frame, are whole numbers too: parts of a circle that 8 divides.
+_CIRCLE = 6400
+
+# Move k goes (columns, rows) to the neighbour at k times 45 degrees; k + 4 is its reverse.
+_MOVES = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+
+_AT_ONCE = 1 << 14
+"""Segments that are checked in one go, to bound the memory."""
+
+# A state of the search is a crossing's number and the bearing on which it was reached.
+_State = tuple[int, int]
+_START, _GOAL = -1, -2
+
+
+def _bearing(angle: float) -> int:
+    return round(angle / math.tau * _CIRCLE) % _CIRCLE
+
+
+def _cost(length: float) -> int:
+    return round(length * 1e6) * _MICROMETRE
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedMesh:
+    """A map made ready for any number of searches; `MeshPlanner.prepare` makes it."""
+
+    grid: OccupancyGrid
+    """The map."""
+    blocked: Mask
+    """Shape (height, width): where the obstacles are."""
+    forbidden: Mask
+    """Shape (height, width): where the robot's centre must not be."""
+    spacing: float
+    """Width of the mesh [cells]."""
+    candidates: Mask
+    """Shape (n, m): the crossings that the robot may stand on, by row and column."""
+    exits: bytes
+    """For each crossing, row after row: bit k is set if move k of the eight is free."""
+
+    @cached_property
+    def moves(self) -> tuple[tuple[tuple[int, int, int], ...], ...]:
+        """Return, for each value in `exits`, the moves: crossings on, bearing, cost."""
+        row = self.candidates.shape[1]
+        width = self.spacing * self.grid.resolution
+        every = [
+            (dr * row + dc, k * _CIRCLE // 8, _cost(width * math.hypot(dc, dr)))
+            for k, (dc, dr) in enumerate(_MOVES)
+        ]
+        return tuple(
+            tuple(move for k, move in enumerate(every) if exits >> k & 1) for exits in range(256)
+        )
+
+    @cached_property
+    def areas(self) -> NDArray[np.int32]:
+        """Return the number of the connected free area of each cell, 0 if forbidden."""
+        image = (~self.forbidden).astype(np.uint8)
+        return np.asarray(cv2.connectedComponents(image, connectivity=8)[1], dtype=np.int32)
+
+    def area_of(self, point: Points) -> int:
+        """Return the number of the free area nearest to a point in cell coordinates."""
+        rows, columns = np.nonzero(self.areas)
+        if rows.size == 0:
+            return 0
+        nearest = np.argmin((columns + 0.5 - point[0]) ** 2 + (rows + 0.5 - point[1]) ** 2)
+        return int(self.areas[rows[nearest], columns[nearest]])
+
+    def crossing(self, number: int) -> Points:
+        """Return where a crossing is, in cell coordinates, shape (2,)."""
+        row, column = divmod(number, self.candidates.shape[1])
+        return np.array([column, row]) * self.spacing
+
+    def candidates_near(self, point: Points, reach: float) -> list[int]:
+        """Return the numbers of the candidates within `reach` [cells] of a point."""
+        size = np.array(self.candidates.shape[::-1])
+        low = np.clip(np.ceil((point - reach) / self.spacing), 0, size).astype(int)
+        high = np.clip(np.floor((point + reach) / self.spacing) + 1, 0, size).astype(int)
+        rows, columns = np.nonzero(self.candidates[low[1] : high[1], low[0] : high[0]])
+        rows, columns = rows + low[1], columns + low[0]
+        apart = np.column_stack((columns, rows)) * self.spacing - point
+        near = np.linalg.norm(apart, axis=1) <= reach
+        return [int(number) for number in (rows * size[0] + columns)[near]]
+
+
+@dataclass(frozen=True)
+class MeshPlanner:
+    """
+    Plan over a mesh of turning points.
+
+    Raises
+    ------
+    ParameterError
+        If a length is not finite, or not above zero where it must be.
+    """
+
+    mesh_size: float
+    """Width of the mesh, delta = 2n + S_max (S0 eq. 5), > 0 [m]; 0.628 for TITAN-VIII."""
+    clearance_radius: float
+    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
+    connection_radius: float | None = None
+    """
+    Longest segment that joins start or goal to the mesh, or to each other [m]; twice the
+    mesh size if None.
+    """
+    start_tolerance: float = 0.10
+    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
+    occupied_threshold: int = OCCUPIED_THRESHOLD
+    """Cells of at least this value are obstacles."""
+    unknown_is_free: bool = False
+    """Whether cells of which nothing is known are free."""
+    time_limit: float | None = None
+    """How long a search may take; needs a clock [s]."""
+    clock: Callable[[], float] | None = None
+    """Returns the time, for example `time.monotonic` [s]."""
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        for name in ('mesh_size', 'clearance_radius', 'connection_radius'):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise ParameterError(name, value, 'a finite length above 0 m')
+        if not (math.isfinite(self.start_tolerance) and self.start_tolerance >= 0.0):
+            raise ParameterError(
+                'start_tolerance', self.start_tolerance, 'a finite length of at least 0 m'
+            )
+
+    def prepare(self, grid: OccupancyGrid) -> PreparedMesh:
+        """
+        Inflate a map and find the moves that are free on its mesh.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map.
+
+        Returns
+        -------
+        PreparedMesh
+            What `plan` needs of the map, for any number of plans.
+
+        Raises
+        ------
+        ParameterError
+            If the mesh would have more than `MAX_CROSSINGS` crossings.
+        """
+        spacing = self.mesh_size / grid.resolution
+        size = np.array([grid.width, grid.height])
+        columns, rows = (int(n) for n in np.floor(size / spacing + 1e-9) + 1)
+        if columns * rows > MAX_CROSSINGS:
+            least = grid.resolution * math.sqrt(grid.width * grid.height / MAX_CROSSINGS)
+            raise ParameterError(
+                'mesh_size', self.mesh_size, f'above {least:.3f} m on a map of this size'
+            )
+        forbidden = inflate(
+            grid,
+            self.clearance_radius,
+            occupied_threshold=self.occupied_threshold,
+            unknown_is_free=self.unknown_is_free,
+        )
+        allowed = ~forbidden
+        lines = [spacing * np.arange(n, dtype=np.float64) for n in (columns, rows)]
+        candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))
+        exits = np.zeros((rows, columns), dtype=np.uint8)
+        for k, (dc, dr) in enumerate(_MOVES[:4]):
+            ends = np.zeros_like(candidates)
+            left, right = max(-dc, 0), columns - max(dc, 0)
+            ends[: rows - dr, left:right] = candidates[dr:, left + dc : right + dc]
+            r, c = np.nonzero(candidates & ends)
+            for part in range(0, len(r), _AT_ONCE):
+                r_, c_ = r[part : part + _AT_ONCE], c[part : part + _AT_ONCE]
+                starts = np.column_stack((c_, r_)).astype(float) * spacing
+                free = segments_allowed(allowed, starts, np.array([float(dc), float(dr)]) * spacing)
+                exits[r_[free], c_[free]] |= 1 << k
+                exits[r_[free] + dr, c_[free] + dc] |= 1 << (k + 4)
+        blocked = blocked_cells(
+            grid,
+            occupied_threshold=self.occupied_threshold,
+            unknown_is_free=self.unknown_is_free,
+        )
+        return PreparedMesh(grid, blocked, forbidden, spacing, candidates, exits.tobytes())
+
+    def plan(self, prepared: PreparedMesh | OccupancyGrid, start: Pose2D, goal: Pose2D) -> Plan:
+        """
+        Find the shortest plan over the mesh, and among those one with the fewest turns.
+
+        A start that is inside the safety boundary by no more than `start_tolerance` may
+        be left on a segment that comes no nearer to an obstacle than the start is.
+
+        Parameters
+        ----------
+        prepared : PreparedMesh or OccupancyGrid
+            The map, from `prepare`; a bare grid is prepared for this plan only.
+        start, goal : Pose2D
+            In the world [m, m, rad].
+
+        Returns
+        -------
+        Plan
+            The turning points; a single pose, the goal's, where start and goal are less
+            than `SAME_PLACE` apart.
+
+        Raises
+        ------
+        InvalidPose
+            If a pose holds a number that is not finite.
+        StartOutsideMap, GoalOutsideMap
+            If a pose is not on the map.
+        StartOccupied, GoalOccupied
+            If a pose is too near to a blocked cell.
+        NoPathFound
+            If no way over the mesh connects them.
+        PlannerTimedOut
+            If the search took longer than `time_limit`.
+        """
+        mesh = prepared if isinstance(prepared, PreparedMesh) else self.prepare(prepared)
+        grid = mesh.grid
+        leave_at = self._check_ends(mesh, start, goal)
+        if start.distance_to(goal) < SAME_PLACE:
+            return Plan((goal,))
+
+        s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
+        radius = self.clearance_radius / grid.resolution
+        reach = (self.connection_radius or 2.0 * self.mesh_size) / grid.resolution
+        starts = self._connections(mesh, s, reach, leave_at)
+        goals = self._connections(mesh, g, reach, radius)
+        direct = np.linalg.norm(g - s) <= reach and _fits(mesh.blocked, s, g, leave_at)
+
+        heading, final = (_bearing(p.yaw - grid.origin.yaw) for p in (start, goal))
+        moves, exits = mesh.moves, mesh.exits
+
+        def leg(a: Points, b: Points, arrived: int) -> _State:
+            """Return the cost of a segment off the mesh, and the bearing along it."""
+            cost = _cost(float(np.linalg.norm(b - a)) * grid.resolution)
+            if cost == 0:
+                return 0, arrived
+            bearing = _bearing(math.atan2(b[1] - a[1], b[0] - a[0]))
+            return cost + (bearing != arrived) * _TURN, bearing
+
+        def neighbours(state: _State) -> Iterator[tuple[_State, int]]:
+            u, arrived = state
+            if u == _START:
+                for v, point in starts.items():
+                    cost, bearing = leg(s, point, arrived)
+                    yield (v, bearing), cost
+            else:
+                for step, bearing, cost in moves[exits[u]]:
+                    yield (u + step, bearing), cost + (bearing != arrived) * _TURN
+            if u in goals or (u == _START and direct):
+                cost, bearing = leg(s if u == _START else goals[u], g, arrived)
+                yield (_GOAL, 0), cost + (bearing != final) * _TURN
+
+        found = shortest_path(
+            neighbours, (_START, heading), (_GOAL, 0), time_limit=self.time_limit, clock=self.clock
+        )
+        if found is None:
+            why = self._why_not(mesh, s, g, bool(starts), bool(goals))
+            raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
+        between = [mesh.crossing(u) for u, _ in found.path[1:-1]]
+        inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
+        return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
+
+    def _check_ends(self, mesh: PreparedMesh, start: Pose2D, goal: Pose2D) -> float:
+        """Check both poses, and return the clearance to keep on leaving the start [cells]."""
+        grid = mesh.grid
+        for what, pose in (('start', start), ('goal', goal)):
+            if not pose.is_finite():
+                reason = f'({pose.x}, {pose.y}, {pose.yaw}) must be three finite numbers'
+                raise InvalidPose(what, reason)
+        if not grid.contains(start.x, start.y):
+            raise StartOutsideMap(start.x, start.y, grid.bounds())
+        if not grid.contains(goal.x, goal.y):
+            raise GoalOutsideMap(goal.x, goal.y, grid.bounds())
+        radius = self.clearance_radius / grid.resolution
+        keeps = []
+        for pose, tolerance, error in (
+            (start, self.start_tolerance / grid.resolution, StartOccupied),
+            (goal, 0.0, GoalOccupied),
+        ):
+            point = grid.world_to_map(np.array([pose.x, pose.y]))
+            keep = min(segment_clearance(mesh.blocked, point, point, radius), radius)
+            # However large the tolerance, nobody starts inside an obstacle.
+            if keep <= 0.0 or keep < (radius - tolerance) * (1.0 - 1e-9):
+                far = clearance(
+                    grid,
+                    pose.x,
+                    pose.y,
+                    occupied_threshold=self.occupied_threshold,
+                    unknown_is_free=self.unknown_is_free,
+                )
+                raise error(pose.x, pose.y, far, self.clearance_radius)
+            keeps.append(keep)
+        return keeps[0]
+
+    def _connections(
+        self, mesh: PreparedMesh, point: Points, reach: float, keep: float
+    ) -> dict[int, Points]:
+        """Return the candidates that are straight ahead of a point, and where they are."""
+        near = {u: mesh.crossing(u) for u in mesh.candidates_near(point, reach)}
+        return {u: p for u, p in near.items() if _fits(mesh.blocked, point, p, keep)}
+
+    def _why_not(
+        self, mesh: PreparedMesh, s: Points, g: Points, leaves: bool, arrives: bool
+    ) -> str:
+        if mesh.area_of(s) != mesh.area_of(g):
+            return (
+                "the start's free area and the goal's are not connected for a robot that "
+                f'needs {self.clearance_radius:.2f} m'
+            )
+        coarse = f'the mesh of {self.mesh_size:.2f} m may be too coarse for this passage'
+        if not leaves:
+            return f'no mesh crossing is reachable from the start; {coarse}'
+        if not arrives:
+            return f'the goal is reachable from no mesh crossing; {coarse}'
+        return f'both are in one free area, but no way over the mesh connects them; {coarse}'
+
+
+def _fits(blocked: Mask, a: Points, b: Points, keep: float) -> bool:
+    """Return whether a segment stays `keep` [cells] away from every blocked cell."""
+    return segment_clearance(blocked, a, b, keep) >= keep * (1.0 - 1e-9)

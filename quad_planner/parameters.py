@@ -1,0 +1,34 @@
+"""The parameters of ``planner_node``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from quad_common.parameters import parameter
+
+
+@dataclass(frozen=True)
+class PlannerParameters:
+    """Parameters of ``planner_node``."""
+
+    robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
+    method: str = parameter(
+        'mesh', 'How paths are searched: turning points on a mesh (S0).', choices=('mesh',)
+    )
+    safety_distance: float = parameter(
+        0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0
+    )
+    occupied_threshold: int = parameter(
+        65, 'Cells of at least this occupancy are obstacles.', '%', lower=1, upper=100
+    )
+    unknown_is_free: bool = parameter(False, 'Whether paths may lead through unknown cells.')
+    replan_distance: float = parameter(
+        0.3, 'The path is planned anew when the robot has left it by more.', 'm', lower=0.05
+    )
+    planning_timeout: float = parameter(
+        5.0, 'A search that takes longer is given up.', 's', lower=0.01
+    )
+    odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
+    transient_local_plan: bool = parameter(
+        True, 'Late subscribers get the last plan; set false to match volatile ones only.'
+    )

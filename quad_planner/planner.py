@@ -1,0 +1,120 @@
+"""
+One door to every planning method, which keeps the map between plans.
+
+A method has two halves: `prepare` does once a map what does not depend on start and
+goal, `plan` does the rest. To add a method, add its class to `METHODS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, Protocol, TypeVar
+
+from quad_common.errors import InvalidPlanner, PlannerError
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_planner.mesh_planner import MeshPlanner
+
+Prepared = TypeVar('Prepared')
+
+
+class PlanningMethod(Protocol[Prepared]):
+    """What a planning method can do."""
+
+    def prepare(self, grid: OccupancyGrid) -> Prepared:
+        """Make a map ready for any number of plans."""
+
+    def plan(self, prepared: Prepared, start: Pose2D, goal: Pose2D) -> Plan:
+        """Plan on a prepared map; raise `PlannerError` if there is no plan."""
+
+
+METHODS: Mapping[str, Callable[..., PlanningMethod[Any]]] = {'mesh': MeshPlanner}
+"""The planning methods by name."""
+
+
+class Planner(Generic[Prepared]):
+    """
+    A planning method and the map it works on.
+
+    Parameters
+    ----------
+    method : PlanningMethod
+        How to plan.
+    """
+
+    def __init__(self, method: PlanningMethod[Prepared]) -> None:
+        self._method = method
+        self._prepared: Prepared | None = None
+
+    @property
+    def prepared(self) -> Prepared | None:
+        """Return the prepared map, or None before the first one."""
+        return self._prepared
+
+    def set_map(self, grid: OccupancyGrid) -> None:
+        """
+        Take a map for the plans that follow.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map.
+
+        Raises
+        ------
+        QuadError
+            If the method cannot use the map; the one before it stays.
+        """
+        self._prepared = self._method.prepare(grid)
+
+    def plan(self, start: Pose2D, goal: Pose2D) -> Plan:
+        """
+        Plan on the map that was set last.
+
+        Parameters
+        ----------
+        start, goal : Pose2D
+            In the world [m, m, rad].
+
+        Returns
+        -------
+        Plan
+            The turning points.
+
+        Raises
+        ------
+        PlannerError
+            If there is no map, or no plan; the map stays.
+        """
+        if self._prepared is None:
+            raise PlannerError('there is no map to plan on yet; a map must be set first')
+        return self._method.plan(self._prepared, start, goal)
+
+
+def make_planner(method: str, **options: Any) -> Planner[Any]:
+    """
+    Make a planner by its method's name.
+
+    Parameters
+    ----------
+    method : str
+        A key of `METHODS`.
+    **options
+        The fields of the method's class, for example `mesh_size` of `MeshPlanner`.
+
+    Returns
+    -------
+    Planner
+        A planner that has no map yet.
+
+    Raises
+    ------
+    InvalidPlanner
+        If there is no such method.
+    ParameterError
+        If an option's value is not valid.
+    """
+    if method not in METHODS:
+        raise InvalidPlanner(method, METHODS)
+    return Planner(METHODS[method](**options))

@@ -1,0 +1,196 @@
+"""
+The node that turns an occupancy grid and a goal into a plan of turning points.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.srv import GetPlan
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from visualization_msgs.msg import MarkerArray
+
+from quad_common.errors import PlannerError, QuadError, WrongFrame
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, distance_to_polyline
+from quad_common.robot import load_robot
+from quad_common.ros_conversions import pose_from_message, seconds_from_time
+from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
+from quad_planner.inflation import combined_obstacles
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner import make_planner
+from quad_planner.ros_conversions import grid_from_message, path_message, plan_markers
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_CHECK_PERIOD = 0.2
+"""How often it is checked whether the robot has left its path [s]."""
+
+
+class PlannerNode(QuadNode[PlannerParameters]):
+    """Plans when a goal comes, when the map changes, and when the robot leaves its path."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('planner_node', PlannerParameters, **kwargs)
+        p = self.parameters
+        robot = load_robot(p.robot)
+        self._planner = make_planner(
+            p.method,
+            mesh_size=robot.mesh_size,
+            clearance_radius=robot.footprint_radius + p.safety_distance,
+            start_tolerance=p.safety_distance,
+            occupied_threshold=p.occupied_threshold,
+            unknown_is_free=p.unknown_is_free,
+            time_limit=p.planning_timeout,
+            clock=time.monotonic,
+        )
+        self._frames: list[str] = []
+        self._map_frame = 'map'
+        self._outlines: tuple[Any, ...] = ()
+        self._pose: Pose2D | None = None
+        self._checked_at = 0.0
+        self._waiting_goal: PoseStamped | None = None
+        self._goal: Pose2D | None = None
+        self._plan: Plan | None = None
+        self._problem: QuadError | None = None
+
+        plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
+        self._plan_publisher = self.create_publisher(Path, 'plan', plan_qos)
+        self._marker_publisher = self.create_publisher(MarkerArray, 'plan_markers', _LATCHED)
+        self.create_subscription(OccupancyGrid, 'map', self.guarded(self._on_map), _LATCHED)
+        self.create_subscription(PoseStamped, 'goal_pose', self.guarded(self._on_goal), 10)
+        self.create_subscription(
+            Odometry, p.odom_topic, self.guarded(self._on_odometry), qos_profile_sensor_data
+        )
+        self.create_service(GetPlan, 'get_plan', self._on_get_plan)
+        self.update_status()
+
+    def update_status(self) -> None:
+        """Say what the planner does, or what it waits for."""
+        clock_problem = self.clock_problem()
+        if clock_problem is not None:
+            self.report(STALE, clock_problem)
+        elif self._planner.prepared is None and not isinstance(self._problem, QuadError):
+            self.report(WARN, "no map: waiting for one on 'map'")
+        elif self._problem is not None:
+            self.report_error(self._problem)
+        elif self._pose is None:
+            self.report(WARN, f"no odometry: waiting for it on '{self.parameters.odom_topic}'")
+        elif self._plan is None:
+            self.report(OK, "ready: waiting for a goal on 'goal_pose'")
+        else:
+            length = self._plan.length
+            turns = len(self._plan.poses)
+            self.report(OK, f'plan of {turns} turning points, {length:.2f} m', error_code=0)
+
+    def _on_map(self, message: OccupancyGrid) -> None:
+        self._planner.set_map(grid_from_message(message))
+        prepared = self._planner.prepared
+        self._map_frame = message.header.frame_id or 'map'
+        self._outlines = combined_obstacles(prepared.grid, prepared.forbidden).outlines
+        self._problem = None
+        self._publish_markers()
+        if self._waiting_goal is None and self._goal is not None and self._pose is not None:
+            try:
+                self._plan_to(self._goal)
+            except PlannerError as error:
+                # The plan led through a map that is no longer true: take it back.
+                self._problem = error
+                self._publish(None)
+        self._try_waiting_goal()
+        self.update_status()
+
+    def _on_goal(self, message: PoseStamped) -> None:
+        try:
+            pose_from_message(message.pose, 'goal')
+        except PlannerError as error:
+            self._problem = error
+            raise
+        self._waiting_goal = message
+        self._try_waiting_goal()
+        self.update_status()
+
+    def _on_odometry(self, message: Odometry) -> None:
+        first = self._pose is None
+        self._pose = pose_from_message(message.pose.pose, 'odometry')
+        if first:
+            self._frames = [message.header.frame_id]
+            self._try_waiting_goal()
+            self.update_status()
+        now = seconds_from_time(message.header.stamp)
+        if self._plan is None or self._goal is None or abs(now - self._checked_at) < _CHECK_PERIOD:
+            return
+        self._checked_at = now
+        distance = distance_to_polyline((self._pose.x, self._pose.y), self._plan.corners)
+        if distance > self.parameters.replan_distance:
+            self.get_logger().info(f'the robot is {distance:.2f} m from its path: planning anew')
+            self._attempt(self._goal)
+
+    def _try_waiting_goal(self) -> None:
+        """Plan to the goal that came last, as soon as map and pose are known."""
+        message = self._waiting_goal
+        if message is None or self._planner.prepared is None or self._pose is None:
+            return
+        self._waiting_goal = None
+        try:
+            if message.header.frame_id not in (self._map_frame, *self._frames):
+                raise WrongFrame('goal', message.header.frame_id, self._map_frame)
+            goal = pose_from_message(message.pose, 'goal')
+        except PlannerError as error:
+            self._problem = error
+            return
+        self._attempt(goal)
+
+    def _attempt(self, goal: Pose2D) -> None:
+        """Plan to a goal; if that fails, the last goal and plan stay."""
+        try:
+            self._plan_to(goal)
+        except PlannerError as error:
+            self._problem = error
+            self.update_status()
+
+    def _plan_to(self, goal: Pose2D) -> None:
+        assert self._pose is not None
+        plan = self._planner.plan(self._pose, goal)
+        self._goal = goal
+        self._problem = None
+        self._publish(plan)
+
+    def _publish(self, plan: Plan | None) -> None:
+        self._plan = plan
+        stamp = self.get_clock().now().to_msg()
+        self._plan_publisher.publish(path_message(plan, self._map_frame, stamp))
+        self._publish_markers()
+
+    def _publish_markers(self) -> None:
+        stamp = self.get_clock().now().to_msg()
+        self._marker_publisher.publish(
+            plan_markers(self._plan, self._outlines, self._map_frame, stamp)
+        )
+
+    def _on_get_plan(
+        self, request: GetPlan.Request, response: GetPlan.Response
+    ) -> GetPlan.Response:
+        """Answer with a plan, or with an empty path and the reason on diagnostics."""
+        stamp = self.get_clock().now().to_msg()
+        plan = None
+        try:
+            start = pose_from_message(request.start.pose, 'start')
+            goal = pose_from_message(request.goal.pose, 'goal')
+            plan = self._planner.plan(start, goal)
+        except QuadError as error:
+            self.report_error(error)
+        response.plan = path_message(plan, self._map_frame, stamp)
+        return response
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the planner node."""
+    return run_node(PlannerNode, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

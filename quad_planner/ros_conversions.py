@@ -1,0 +1,112 @@
+"""
+Conversions between ROS messages and the planner's values.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, PoseStamped
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
+from nav_msgs.msg import Path
+from numpy.typing import NDArray
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from quad_common.errors import MapError
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.ros_conversions import pose_from_message, pose_message
+
+
+def grid_from_message(message: OccupancyGridMessage) -> OccupancyGrid:
+    """
+    Read an occupancy grid, without copying it cell by cell.
+
+    Parameters
+    ----------
+    message : nav_msgs/OccupancyGrid
+        The map.
+
+    Returns
+    -------
+    OccupancyGrid
+        The same map.
+
+    Raises
+    ------
+    MapError
+        If its sizes disagree, or a value is not valid.
+    InvalidPose
+        If its origin is not a pose.
+    """
+    info = message.info
+    cells = np.frombuffer(message.data, dtype=np.int8)
+    if cells.size != info.width * info.height:
+        raise MapError(
+            f'the map has {cells.size} cells; {info.width} x {info.height} needs '
+            f'{info.width * info.height}'
+        )
+    origin = pose_from_message(info.origin, "map's origin")
+    return OccupancyGrid(cells.reshape(info.height, info.width).copy(), info.resolution, origin)
+
+
+def path_message(plan: Plan | None, frame: str, stamp: Time) -> Path:
+    """
+    Write a plan as a path of its turning points.
+
+    Parameters
+    ----------
+    plan : Plan or None
+        None makes an empty path, which takes the last plan back.
+    frame : str
+        Frame of the plan.
+    stamp : Time
+        When it was made.
+
+    Returns
+    -------
+    nav_msgs/Path
+        Pose k faces along segment k, the last has the goal's heading.
+    """
+    path = Path()
+    path.header.frame_id = frame
+    path.header.stamp = stamp
+    for pose in plan.poses if plan is not None else ():
+        path.poses.append(PoseStamped(header=path.header, pose=pose_message(pose)))
+    return path
+
+
+def plan_markers(
+    plan: Plan | None, outlines: tuple[NDArray[np.float64], ...], frame: str, stamp: Time
+) -> MarkerArray:
+    """Draw the plan, its turning points and the lines around combined obstacles."""
+    markers = [Marker(action=Marker.DELETEALL)]
+    if plan is not None:
+        corners = plan.corners
+        markers.append(_line('plan', 0, corners, 0.03, (0.1, 0.4, 1.0)))
+        dots = _line('turning_points', 0, corners, 0.12, (1.0, 0.5, 0.0))
+        dots.type = Marker.SPHERE_LIST
+        markers.append(dots)
+    for index, outline in enumerate(outlines):
+        closed = np.vstack([outline, outline[:1]])
+        markers.append(_line('safety_boundary', index, closed, 0.02, (0.8, 0.1, 0.1)))
+    for marker in markers:
+        marker.header.frame_id = frame
+        marker.header.stamp = stamp
+    return MarkerArray(markers=markers)
+
+
+def _line(
+    namespace: str,
+    number: int,
+    points: NDArray[np.float64],
+    width: float,
+    color: tuple[float, float, float],
+) -> Marker:
+    marker = Marker(ns=namespace, id=number, type=Marker.LINE_STRIP, action=Marker.ADD)
+    marker.pose.orientation.w = 1.0
+    marker.scale.x = marker.scale.y = marker.scale.z = width
+    marker.color = ColorRGBA(r=color[0], g=color[1], b=color[2], a=1.0)
+    marker.points = [Point(x=float(x), y=float(y), z=0.02) for x, y in points]
+    return marker

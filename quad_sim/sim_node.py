@@ -1,0 +1,231 @@
+"""
+The node that walks the robot in simulation and closes the loop.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from nav_msgs.msg import OccupancyGrid, Odometry
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_profile_sensor_data,
+)
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, JointState
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from quad_common.map_file import load_map
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.robot import load_robot
+from quad_common.ros_conversions import time_from_seconds
+from quad_common.ros_node import ERROR, OK, WARN, QuadNode, run_node
+from quad_common.urdf import urdf_from_robot
+from quad_sim.parameters import SimParameters
+from quad_sim.ros_conversions import (
+    base_transform,
+    grid_message,
+    identity_transform,
+    imu_message,
+    joint_state_message,
+    odometry_message,
+    trajectory_from_message,
+)
+from quad_sim.simulation import Simulation, make_simulator
+
+try:
+    from tf2_msgs.msg import TFMessage
+except ImportError:
+    TFMessage = None
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+_CLOCK_RATE = 100.0
+"""Of simulated time, at least [Hz]."""
+
+_LATE = 0.25
+"""Behind its real-time factor by more, the simulator lets the lost time go [s]."""
+
+
+class SimNode(QuadNode[SimParameters]):
+    """Steps the simulation, publishes its state and takes joint trajectories."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        # It makes the simulated time, and so cannot wait for it.
+        super().__init__('sim_node', SimParameters, use_sim_time=False, **kwargs)
+        p = self.parameters
+        robot = load_robot(p.robot)
+        grid = None if p.map_file == 'none' else load_map(p.map_file or sample_map())
+        simulator = make_simulator(p.backend, robot, grid, p.time_step, p.friction, p.gui)
+        self._simulation = Simulation(simulator, robot, Pose2D(*p.start_pose))
+        self._joint_names = robot.joint_names
+        self._rng = np.random.default_rng(p.seed)
+        self._is_paused = False
+        self._steps = 0
+        self._steps_per_clock = max(1, int(1.0 / (_CLOCK_RATE * p.time_step) + 1e-9))
+        self._steps_per_observation = max(1, round(1.0 / (p.sensor_rate * p.time_step)))
+        self._pace_from = (time.monotonic(), 0.0)
+        self._speed_from = (time.monotonic(), 0.0)
+        self._spent = {'physics': 0.0, 'publishing': 0.0}
+
+        sensor = qos_profile_sensor_data
+        self._clock_publisher = self.create_publisher(Clock, '/clock', _CLOCK)
+        self._odometry = self.create_publisher(Odometry, 'odom', sensor)
+        self._joint_states = self.create_publisher(JointState, 'joint_states', sensor)
+        self._imu = self.create_publisher(Imu, 'imu', sensor)
+        self._description = self.create_publisher(String, 'robot_description', _LATCHED)
+        self._map = self.create_publisher(OccupancyGrid, 'map', _LATCHED)
+        self._transforms = self._make_transforms()
+        self.create_subscription(
+            JointTrajectory, 'joint_trajectory', self.guarded(self._on_trajectory), 10
+        )
+        self.create_service(Trigger, 'reset', self._on_reset)
+        self.create_service(Trigger, 'pause', self._on_pause)
+        self.create_service(Trigger, 'unpause', self._on_unpause)
+
+        self._description.publish(String(data=urdf_from_robot(robot)))
+        if grid is not None:
+            self._map.publish(grid_message(grid, p.map_frame, time_from_seconds(0.0)))
+        self._observe()
+        self.update_status()
+
+    def drive(self) -> float:
+        """
+        Simulate up to the next observation, if it is due.
+
+        Returns
+        -------
+        float
+            How long there is nothing to do [s].
+        """
+        if self._is_paused:
+            return 0.1
+        ahead = self._ahead_of_pace()
+        if ahead > 0.0:
+            return min(ahead, 0.1)
+        for _ in range(self._steps_per_observation):
+            began = time.perf_counter()
+            self._simulation.step()
+            self._steps += 1
+            self._spent['physics'] += time.perf_counter() - began
+            if self._steps % self._steps_per_clock == 0:
+                stamp = time_from_seconds(self._simulation.time)
+                self._clock_publisher.publish(Clock(clock=stamp))
+        began = time.perf_counter()
+        self._observe()
+        self._spent['publishing'] += time.perf_counter() - began
+        return 0.0
+
+    def update_status(self) -> None:
+        """Say how the simulation goes."""
+        simulation = self._simulation
+        contacts = ', '.join(sorted(map(str, simulation.contacts_seen)))
+        values = {
+            'time': f'{simulation.time:.2f}',
+            'real_time_factor': f'{self._measured_factor():.2f}',
+            'contacts': contacts,
+            'has_fallen': simulation.has_fallen,
+            'seconds_in_physics': f'{self._spent["physics"]:.3f}',
+            'seconds_publishing': f'{self._spent["publishing"]:.3f}',
+        }
+        if simulation.has_fallen:
+            self.report(ERROR, 'the robot has fallen; reset stands it up again', **values)
+        elif contacts:
+            self.report(WARN, f'contact: {contacts}', **values)
+        elif self._is_paused:
+            self.report(OK, 'paused', **values)
+        else:
+            self.report(OK, 'running', **values)
+
+    def destroy_node(self) -> None:
+        """Release the simulator."""
+        self._simulation.close()
+        super().destroy_node()
+
+    def _ahead_of_pace(self) -> float:
+        factor = self.parameters.real_time_factor
+        if factor == 0.0:
+            return 0.0
+        since, start = self._pace_from
+        now = time.monotonic()
+        ahead = (self._simulation.time - start) / factor - (now - since)
+        if ahead < -_LATE:
+            self._pace_from = (now, self._simulation.time)
+        return ahead
+
+    def _measured_factor(self) -> float:
+        since, start = self._speed_from
+        now, simulated = time.monotonic(), self._simulation.time
+        self._speed_from = (now, simulated)
+        return (simulated - start) / max(now - since, 1e-6)
+
+    def _observe(self) -> None:
+        """Publish the robot's state."""
+        p = self.parameters
+        fine = not self._simulation.contacts_seen and not self._simulation.has_fallen
+        observation = self._simulation.observe()
+        stamp = time_from_seconds(observation.time)
+        odometry = odometry_message(observation, p, self._rng, stamp)
+        # The joints first: who hears of the pose knows the joints that belong to it.
+        self._joint_states.publish(joint_state_message(observation, self._joint_names, stamp))
+        self._imu.publish(imu_message(observation, p, self._rng, stamp))
+        self._odometry.publish(odometry)
+        if self._transforms is not None:
+            self._transforms.publish(TFMessage(transforms=[base_transform(odometry)]))
+        if fine and (self._simulation.contacts_seen or self._simulation.has_fallen):
+            self.update_status()
+
+    def _make_transforms(self) -> Any:
+        if TFMessage is None:
+            self.get_logger().info('tf2_msgs is not installed: no transforms are published')
+            return None
+        p = self.parameters
+        static = self.create_publisher(TFMessage, '/tf_static', _LATCHED)
+        identity = identity_transform(p.map_frame, p.odom_frame, time_from_seconds(0.0))
+        static.publish(TFMessage(transforms=[identity]))
+        return self.create_publisher(TFMessage, '/tf', 100)
+
+    def _on_trajectory(self, message: JointTrajectory) -> None:
+        self._simulation.accept(trajectory_from_message(message))
+
+    def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._simulation.reset()
+        self._observe()
+        self.update_status()
+        response.success = True
+        response.message = 'the robot stands at its start pose; time goes on'
+        return response
+
+    def _on_pause(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._is_paused = True
+        self.update_status()
+        response.success = True
+        response.message = f'paused at {self._simulation.time:.2f} s'
+        return response
+
+    def _on_unpause(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        self._is_paused = False
+        self._pace_from = (time.monotonic(), self._simulation.time)
+        self.update_status()
+        response.success = True
+        response.message = 'running'
+        return response
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the simulator node."""
+    return run_node(SimNode, args, drive=SimNode.drive)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,118 @@
+"""
+Packaging of quadwalk, for pip and for colcon alike.
+
+All metadata is here, because colcon reads it from ``setup.py``; the version is
+the one in ``package.xml``. Files that are not Python go to the places where ROS
+looks for them: ``share/quadwalk`` and ``share/ament_index``, and
+``lib/quadwalk`` so that ``ros2 run`` finds the nodes after a plain pip too.
+"""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from setuptools import find_packages, setup
+
+NAME = 'quadwalk'
+HERE = Path(__file__).resolve().parent
+
+NODES = {
+    'planner_node': 'quad_planner.planner_node:main',
+    'gait_node': 'quad_gait.gait_node:main',
+    'sim_node': 'quad_sim.sim_node:main',
+}
+COMMANDS = {'quadwalk': 'quad_cli.main:main'}
+
+EXTRAS = {
+    # A ROS 2 installation brings its own rclpy and messages: these are for machines without one.
+    'ros': ['ros-jazzy-rclpy[fastrtps]>=7.1', 'ros-jazzy-common-interfaces>=5.3'],
+    # Wheels for Python up to 3.11; above it pip compiles for about seven minutes.
+    'sim': ['pybullet>=3.2.5'],
+    # Recordings of the demo as rosbag2 files, without a ROS installation.
+    'record': ['rosbags>=0.11'],
+    # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
+    'test': ['pytest>=7.4,<9', 'pytest-timeout>=2.1', 'catkin_pkg>=0.5', 'setuptools>=64', 'wheel'],
+    'lint': ['ruff>=0.6', 'mypy>=1.10', 'types-PyYAML'],
+}
+EXTRAS['all'] = [requirement for extra in EXTRAS.values() for requirement in extra]
+
+
+def version() -> str:
+    """Version in ``package.xml``, the one place where it is written."""
+    return ElementTree.parse(HERE / 'package.xml').getroot().findtext('version', '').strip()
+
+
+def readme() -> str:
+    """Text of the README; empty where a build leaves it out."""
+    path = HERE / 'README.md'
+    return path.read_text(encoding='utf-8') if path.is_file() else ''
+
+
+def files(pattern: str) -> list:
+    """Files that match a pattern, relative to this folder as setuptools wants them."""
+    return sorted(str(path.relative_to(HERE)) for path in HERE.glob(pattern) if path.is_file())
+
+
+def tree(folder: str, destination: str) -> list:
+    """Every file below a folder, as ``data_files`` entries that keep its subfolders."""
+    entries = {}
+    for path in files(f'{folder}/**/*'):
+        if '__pycache__' not in path and not Path(path).name.startswith('.'):
+            target = Path(destination) / Path(path).parent
+            entries.setdefault(str(target), []).append(path)
+    return sorted(entries.items())
+
+
+setup(
+    name=NAME,
+    version=version(),
+    description='Path planning, gaits and simulation for quadruped walking robots on ROS 2',
+    long_description=readme(),
+    long_description_content_type='text/markdown',
+    author='The quadwalk developers',
+    maintainer='The quadwalk developers',
+    maintainer_email='maintainers@quadwalk.example',
+    license='Apache-2.0',
+    keywords=['ROS', 'quadruped', 'legged robot', 'gait', 'path planning', 'PyBullet'],
+    classifiers=[
+        'Intended Audience :: Developers',
+        'Intended Audience :: Science/Research',
+        'Programming Language :: Python :: 3',
+        'Programming Language :: Python :: 3.10',
+        'Programming Language :: Python :: 3.11',
+        'Programming Language :: Python :: 3.12',
+        'Topic :: Scientific/Engineering',
+        'Typing :: Typed',
+    ],
+    python_requires='>=3.10',
+    # The lower bounds are what Ubuntu 24.04 has, so a ROS 2 Jazzy installation satisfies them.
+    install_requires=[
+        'numpy>=1.26',
+        'scipy>=1.11',
+        'opencv-python-headless>=4.6',
+        'pillow>=9.1',
+        'pyyaml>=6.0',
+        'matplotlib>=3.6',
+        'rich>=13.0',
+    ],
+    extras_require=EXTRAS,
+    packages=find_packages(include=['quad_*']),
+    package_data={
+        '': ['py.typed'],
+        'quad_common': ['robots/*'],
+        'quad_gait': ['gaits/*'],
+    },
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (f'share/{NAME}', ['package.xml']),
+        *tree('launch', f'share/{NAME}'),
+        *tree('config', f'share/{NAME}'),
+        *tree('maps', f'share/{NAME}'),
+        (f'lib/{NAME}', [f'scripts/{node}' for node in NODES]),
+    ],
+    zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            f'{name} = {target}' for name, target in (NODES | COMMANDS).items()
+        ],
+    },
+)

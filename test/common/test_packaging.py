@@ -1,0 +1,259 @@
+"""
+The packaging says what is true: versions, dependencies, files and entry points agree.
+"""
+
+from __future__ import annotations
+
+import ast
+import fnmatch
+import os
+import runpy
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Imported module: (rosdep key in package.xml, requirement in setup.py). Modules that are not
+# listed are ROS packages, with one name everywhere.
+LIBRARIES = {
+    'PIL': ('python3-pil', 'pillow'),
+    'cv2': ('python3-opencv', 'opencv-python-headless'),
+    'matplotlib': ('python3-matplotlib', 'matplotlib'),
+    'numpy': ('python3-numpy', 'numpy'),
+    'pybullet': ('python3-pybullet-pip', 'pybullet'),
+    'pybullet_data': ('python3-pybullet-pip', 'pybullet'),
+    'pybullet_utils': ('python3-pybullet-pip', 'pybullet'),
+    'rich': ('python3-rich', 'rich'),
+    'rosbags': ('python3-rosbags-pip', 'rosbags'),
+    'scipy': ('python3-scipy', 'scipy'),
+    'yaml': ('python3-yaml', 'pyyaml'),
+}
+
+
+@pytest.fixture(scope='module')
+def metadata() -> dict[str, Any]:
+    """What ``setup.py`` hands to setuptools."""
+    setuptools = pytest.importorskip('setuptools')
+    handed: dict[str, Any] = {}
+    folder = Path.cwd()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(setuptools, 'setup', lambda **arguments: handed.update(arguments))
+        os.chdir(ROOT)
+        try:
+            runpy.run_path(str(ROOT / 'setup.py'))
+        finally:
+            os.chdir(folder)
+    return handed
+
+
+@pytest.fixture(scope='module')
+def manifest() -> ElementTree.Element:
+    """The root element of ``package.xml``."""
+    return ElementTree.parse(ROOT / 'package.xml').getroot()
+
+
+def sources() -> list[Path]:
+    """Every module of the project's packages, and the launch files."""
+    return sorted([*ROOT.glob('quad_*/**/*.py'), *ROOT.glob('launch/*.py')])
+
+
+def imported_modules(path: Path) -> Iterator[str]:
+    """Yield the top-level modules outside the standard library and the project."""
+    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'), str(path))):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module is not None:
+            names = [node.module]
+        for name in names:
+            module = name.split('.')[0]
+            if module not in sys.stdlib_module_names and not module.startswith('quad_'):
+                yield module
+
+
+def requirement_names(requirements: list[str]) -> set[str]:
+    """Names in a list of requirements, without extras, versions and markers."""
+    parse = pytest.importorskip('packaging.requirements').Requirement
+    return {parse(requirement).name.lower() for requirement in requirements}
+
+
+def test_the_version_is_the_same_in_setup_py_and_package_xml(metadata, manifest):
+    assert metadata['version'] == manifest.findtext('version')
+    assert metadata['name'] == manifest.findtext('name') == 'quadwalk'
+    assert metadata['license'] == manifest.findtext('license') == 'Apache-2.0'
+
+
+@pytest.mark.parametrize('path', sources(), ids=lambda path: str(path.relative_to(ROOT)))
+def test_what_a_module_imports_is_declared_in_package_xml(path, manifest):
+    declared = {
+        element.text for element in manifest if element.tag in ('depend', 'exec_depend')
+    }
+    needed = {LIBRARIES.get(name, (name, ''))[0] for name in imported_modules(path)}
+    assert needed <= declared
+
+
+def test_what_the_code_imports_from_pypi_is_required_in_setup_py(metadata):
+    extras = metadata['extras_require']
+    required = requirement_names(
+        metadata['install_requires'] + extras['sim'] + extras['record']
+    )
+    imported = {module for path in sources() for module in imported_modules(path)}
+    assert {LIBRARIES[name][1] for name in imported if name in LIBRARIES} <= required
+
+
+def test_ros_packages_are_no_hard_requirement_of_pip(metadata):
+    names = requirement_names(metadata['install_requires'])
+    assert not {name for name in names if name.startswith('ros') or name == 'rclpy'}
+
+
+def test_package_xml_is_valid():
+    catkin_package = pytest.importorskip('catkin_pkg.package')
+    package = catkin_package.parse_package(str(ROOT))
+    warnings: list[str] = []
+    package.validate(warnings=warnings)
+    assert warnings == []
+    assert package.package_format == 3
+    assert package.get_build_type() == 'ament_python'
+
+
+def test_a_rosdep_key_is_declared_once(manifest):
+    keys = [element.text for element in manifest if element.tag.endswith('depend')]
+    assert sorted(keys) == sorted(set(keys))
+
+
+def test_rosdep_leaves_out_what_only_pip_has_where_pip_may_not_install():
+    catkin_package = pytest.importorskip('catkin_pkg.package')
+    package = catkin_package.parse_package(str(ROOT))
+    package.evaluate_conditions({})
+    installed = {key.name for key in package.exec_depends if key.evaluated_condition}
+    assert 'python3-numpy' in installed
+    assert not {name for name in installed if name.endswith('-pip')}
+
+
+def test_the_changelog_covers_this_version(manifest):
+    changelog = pytest.importorskip('catkin_pkg.changelog')
+    log = changelog.get_changelog_from_path(str(ROOT), 'quadwalk')
+    released = [version for version, _, _ in log.foreach_version()]
+    assert manifest.findtext('version') in released or '\nForthcoming\n----' in log.rst
+
+
+def test_every_entry_point_is_a_function_of_an_existing_module(metadata):
+    for entry in metadata['entry_points']['console_scripts']:
+        module, function = entry.split('=')[1].strip().split(':')
+        path = ROOT.joinpath(*module.split('.')).with_suffix('.py')
+        assert path.is_file(), entry
+        tree = ast.parse(path.read_text(encoding='utf-8'))
+        functions = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
+        assert function in functions, entry
+
+
+def test_every_node_has_an_executable_file_for_ros2_run(metadata):
+    scripts = metadata['entry_points']['console_scripts']
+    commands = {entry.split('=')[0].strip() for entry in scripts}
+    installed = {
+        Path(path)
+        for target, paths in metadata['data_files']
+        if target == 'lib/quadwalk'
+        for path in paths
+    }
+    assert {path.name for path in installed} == {
+        command for command in commands if command.endswith('_node')
+    }
+    assert all(os.access(ROOT / path, os.X_OK) for path in installed)
+
+
+def test_data_files_exist_and_hold_what_ros_looks_for(metadata):
+    files = {
+        f'{target}/{Path(path).name}' for target, paths in metadata['data_files'] for path in paths
+    }
+    assert all((ROOT / path).is_file() for _, paths in metadata['data_files'] for path in paths)
+    assert {
+        'share/ament_index/resource_index/packages/quadwalk',
+        'share/quadwalk/package.xml',
+        'share/quadwalk/launch/walk.launch.py',
+        'share/quadwalk/launch/robot.launch.py',
+        'share/quadwalk/maps/room.yaml',
+    } <= files
+
+
+def test_every_data_file_of_a_package_is_installed(metadata):
+    for package in metadata['packages']:
+        folder = ROOT.joinpath(*package.split('.'))
+        patterns = metadata['package_data'][''] + metadata['package_data'].get(package, [])
+        for path in folder.rglob('*'):
+            name = path.relative_to(folder).as_posix()
+            if path.is_file() and path.suffix not in ('.py', '.pyc'):
+                matching = [pattern for pattern in patterns if fnmatch.fnmatch(name, pattern)]
+                assert matching, f'package_data in setup.py lacks {package}/{name}'
+
+
+def test_every_package_says_that_it_is_typed(metadata):
+    for package in metadata['packages']:
+        if '.' not in package:
+            assert (ROOT / package / 'py.typed').is_file()
+
+
+def test_every_requirement_is_in_the_lock_file_in_a_version_that_it_allows(metadata):
+    parse = pytest.importorskip('packaging.requirements').Requirement
+    locked = {}
+    for line in (ROOT / 'requirements.lock').read_text(encoding='utf-8').splitlines():
+        if line and not line.startswith('#'):
+            assert '==' in line
+            assert '://' not in line
+            requirement = parse(line)
+            locked.setdefault(requirement.name, []).append(
+                str(requirement.specifier).removeprefix('==')
+            )
+    for text in metadata['install_requires'] + metadata['extras_require']['all']:
+        requirement = parse(text)
+        versions = locked.get(requirement.name.lower().replace('_', '-'), [])
+        assert versions, f'{text} is not in requirements.lock: make lock'
+        assert all(version in requirement.specifier for version in versions), text
+
+
+@pytest.mark.parametrize('path', sorted(ROOT.glob('launch/*.py')), ids=lambda path: path.name)
+def test_a_launch_file_compiles_and_describes_a_launch(path):
+    module = ast.parse(path.read_text(encoding='utf-8'))
+    functions = [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
+    assert 'generate_launch_description' in functions
+
+
+@pytest.mark.parametrize(
+    ('launch_file', 'table', 'module', 'parameters'),
+    [
+        ('robot', 'PLANNER_ARGUMENTS', 'quad_planner.parameters', 'PlannerParameters'),
+        ('robot', 'GAIT_ARGUMENTS', 'quad_gait.parameters', 'GaitParameters'),
+        ('walk', 'SIM_ARGUMENTS', 'quad_sim.parameters', 'SimParameters'),
+    ],
+)
+def test_every_launch_argument_is_a_parameter_of_its_node(launch_file, table, module, parameters):
+    tree = ast.parse((ROOT / 'launch' / f'{launch_file}.launch.py').read_text(encoding='utf-8'))
+    [dictionary] = [
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Dict)
+        and isinstance(node.targets[0], ast.Name)
+        and node.targets[0].id == table
+    ]
+    arguments = {key.value for key in dictionary.keys if isinstance(key, ast.Constant)}
+    declared = vars(pytest.importorskip(module))[parameters].__dataclass_fields__
+    assert arguments <= set(declared)
+
+
+@pytest.mark.parametrize('name', ['walk', 'robot'])
+def test_a_launch_file_declares_its_arguments(name):
+    pytest.importorskip('launch_ros')
+    launch = pytest.importorskip('launch')
+    description = runpy.run_path(str(ROOT / 'launch' / f'{name}.launch.py'))
+    arguments = [
+        entity.name
+        for entity in description['generate_launch_description']().entities
+        if isinstance(entity, launch.actions.DeclareLaunchArgument)
+    ]
+    assert {'robot', 'namespace', 'use_sim_time', 'config_directory'} <= set(arguments)
