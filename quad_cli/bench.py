@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if every bar holds."""
-    console = Console(stderr=arguments.json)
+    console = make_console(stderr=arguments.json)
     module = importlib.import_module(BENCHMARKS[arguments.benchmark])
     bars, details = module.measure(console, arguments.quick, arguments.seed)
     if arguments.json:
@@ -68,6 +68,12 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print_bars(console, f'quadwalk bench {arguments.benchmark}', bars)
     return 0 if all(bar.holds is not False for bar in bars) else 1
+
+
+def make_console(stderr: bool) -> Console:
+    """Make a console that does not squeeze tables where there is no terminal."""
+    console = Console(stderr=stderr)
+    return console if console.is_terminal else Console(stderr=stderr, width=160)
 
 
 def print_bars(console: Console, title: str, bars: list[Bar]) -> None:

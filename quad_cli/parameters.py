@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 
-from quad_common.parameters import yaml_from_parameters
+from quad_common.parameters import parameters_of, yaml_from_parameters
 from quad_gait.parameters import GaitParameters
 from quad_planner.parameters import PlannerParameters
 from quad_sim.parameters import SimParameters
@@ -31,5 +31,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    print(yaml_from_parameters(arguments.node, TABLES[arguments.node]), end='')
+    print(yaml_from_parameters(arguments.node, parameters_of(TABLES[arguments.node])), end='')
     return 0

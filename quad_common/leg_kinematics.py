@@ -136,7 +136,7 @@ class YawPitchPitchLeg:
         Returns
         -------
         ndarray, shape (..., 3)
-            Yaw in [-pi, pi), pitch, and knee in [0, pi] [rad].
+            Yaw and pitch in [-pi, pi), and knee in [0, pi] [rad].
 
         Raises
         ------
@@ -157,8 +157,9 @@ class YawPitchPitchLeg:
             raise FootTargetUnreachable(self.name, distance, self.reach())
         q3 = np.arccos(np.clip(cos_knee, -1.0, 1.0))
         q2 = np.arctan2(down, out) - np.arctan2(b * np.sin(q3), d + b * np.cos(q3))
-        direction = np.arctan2(arm[..., 1], arm[..., 0]) - self.outward
-        q1 = (direction + np.pi) % (2.0 * np.pi) - np.pi
+        q1 = np.arctan2(arm[..., 1], arm[..., 0]) - self.outward
+        # The difference of two directions may be a whole turn too far.
+        q1, q2 = ((q + np.pi) % (2.0 * np.pi) - np.pi for q in (q1, q2))
         return np.stack([q1, q2, q3], axis=-1)
 
     def jacobian(self, joint_angles: Array) -> Array:

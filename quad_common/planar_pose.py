@@ -29,7 +29,9 @@ def wrap_angle(angle: float) -> float:
     float
         The same direction, in [-pi, pi) [rad].
     """
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+    wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
+    # Just below -pi the remainder rounds to a whole turn.
+    return wrapped if wrapped < math.pi else -math.pi
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
@@ -52,8 +53,10 @@ class QuadNode(Node, Generic[Table]):
         self, name: str, table: type[Table], use_sim_time: bool = True, **kwargs: Any
     ) -> None:
         super().__init__(name, **kwargs)
-        self._default_to_sim_time(use_sim_time)
-        self.parameters: Table = self._declare(table)
+        given = self._given_values(kwargs.get('parameter_overrides') or [])
+        if 'use_sim_time' not in given:
+            self.set_parameters([RosParameter('use_sim_time', value=use_sim_time)])
+        self.parameters: Table = self._declare(table, given)
         self._diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._status = (OK, 'starting')
         self._values: dict[str, object] = {}
@@ -144,18 +147,26 @@ class QuadNode(Node, Generic[Table]):
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
-    def _default_to_sim_time(self, use_sim_time: bool) -> None:
+    def _given_values(self, overrides: list[RosParameter]) -> dict[str, object]:
+        """Return what the command line, parameter files and the constructor set."""
         with self.handle:
-            given = self.handle.get_parameters(RosParameter)
-        if 'use_sim_time' not in given:
-            self.set_parameters([RosParameter('use_sim_time', value=use_sim_time)])
+            given = dict(self.handle.get_parameters(RosParameter))
+        given.update({parameter.name: parameter for parameter in overrides})
+        return {name: _plain(parameter.value) for name, parameter in given.items()}
 
-    def _declare(self, table: type[Table]) -> Table:
-        for parameter in parameters_of(table):
-            self.declare_parameter(parameter.name, parameter.default, _descriptor(parameter))
-        return checked_parameters(
-            table, {p.name: _plain(self.get_parameter(p.name).value) for p in parameters_of(table)}
-        )
+    def _declare(self, table: type[Table], given: dict[str, object]) -> Table:
+        """Declare the parameters with checked values, so that refusals are our sentences."""
+        declared = parameters_of(table)
+        names = [parameter.name for parameter in declared]
+        checked = checked_parameters(table, {n: given[n] for n in names if n in given})
+        for parameter in declared:
+            self.declare_parameter(
+                parameter.name,
+                getattr(checked, parameter.name),
+                _descriptor(parameter),
+                ignore_override=True,
+            )
+        return checked
 
 
 def run_node(
@@ -184,13 +195,13 @@ def run_node(
     try:
         rclpy.init(args=args)
         node = make_node()
-        executor = _make_executor()
+        executor = make_executor()
         executor.add_node(node)
         while rclpy.ok():
             executor.spin_once(timeout_sec=0.5 if drive is None else drive(node))
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except QuadError as error:
+    except (QuadError, ParameterException) as error:
         print(f'error: {error}', file=sys.stderr)
         return 2
     except Exception:
@@ -206,15 +217,27 @@ def run_node(
     return 0
 
 
-def _make_executor() -> Any:
-    """Make the executor with the least cost per message that rclpy has."""
+def make_executor(context: Any = None) -> Any:
+    """
+    Make the executor with the least cost per message that rclpy has.
+
+    Parameters
+    ----------
+    context : rclpy.Context, optional
+        The default one if not given.
+
+    Returns
+    -------
+    rclpy.executors.Executor
+        Call its ``spin_once`` in a loop: its ``spin`` runs no callbacks in some releases.
+    """
     try:
         from rclpy.experimental import EventsExecutor
     except ImportError:
         from rclpy.executors import SingleThreadedExecutor
 
-        return SingleThreadedExecutor()
-    return EventsExecutor()
+        return SingleThreadedExecutor(context=context)
+    return EventsExecutor(context=context)
 
 
 def _plain(value: Any) -> object:

@@ -128,8 +128,9 @@ class GaitNode(QuadNode[GaitParameters]):
             markers = foothold_markers(controller.footholds(), self._frame, stamp)
             self._footholds.publish(markers)
         self._margins.publish(Float64(data=controller.margin_at(now)))
-        polygon = controller.support_polygon_at(now, pose)
-        self._polygons.publish(polygon_message(polygon, self._frame, stamp))
+        if self._polygons.get_subscription_count() > 0:
+            polygon = controller.support_polygon_at(now, pose)
+            self._polygons.publish(polygon_message(polygon, self._frame, stamp))
         if controller.reason != said:
             self._distance_left = controller.distance_left(pose)
             self.update_status()

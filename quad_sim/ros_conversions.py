@@ -81,18 +81,36 @@ def grid_message(grid: OccupancyGrid, frame: str, stamp: Time) -> OccupancyGridM
 
 
 def odometry_message(
-    observation: Observation, parameters: SimParameters, rng: np.random.Generator, stamp: Time
+    observation: Observation, parameters: SimParameters, noise: NDArray[np.float64], stamp: Time
 ) -> Odometry:
-    """Write odometry: the truth, with the noise that its covariance states."""
+    """
+    Write odometry: the truth, with the noise that its covariance states.
+
+    Parameters
+    ----------
+    observation : Observation
+        The robot's true state.
+    parameters : SimParameters
+        Frames and standard deviations.
+    noise : ndarray, shape (4,)
+        Standard normal numbers, for x, y, z and the heading.
+    stamp : Time
+        Of the observation.
+
+    Returns
+    -------
+    nav_msgs/Odometry
+        Pose in the odometry's frame, velocities in the body's.
+    """
     p = parameters
     message = Odometry(child_frame_id=p.base_frame)
     message.header.frame_id = p.odom_frame
     message.header.stamp = stamp
-    x, y, z = observation.position + p.odom_position_noise * rng.standard_normal(3)
+    x, y, z = observation.position + p.odom_position_noise * noise[:3]
     position = message.pose.pose.position
     position.x, position.y, position.z = float(x), float(y), float(z)
     qx, qy, qz, qw = observation.orientation
-    half = 0.5 * p.odom_yaw_noise * rng.standard_normal()
+    half = 0.5 * p.odom_yaw_noise * noise[3]
     # A small turn about the vertical, before the orientation.
     s, c = float(np.sin(half)), float(np.cos(half))
     message.pose.pose.orientation = Quaternion(
@@ -112,9 +130,27 @@ def odometry_message(
 
 
 def imu_message(
-    observation: Observation, parameters: SimParameters, rng: np.random.Generator, stamp: Time
+    observation: Observation, parameters: SimParameters, noise: NDArray[np.float64], stamp: Time
 ) -> Imu:
-    """Write what an imu at base_link measures, with the noise that its covariance states."""
+    """
+    Write what an imu at base_link measures, with the noise that its covariance states.
+
+    Parameters
+    ----------
+    observation : Observation
+        The robot's true state.
+    parameters : SimParameters
+        Frames and standard deviations.
+    noise : ndarray, shape (2, 3)
+        Standard normal numbers, for the angular velocity and for the acceleration.
+    stamp : Time
+        Of the observation.
+
+    Returns
+    -------
+    sensor_msgs/Imu
+        In the body's axes.
+    """
     p = parameters
     message = Imu()
     message.header.frame_id = p.base_frame
@@ -123,8 +159,8 @@ def imu_message(
     message.orientation = Quaternion(x=x, y=y, z=z, w=w)
     turning = observation.angular_velocity_base_in_base
     force = observation.specific_force_in_base
-    message.angular_velocity = _vector(turning + p.gyroscope_noise * rng.standard_normal(3))
-    message.linear_acceleration = _vector(force + p.accelerometer_noise * rng.standard_normal(3))
+    message.angular_velocity = _vector(turning + p.gyroscope_noise * noise[0])
+    message.linear_acceleration = _vector(force + p.accelerometer_noise * noise[1])
     message.orientation_covariance[0:9:4] = np.full(3, _EXACT)
     message.angular_velocity_covariance[0:9:4] = np.full(3, max(p.gyroscope_noise**2, _EXACT))
     message.linear_acceleration_covariance[0:9:4] = np.full(

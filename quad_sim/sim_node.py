@@ -173,10 +173,13 @@ class SimNode(QuadNode[SimParameters]):
         fine = not self._simulation.contacts_seen and not self._simulation.has_fallen
         observation = self._simulation.observe()
         stamp = time_from_seconds(observation.time)
-        odometry = odometry_message(observation, p, self._rng, stamp)
+        odometry = odometry_message(observation, p, self._rng.standard_normal(4), stamp)
         # The joints first: who hears of the pose knows the joints that belong to it.
         self._joint_states.publish(joint_state_message(observation, self._joint_names, stamp))
-        self._imu.publish(imu_message(observation, p, self._rng, stamp))
+        # Its noise is drawn in any case: who listens must not change the run.
+        noise = self._rng.standard_normal((2, 3))
+        if self._imu.get_subscription_count() > 0:
+            self._imu.publish(imu_message(observation, p, noise, stamp))
         self._odometry.publish(odometry)
         if self._transforms is not None:
             self._transforms.publish(TFMessage(transforms=[base_transform(odometry)]))

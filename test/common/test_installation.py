@@ -4,6 +4,7 @@ A plain pip installation has every file where Python and ROS look for it.
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -21,7 +22,8 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(60)]
 def prefix(tmp_path_factory) -> Path:
     """Install a copy of the source tree, with pip and without the network."""
     for tool in ('pip', 'setuptools', 'wheel'):
-        pytest.importorskip(tool)
+        if importlib.util.find_spec(tool) is None:
+            pytest.skip(f'{tool} is not installed')
     folder = tmp_path_factory.mktemp('installation')
     unwanted = shutil.ignore_patterns(
         '.*', '__pycache__', '*.egg-info', 'build', 'install', 'log', 'dist', 'output', 'test'

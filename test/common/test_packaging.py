@@ -6,8 +6,11 @@ from __future__ import annotations
 
 import ast
 import fnmatch
+import importlib.util
+import json
 import os
 import runpy
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -38,17 +41,19 @@ LIBRARIES = {
 @pytest.fixture(scope='module')
 def metadata() -> dict[str, Any]:
     """What ``setup.py`` hands to setuptools."""
-    setuptools = pytest.importorskip('setuptools')
-    handed: dict[str, Any] = {}
-    folder = Path.cwd()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(setuptools, 'setup', lambda **arguments: handed.update(arguments))
-        os.chdir(ROOT)
-        try:
-            runpy.run_path(str(ROOT / 'setup.py'))
-        finally:
-            os.chdir(folder)
-    return handed
+    if importlib.util.find_spec('setuptools') is None:
+        pytest.skip('setuptools is not installed')
+    # In a process of its own: setuptools wants to be imported before any distutils.
+    code = (
+        'import json, runpy, setuptools;'
+        'setuptools.setup = lambda **metadata: print(json.dumps(metadata));'
+        'runpy.run_path("setup.py")'
+    )
+    result = subprocess.run(
+        [sys.executable, '-c', code], capture_output=True, text=True, check=False, cwd=ROOT
+    )
+    assert result.returncode == 0, result.stderr
+    return json.loads(result.stdout)
 
 
 @pytest.fixture(scope='module')

@@ -1,0 +1,101 @@
+"""Stride and turn of a gait cycle follow from the leg, as S0 sec. 4 has it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from quad_common.errors import RobotModelError
+from quad_common.reach import largest_stretch, largest_stride, largest_turn
+from quad_common.robot import load_robot
+
+ROBOT = load_robot('titan_viii')
+LEG = ROBOT.legs[0]
+
+# S0 sec. 6 [mm].
+A, B, D, E, L0, H0, ROUGHNESS = 43.0, 200.0, 155.0, 45.0, 200.0, 243.0, 45.0
+M, N = 101.0, 201.0
+
+
+def test_the_largest_stretch_is_equation_16_with_e_outside_the_root():
+    expected = math.sqrt((B + D) ** 2 - (H0 + ROUGHNESS - A) ** 2) + E
+    assert 1e3 * largest_stretch(LEG, 0.243, 0.045) == pytest.approx(expected)
+
+
+def test_with_e_inside_the_root_as_printed_the_leg_could_not_even_stand():
+    # The paper's printed e is a length under a root of areas; in millimetres:
+    printed = math.sqrt((B + D) ** 2 - (H0 + ROUGHNESS - A) ** 2 + E)
+    corrected = 1e3 * largest_stretch(LEG, 0.243, 0.045)
+    assert corrected - printed == pytest.approx(E, abs=0.1)
+    assert math.sqrt(corrected**2 - L0**2) == pytest.approx(226.2, abs=0.05)
+    # The paper's stride is out of reach with the printed formula.
+    assert math.sqrt(printed**2 - L0**2) < 0.8 * 226.0
+
+
+def test_at_the_largest_stretch_the_leg_is_straight():
+    stretch = largest_stretch(LEG, ROBOT.hip_height, ROBOT.roughness)
+    foot = np.asarray(LEG.hip) + [0.0, stretch, -(ROBOT.hip_height + ROBOT.roughness)]
+    _, _, knee = LEG.inverse(foot * (1.0 - 1e-12))
+    assert knee == pytest.approx(0.0, abs=1e-4)
+
+
+def test_the_largest_stride_is_226_mm():
+    assert 1e3 * ROBOT.largest_stride == pytest.approx(226.2, abs=0.05)
+    assert round(1e3 * ROBOT.largest_stride) == 226
+
+
+def test_at_the_largest_stride_the_foot_is_at_the_largest_stretch():
+    stretch = largest_stretch(LEG, ROBOT.hip_height, ROBOT.roughness)
+    assert math.hypot(ROBOT.largest_stride, ROBOT.stance_reach) == pytest.approx(stretch)
+
+
+def test_the_largest_turn_is_44_degrees():
+    assert math.degrees(ROBOT.largest_turn) == pytest.approx(44.1, abs=0.05)
+    assert round(math.degrees(ROBOT.largest_turn)) == 44
+
+
+def test_the_chord_of_the_largest_turn_is_the_largest_stride():
+    chord = 2.0 * (0.101 + 0.200) * math.sin(ROBOT.largest_turn / 2.0)
+    assert chord == pytest.approx(ROBOT.largest_stride)
+
+
+def test_a_stride_as_long_as_the_circle_is_wide_is_half_a_turn_and_never_more():
+    assert largest_turn(0.6, 0.3) == pytest.approx(math.pi)
+    assert largest_turn(5.0, 0.3) == pytest.approx(math.pi)
+
+
+def test_the_mesh_is_628_mm():
+    assert round(1e3 * ROBOT.mesh_size) == 628
+    assert 1e3 * ROBOT.mesh_size == pytest.approx(2.0 * N + 226.2, abs=0.05)
+
+
+def test_rougher_ground_shortens_the_stride():
+    strides = [
+        largest_stride(largest_stretch(LEG, 0.243, roughness), 0.2)
+        for roughness in (0.0, 0.02, 0.045, 0.08)
+    ]
+    assert strides == sorted(strides, reverse=True)
+
+
+def test_a_leg_that_cannot_reach_the_ground_is_refused_with_the_numbers():
+    with pytest.raises(RobotModelError, match=r'leg lf is 0\.355 m long .* reach 0\.400 m down'):
+        largest_stretch(LEG, 0.243, 0.2)
+
+
+def test_a_leg_that_just_reaches_the_ground_stretches_to_its_offset_only():
+    straight_down = LEG.hip_drop + LEG.thigh_length + LEG.calf_length
+    assert largest_stretch(LEG, straight_down - 1e-12, 0.0) == pytest.approx(0.045, abs=1e-5)
+
+
+def test_a_posture_beyond_the_stretch_is_refused_with_the_numbers():
+    with pytest.raises(RobotModelError, match=r'0\.150 m is less than .* needs, 0\.200 m'):
+        largest_stride(0.15, 0.2)
+    assert largest_stride(0.2, 0.2) == 0.0
+
+
+def test_the_figures_of_a_robot_follow_from_its_data():
+    longer = replace(ROBOT, roughness=0.0)
+    assert longer.largest_stride == pytest.approx(
+        math.sqrt((math.sqrt(0.355**2 - 0.2**2) + 0.045) ** 2 - 0.2**2)
+    )
