@@ -27,8 +27,8 @@ from quad_planner.planner import Planner, make_planner
 from quad_sim.simulation import make_simulator
 
 PAIRS = 30
-QUICK_PAIRS = 2
-QUICK_LENGTH = 2.0
+QUICK_PAIRS = 4
+QUICK_LENGTH = 1.5
 """Longest path of the quick sample [m]."""
 
 OTHERS_MAPS = ('depot', 'warehouse')
@@ -56,7 +56,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
         The bars, and details for JSON: every walk's figures.
     """
     robot = load_robot(_ROBOT)
-    maps = benchmark_maps(console, quick)
+    maps = benchmark_maps()
     longest = QUICK_LENGTH if quick else math.inf
     pairs = draw_pairs(robot, maps, QUICK_PAIRS if quick else PAIRS, longest, seed)
     bare = bare_factor(robot, 1.0 if quick else 5.0)
@@ -68,10 +68,11 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
         _say(console, number, len(pairs), path.stem, result)
     results = [result for _, _, result in walks]
     _print_walks(console, walks)
-    has_others = {*OTHERS_MAPS} <= {path.stem for path in maps}
     bars = _bars(results, bare, [record for _, record, _ in walks])
-    if not quick and not has_others:
-        console.print('The maps depot and warehouse were not found: set QUADWALK_MAPS.')
+    others = len({path.stem for path in maps} & set(OTHERS_MAPS))
+    bars.insert(0, at_least('maps of others walked on', others, f'of {len(OTHERS_MAPS)}', 2))
+    if others < len(OTHERS_MAPS):
+        console.print("Nav2's maps depot and warehouse were not found: set QUADWALK_MAPS.")
     details: dict[str, object] = {
         'quick': quick,
         'seed': seed,
@@ -81,11 +82,9 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     return bars, details
 
 
-def benchmark_maps(console: Console, quick: bool) -> list[Path]:
+def benchmark_maps() -> list[Path]:
     """List the maps to walk on: the samples, and those of others that are there."""
     maps = [sample_map('room'), sample_map('office')]
-    if quick:
-        return maps[:1]
     beside = Path(__file__).resolve().parents[2] / 'shared' / 'maps' / 'ros'
     folder = Path(os.environ.get('QUADWALK_MAPS', beside))
     for name in OTHERS_MAPS:
@@ -172,10 +171,17 @@ def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> 
     physics = sum(record.seconds_in_physics for record in records)
     publishing = sum(record.seconds_publishing for record in records)
     return [
-        at_least('walks that arrived', sum(r.arrived for r in results), f'of {len(results)}', len(results)),
+        at_least(
+            'walks that arrived',
+            sum(r.arrived for r in results),
+            f'of {len(results)}',
+            len(results),
+        ),
         at_most('largest final position error', _worst(results, 'position_error'), 'm', 0.05),
         at_most('largest final heading error', _worst(results, 'heading_error'), 'deg', 5.0),
-        at_most('largest distance from the path', _worst(results, 'largest_path_distance'), 'm', 0.10),
+        at_most(
+            'largest distance from the path', _worst(results, 'largest_path_distance'), 'm', 0.10
+        ),
         at_most('walks with contacts', sum(bool(r.contacts) for r in results), '', 0),
         at_most('falls', sum(r.fallen for r in results), '', 0),
         at_least('least planned stability margin', _least_margin(results), 'm', 0.0),
@@ -184,7 +190,11 @@ def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> 
         figure('share of the bare speed', factor / bare if factor else None, ''),
         figure('wall time: physics', physics / wall if wall else None, 'share'),
         figure('wall time: observing and publishing', publishing / wall if wall else None, 'share'),
-        figure('wall time: hearing, waiting', 1.0 - (physics + publishing) / wall if wall else None, 'share'),
+        figure(
+            'wall time: hearing, waiting',
+            1.0 - (physics + publishing) / wall if wall else None,
+            'share',
+        ),
         figure('walked', sum(r.walked_distance for r in results), 'm'),
         figure('mean walking speed along the path', _speed(results), 'm/s'),
     ]
@@ -218,16 +228,33 @@ def _say(console: Console, number: int, count: int, name: str, result: WalkResul
 
 def _print_walks(console: Console, walks: list[tuple[str, WalkRecord, WalkResult]]) -> None:
     table = Table(
-        'map', 'arrived', 'path [m]', 'turning points', 'time [s]', 'position error [m]',
-        'heading error [deg]', 'from path [m]', 'least margin [m]', 'contacts', 'x real time',
+        'map',
+        'arrived',
+        'path [m]',
+        'turning points',
+        'time [s]',
+        'position error [m]',
+        'heading error [deg]',
+        'from path [m]',
+        'least margin [m]',
+        'contacts',
+        'x real time',
     )
     for name, _, r in walks:
         numbers = (
-            r.position_error, r.heading_error, r.largest_path_distance, r.least_stability_margin,
+            r.position_error,
+            r.heading_error,
+            r.largest_path_distance,
+            r.least_stability_margin,
         )
         table.add_row(
-            name, 'yes' if r.arrived else 'NO', f'{r.path_length or 0.0:.1f}', str(r.turning_points),
-            f'{r.walking_time:.0f}', *('-' if n is None else f'{n:.3f}' for n in numbers),
-            r.contacts or 'none', f'{r.real_time_factor or 0.0:.1f}',
+            name,
+            'yes' if r.arrived else 'NO',
+            f'{r.path_length or 0.0:.1f}',
+            str(r.turning_points),
+            f'{r.walking_time:.0f}',
+            *('-' if n is None else f'{n:.3f}' for n in numbers),
+            r.contacts or 'none',
+            f'{r.real_time_factor or 0.0:.1f}',
         )
     console.print(table)

@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
                 task,
                 total=plan.length,
                 completed=max(0.0, plan.length - left),
-                state=f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f} x real time',
+                state=f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f}x real time',
             )
 
         record = walk(options, show)

@@ -94,12 +94,18 @@ class NodeProcess:
         Its ROS parameters.
     log : Path
         Where its output goes.
+    namespace : str
+        Of its topics and services.
     """
 
-    def __init__(self, name: str, parameters: Mapping[str, object], log: Path) -> None:
+    def __init__(
+        self, name: str, parameters: Mapping[str, object], log: Path, namespace: str = ''
+    ) -> None:
         self.name = name
         self._log = log
         arguments = [part for key, value in parameters.items() for part in ('-p', _set(key, value))]
+        if namespace:
+            arguments += ['-r', f'__ns:=/{namespace.strip("/")}']
         environment = dict(os.environ, PYTHONUNBUFFERED='1')
         # The wheels of rclpy leave it behind to start each python once more only.
         environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
@@ -144,9 +150,17 @@ class NodeProcess:
 
 
 class NodeProcesses:
-    """Nodes that are ended together when the block ends."""
+    """
+    Nodes that are ended together when the block ends.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    namespace : str
+        Of their topics and services.
+    """
+
+    def __init__(self, namespace: str = '') -> None:
+        self._namespace = namespace
         self._folder = tempfile.TemporaryDirectory(prefix='quadwalk_')
         self._running: dict[str, NodeProcess] = {}
 
@@ -166,7 +180,7 @@ class NodeProcesses:
     def start(self, name: str, **parameters: object) -> NodeProcess:
         """Start a node, or start it again."""
         log = Path(self._folder.name) / f'{name}.log'
-        self._running[name] = NodeProcess(name, parameters, log)
+        self._running[name] = NodeProcess(name, parameters, log, self._namespace)
         return self._running[name]
 
     def check(self) -> None:

@@ -66,9 +66,7 @@ def draw_walk(
     if record is not None:
         if record.footholds:
             feet = np.concatenate(record.footholds)
-            axes.plot(
-                feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds'
-            )
+            axes.plot(feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds')
         track = np.array([(pose.x, pose.y) for pose in record.poses]).reshape(-1, 2)
         axes.plot(track[:, 0], track[:, 1], color='#d62728', linewidth=1.2, label='walked')
     if plan is not None:
@@ -127,11 +125,8 @@ def _draw_map(axes: Axes, grid: OccupancyGrid, clearance_radius: float) -> None:
 
 def _draw_mesh(axes: Axes, grid: OccupancyGrid, mesh_size: float) -> None:
     width, height = grid.width * grid.resolution, grid.height * grid.resolution
-    lines = []
-    for x in np.arange(0.0, width + 1e-9, mesh_size):
-        lines.append([(x, 0.0), (x, height)])
-    for y in np.arange(0.0, height + 1e-9, mesh_size):
-        lines.append([(0.0, y), (width, y)])
+    lines = [[(x, 0.0), (x, height)] for x in np.arange(0.0, width + 1e-9, mesh_size)]
+    lines += [[(0.0, y), (width, y)] for y in np.arange(0.0, height + 1e-9, mesh_size)]
     for index, line in enumerate(lines):
         ends = grid.origin.transform(np.array(line))
         axes.plot(
@@ -156,7 +151,9 @@ def _draw_pose(axes: Axes, robot: Robot, pose: Pose2D, color: str, label: str) -
     axes.plot([], [], color=color, label=label)
 
 
-def _frame(figure: Figure, axes: Axes, interest: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
+def _frame(
+    figure: Figure, axes: Axes, interest: NDArray[np.float64], corners: NDArray[np.float64]
+) -> None:
     """Show what is of interest, the map's surroundings of it included."""
     low = np.maximum(interest.min(axis=0) - 2.0 * _MARGIN, corners.min(axis=0) - 0.2)
     high = np.minimum(interest.max(axis=0) + 2.0 * _MARGIN, corners.max(axis=0) + 0.2)

@@ -47,9 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     robot = load_robot(arguments.robot)
     grid = load_map(arguments.map or sample_map())
     clearance = robot.footprint_radius + arguments.safety_distance
-    planner = make_planner(
-        arguments.method, mesh_size=robot.mesh_size, clearance_radius=clearance
-    )
+    planner = make_planner(arguments.method, mesh_size=robot.mesh_size, clearance_radius=clearance)
     began = time.perf_counter()
     planner.set_map(grid)
     prepared = time.perf_counter()
@@ -76,7 +74,5 @@ def run(arguments: argparse.Namespace) -> int:
         # Imported late: matplotlib is slow to import.
         from quad_cli.picture import draw_walk
 
-        draw_walk(
-            arguments.picture, grid, robot, clearance, plan, arguments.start, arguments.goal
-        )
+        draw_walk(arguments.picture, grid, robot, clearance, plan, arguments.start, arguments.goal)
     return 0

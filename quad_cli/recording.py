@@ -16,7 +16,9 @@ try:
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 except ImportError:
-    Writer = None
+    _CAN_RECORD = False
+else:
+    _CAN_RECORD = True
 
 
 class Recording:
@@ -35,7 +37,7 @@ class Recording:
     """
 
     def __init__(self, folder: Path) -> None:
-        if Writer is None:
+        if not _CAN_RECORD:
             raise MissingOptionalDependency('rosbags', 'pip install rosbags')
         if (folder / 'metadata.yaml').is_file():
             shutil.rmtree(folder)
@@ -81,4 +83,4 @@ class Recording:
 
 def can_record() -> bool:
     """Return whether the package that writes recordings is installed."""
-    return Writer is not None
+    return _CAN_RECORD

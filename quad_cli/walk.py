@@ -80,7 +80,7 @@ def walk(
         If a node ends on its own.
     """
     with isolated_domain(), NodeProcesses() as nodes:
-        planner = {'robot': options.robot, 'method': options.method}
+        planner: dict[str, object] = {'robot': options.robot, 'method': options.method}
         if options.safety_distance is not None:
             planner['safety_distance'] = options.safety_distance
         nodes.start(
@@ -98,9 +98,11 @@ def walk(
         if options.recording is None:
             with WalkObserver(options.goal) as observer:
                 return _watch(observer, nodes, on_progress)
-        with Recording(options.recording) as recording:
-            with WalkObserver(options.goal, recording) as observer:
-                return _watch(observer, nodes, on_progress)
+        with (
+            Recording(options.recording) as recording,
+            WalkObserver(options.goal, recording) as observer,
+        ):
+            return _watch(observer, nodes, on_progress)
 
 
 def _watch(

@@ -57,6 +57,7 @@ class WalkObserver:
         self.pose: Pose2D | None = None
         self._recording = recording
         self._goal_given = False
+        self._spent_before = [0.0, 0.0]
         self._context = rclpy.Context()
         rclpy.init(context=self._context)
         self._node = rclpy.create_node('quadwalk_cli', context=self._context)
@@ -152,6 +153,13 @@ class WalkObserver:
     def _on_margin(self, message: Float64) -> None:
         self.record.least_margin = min(self.record.least_margin, message.data)
 
+    def _note_spent_time(self, values: dict[str, str]) -> None:
+        spent = [float(values.get(f'seconds_{what}', 0.0)) for what in ('in_physics', 'publishing')]
+        if not self._goal_given:
+            self._spent_before = spent
+        self.record.seconds_in_physics = spent[0] - self._spent_before[0]
+        self.record.seconds_publishing = spent[1] - self._spent_before[1]
+
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         record = self.record
         for status in message.status:
@@ -160,7 +168,7 @@ class WalkObserver:
             if status.name == 'sim_node' and self._goal_given:
                 record.contacts = values.get('contacts', '')
                 record.has_fallen = values.get('has_fallen') == 'True'
-                record.seconds_in_physics = float(values.get('seconds_in_physics', 0.0))
-                record.seconds_publishing = float(values.get('seconds_publishing', 0.0))
+            if status.name == 'sim_node':
+                self._note_spent_time(values)
             if status.name == 'gait_node' and record.plans:
                 record.has_arrived = record.has_arrived or values.get('activity') == 'arrived'

@@ -101,8 +101,12 @@ class YawPitchPitchLeg:
         down = np.array([0.0, 0.0, -1.0])
         theta3 = q2 + q3
         pitch_axis = np.asarray(self.hip) + e * radial + a * down
-        knee = pitch_axis + (d * np.cos(q2))[..., None] * radial + (d * np.sin(q2))[..., None] * down
-        foot = knee + (b * np.cos(theta3))[..., None] * radial + (b * np.sin(theta3))[..., None] * down
+        knee = (
+            pitch_axis + (d * np.cos(q2))[..., None] * radial + (d * np.sin(q2))[..., None] * down
+        )
+        foot = (
+            knee + (b * np.cos(theta3))[..., None] * radial + (b * np.sin(theta3))[..., None] * down
+        )
         return pitch_axis, knee, foot
 
     def forward(self, joint_angles: Array) -> Array:

@@ -12,11 +12,12 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar, Union
+from numbers import Real
+from typing import Any, TypeVar
 
 from quad_common.errors import ParameterError
 
-Value = Union[bool, int, float, str, list[float]]
+Value = bool | int | float | str | list[float]
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,11 @@ class Parameter:
 
     def _check_list(self, value: object) -> list[float]:
         valid = f'{self.length} finite numbers'
-        try:
-            numbers = [float(item) for item in value]  # type: ignore[attr-defined]
-        except (TypeError, ValueError):
-            raise ParameterError(self.name, value, valid) from None
-        if len(numbers) != self.length or not all(map(math.isfinite, numbers)):
-            raise ParameterError(self.name, numbers, valid)
-        return numbers
+        items = list(value) if isinstance(value, Iterable) else []
+        are_numbers = all(isinstance(item, Real) and not isinstance(item, bool) for item in items)
+        if len(items) != self.length or not are_numbers or not all(map(math.isfinite, items)):
+            raise ParameterError(self.name, value, valid)
+        return [float(item) for item in items]
 
     def _check_number(self, value: object) -> float | int:
         is_integer = isinstance(self.default, int)
@@ -214,7 +213,9 @@ def valid_range(parameter: Parameter) -> str:
         return ''
     low = '' if parameter.lower is None else f'{parameter.lower:g}'
     high = '' if parameter.upper is None else f'{parameter.upper:g}'
-    return f'{low} to {high}' if low and high else f'at least {low}' if low else ''
+    if low and high:
+        return f'{low} to {high}'
+    return f'at least {low}' if low else f'at most {high}' if high else ''
 
 
 def _comment(parameter: Parameter) -> str:
@@ -226,7 +227,9 @@ def _yaml(value: Value) -> str:
     if isinstance(value, bool):
         return 'true' if value else 'false'
     if isinstance(value, str):
-        return f"'{value}'"
+        return "'" + value.replace("'", "''") + "'"
     if isinstance(value, list):
-        return '[' + ', '.join(repr(float(item)) for item in value) + ']'
-    return repr(value)
+        return '[' + ', '.join(_yaml(float(item)) for item in value) + ']'
+    # YAML 1.1 takes 1e-05 for a text: its numbers have a point.
+    mantissa, exponent, power = repr(value).partition('e')
+    return f'{mantissa}.0e{power}' if exponent and '.' not in mantissa else repr(value)

@@ -198,7 +198,8 @@ class Robot:
         jacobians = np.stack(
             [leg.jacobian(joint_angles[..., k, :]) for k, leg in enumerate(self.legs)], axis=-3
         )
-        return np.linalg.solve(jacobians, foot_velocities[..., None])[..., 0]
+        solution = np.linalg.solve(jacobians, foot_velocities[..., None])[..., 0]
+        return np.asarray(solution, dtype=np.float64)
 
     def center_of_mass(self, joint_angles: Array) -> Array:
         """
@@ -295,8 +296,8 @@ def load_robot(robot: str | Path) -> Robot:
         )
     try:
         document = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except yaml.YAMLError as error:
-        raise RobotModelError(f'{path} is not YAML: {error}') from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise RobotModelError(f'{path} is not YAML: {" ".join(str(error).split())}') from error
     if not isinstance(document, dict):
         raise RobotModelError(f'{path} must hold a mapping of a robot’s numbers')
     return _robot_from_document(document, path)
@@ -311,6 +312,21 @@ class _Numbers:
         self.sources: dict[str, str] = {}
 
     def __call__(self, name: str, positive: bool = False) -> float:
+        value = self._value(name)
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value):
+            raise RobotModelError(f"{self._path}: '{name}' is {value!r}; it must be a number")
+        if positive and not value > 0:
+            raise RobotModelError(f"{self._path}: '{name}' is {value}; it must be positive")
+        return float(value)
+
+    def is_true(self, name: str) -> bool:
+        value = self._value(name)
+        if not isinstance(value, bool):
+            raise RobotModelError(f"{self._path}: '{name}' is {value!r}; it must be true or false")
+        return value
+
+    def _value(self, name: str) -> Any:
         node: Any = self._document
         for key in name.split('.'):
             if not isinstance(node, Mapping) or key not in node:
@@ -320,22 +336,15 @@ class _Numbers:
             raise RobotModelError(
                 f"{self._path}: '{name}' must be given as {{value: ..., source: ...}}"
             )
-        value = node['value']
-        if not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise RobotModelError(f"{self._path}: '{name}' is {value!r}; it must be a number")
-        if positive and not value > 0:
-            raise RobotModelError(f"{self._path}: '{name}' is {value}; it must be positive")
         self.sources[name] = str(node['source'])
-        return float(value)
+        return node['value']
 
 
 def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     number = _Numbers(document, path)
     leg_type = document.get('leg_type')
     if leg_type != 'yaw_pitch_pitch':
-        raise RobotModelError(
-            f"{path}: leg_type is {leg_type!r}; available: 'yaw_pitch_pitch'"
-        )
+        raise RobotModelError(f"{path}: leg_type is {leg_type!r}; available: 'yaw_pitch_pitch'")
     half_length = number('body.hip_half_length', positive=True)
     half_width = number('body.hip_half_width', positive=True)
     legs = tuple(
@@ -371,7 +380,7 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     robot = Robot(
         name=str(document.get('name', path.stem)),
         legs=legs,
-        knee_is_absolute=bool(number('drive.knee_is_absolute')),
+        knee_is_absolute=number.is_true('drive.knee_is_absolute'),
         body_size=(
             number('body.length', positive=True),
             number('body.width', positive=True),

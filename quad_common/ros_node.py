@@ -193,7 +193,11 @@ def run_node(
     """
     node = None
     try:
-        rclpy.init(args=args)
+        try:
+            rclpy.init(args=args)
+        except RuntimeError as error:
+            print(f'error: {error}', file=sys.stderr)
+            return 2
         node = make_node()
         executor = make_executor()
         executor.add_node(node)

@@ -100,9 +100,7 @@ def _leg(root: ElementTree.Element, robot: Robot, index: int, leg: YawPitchPitch
     )
 
 
-def _rod(
-    root: ElementTree.Element, robot: Robot, prefix: str, kind: str, end: Vector
-) -> None:
+def _rod(root: ElementTree.Element, robot: Robot, prefix: str, kind: str, end: Vector) -> None:
     """Add a link that is a cylinder from its joint to ``end`` (in its xz-plane)."""
     shape = robot.links[kind]
     length = math.hypot(end[0], end[2])

@@ -89,9 +89,7 @@ class BodyMotion:
         )
 
 
-def smooth_progress(
-    knots: tuple[tuple[float, float], ...], times: Array
-) -> tuple[Array, Array]:
+def smooth_progress(knots: tuple[tuple[float, float], ...], times: Array) -> tuple[Array, Array]:
     """
     Run smoothly and monotonously through knots, at rest at both ends.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -103,11 +104,13 @@ def load_gait(gait: str | Path) -> Gait:
         raise ParameterError('gait', str(gait), f'one of {names}, or the path of a gait file')
     try:
         document = yaml.safe_load(path.read_text(encoding='utf-8'))
-        return _check(_gait_from_document(document, path.stem))
-    except (yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
+        unchecked = _gait_from_document(document, path.stem)
+    except (yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
+        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
         raise ParameterError(
-            'gait', str(path), f'a complete gait file, see docs/gaits.md ({error!r})'
+            'gait', str(path), f'a complete gait file, see docs/gaits.md ({why})'
         ) from error
+    return _check(unchecked)
 
 
 def _gait_from_document(document: Mapping[str, Any], name: str) -> Gait:
@@ -139,15 +142,19 @@ def _check(gait: Gait) -> Gait:
             )
     times = [t for t, _ in gait.body_progress]
     shares = [share for _, share in gait.body_progress]
-    rising = all(a < b for a, b in zip(times, times[1:]))
+    rising = all(a < b for a, b in pairwise(times))
     if len(times) < 2 or not rising or times[0] < 0.0 or times[-1] > period:
-        raise ParameterError('body_progress', times, f'at least two rising times in 0 to {period} s')
-    if shares[0] != 0.0 or shares[-1] != 1.0 or any(b < a for a, b in zip(shares, shares[1:])):
+        raise ParameterError(
+            'body_progress', times, f'at least two rising times in 0 to {period} s'
+        )
+    if shares[0] != 0.0 or shares[-1] != 1.0 or any(b < a for a, b in pairwise(shares)):
         raise ParameterError('body_progress', shares, 'shares that rise from 0 to 1')
     if not gait.swing_height > 0.0:
         raise ParameterError('swing_height', gait.swing_height, 'positive')
     if not 0.0 <= gait.sway_weight <= 1.0:
-        raise ParameterError('sway_weight', gait.sway_weight, 'from 0 (no sway) to 1 (the centroid)')
+        raise ParameterError(
+            'sway_weight', gait.sway_weight, 'from 0 (no sway) to 1 (the centroid)'
+        )
     if gait.sway_weight > 0.0:
         starts = [gait.sway_start, *(swing.touchdown for swing in gait.swings)]
         ends = [*(swing.liftoff for swing in gait.swings), period]

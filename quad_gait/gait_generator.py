@@ -126,12 +126,14 @@ def generate_cycle(
     feet, foot_velocities, in_contact = _feet(gait, times, start, target)
     body, body_velocity = _body(gait, motion, times, start, target)
 
-    arms = feet - np.concatenate([body[:, :2], np.full((len(times), 1), to_ground[2])], axis=1)[
-        :, None, :
-    ]
-    arm_velocities = foot_velocities - np.concatenate(
-        [body_velocity[:, :2], np.zeros((len(times), 1))], axis=1
-    )[:, None, :]
+    arms = (
+        feet
+        - np.concatenate([body[:, :2], np.full((len(times), 1), to_ground[2])], axis=1)[:, None, :]
+    )
+    arm_velocities = (
+        foot_velocities
+        - np.concatenate([body_velocity[:, :2], np.zeros((len(times), 1))], axis=1)[:, None, :]
+    )
     in_body = _turn_back(arms, body[:, 2])
     velocities_in_body = _turn_back(arm_velocities, body[:, 2])
     # The body's own turning carries the feet the other way round.

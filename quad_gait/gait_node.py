@@ -37,7 +37,12 @@ from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, 
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
-_LEVELS = {Activity.WAITING: WARN, Activity.STOPPED: ERROR, Activity.FALLEN: ERROR}
+_LEVELS = {
+    Activity.WAITING: WARN,
+    Activity.STOPPED: ERROR,
+    Activity.BLOCKED: ERROR,
+    Activity.FALLEN: ERROR,
+}
 
 
 class GaitNode(QuadNode[GaitParameters]):

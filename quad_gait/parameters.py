@@ -41,6 +41,4 @@ class GaitParameters:
     path_tolerance: float = parameter(
         0.5, 'Farther from its plan the robot stops and waits for a new one.', 'm', lower=0.05
     )
-    odom_timeout: float = parameter(
-        1.0, 'Older odometry is said to be missing.', 's', lower=0.05
-    )
+    odom_timeout: float = parameter(1.0, 'Older odometry is said to be missing.', 's', lower=0.05)

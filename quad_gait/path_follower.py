@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -102,7 +103,7 @@ class PathFollower:
             return 0.0
         ahead = self._plan.poses[self._segment + 1 :] or self._plan.poses[-1:]
         stops = (pose, *ahead)
-        return sum(a.distance_to(b) for a, b in zip(stops, stops[1:]))
+        return sum(a.distance_to(b) for a, b in pairwise(stops))
 
     def next_step(self, pose: Pose2D) -> Step | None:
         """
@@ -150,9 +151,7 @@ class PathFollower:
         options = self._options
         stride = remaining / math.ceil(remaining / options.largest_stride)
         # Target seen along the segment: the robot is `remaining` behind it, `left` beside.
-        left = -(
-            (target.x - pose.x) * math.sin(heading) - (target.y - pose.y) * math.cos(heading)
-        )
+        left = -((target.x - pose.x) * math.sin(heading) - (target.y - pose.y) * math.cos(heading))
         sideways = _clamp(left, options.largest_correction)
         on_segment = Pose2D(stride, sideways, 0.0)
         seen_from_robot = Pose2D(0.0, 0.0, wrap_angle(heading - pose.yaw)) @ on_segment

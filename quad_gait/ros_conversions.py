@@ -8,7 +8,7 @@ from array import array
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import Point32, Pose, PolygonStamped
+from geometry_msgs.msg import Point32, PolygonStamped, Pose
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from std_msgs.msg import ColorRGBA

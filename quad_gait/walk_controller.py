@@ -31,6 +31,12 @@ Array = NDArray[np.float64]
 _PATIENCE = 1.0
 """For the joints to come to rest after a cycle [s]."""
 
+_STILL_TIME = 0.5
+"""A robot out of its posture must be still for so long before it is made to stand up [s]."""
+
+_BLOCKED_CYCLES = 3
+"""After so many cycles without the planned effect in a row the robot gives up."""
+
 
 class Activity(enum.Enum):
     """What the robot is doing, or why it is not moving."""
@@ -42,6 +48,7 @@ class Activity(enum.Enum):
     TURNING = 'turning'
     ARRIVED = 'arrived'
     STOPPED = 'stopped'
+    BLOCKED = 'blocked'
     FALLEN = 'fallen'
 
 
@@ -128,6 +135,8 @@ class WalkController:
         self._cycle: Cycle | None = None
         self._cycle_start = 0.0
         self._cycle_pose = Pose2D(0.0, 0.0, 0.0)
+        self._cycles_without_effect = 0
+        self._still_since = math.inf
         self.activity = Activity.WAITING
         """What the robot is doing."""
         self.reason = 'no plan yet'
@@ -165,35 +174,47 @@ class WalkController:
         if now.time < self._last_time - 1.0:
             # The clock was set back: whatever was scheduled is void.
             self._busy_until = -math.inf
+            self._still_since = math.inf
+            self._cycle = None
         self._last_time = now.time
         if now.tilt > self._options.largest_tilt:
-            return self._rest(
+            self._set_activity(
                 Activity.FALLEN,
                 f'the robot has fallen: the body is tilted by {math.degrees(now.tilt):.0f} degrees',
             )
+            return None
         if now.time < self._busy_until + self._options.settle_time:
             return None
         if self._has_new_plan:
             self._has_new_plan = False
             self._follower.follow(self._new_plan, now.pose)
+            self._cycles_without_effect = 0
             self.activity = Activity.STANDING
         if now.joint_positions is None:
-            return self._rest(Activity.WAITING, 'no joint states yet')
+            self._set_activity(Activity.WAITING, 'no joint states yet')
+            return None
         if not self._is_at_rest(now):
+            self._still_since = math.inf
             # A robot may swing a little after a cycle: worth a word only if it lasts.
             if now.time > self._busy_until + self._options.settle_time + _PATIENCE:
-                self._rest(Activity.WAITING, 'the joints are still moving')
+                self._set_activity(Activity.WAITING, 'the joints are still moving')
             return None
+        self._still_since = min(self._still_since, now.time)
         if not self._is_in_posture(now.joint_positions):
+            if now.time < self._still_since + _STILL_TIME:
+                # It may be in the middle of a cycle that another node began.
+                return None
             return self._stand_up(now.time, now.joint_positions)
         if self._follower.plan is None:
-            if self.activity is Activity.ARRIVED:
+            if self.activity in (Activity.ARRIVED, Activity.BLOCKED):
                 return None
-            return self._rest(Activity.STANDING, 'no plan to follow')
+            self._set_activity(Activity.STANDING, 'no plan to follow')
+            return None
         try:
             return self._plan_cycle(now)
         except GaitError as error:
-            return self._rest(Activity.STOPPED, str(error))
+            self._set_activity(Activity.STOPPED, str(error))
+            return None
 
     def margin_at(self, time: float) -> float:
         """Return the predicted stability margin at a time [m]."""
@@ -233,11 +254,17 @@ class WalkController:
         return self._cycle_pose.transform(self._cycle.feet[-1])
 
     def _plan_cycle(self, now: Measurement) -> JointTrajectory | None:
+        problem = self._lack_of_effect(now.pose)
+        if problem is not None:
+            self._follower.follow(None, now.pose)
+            self._set_activity(Activity.BLOCKED, problem)
+            return None
         step = self._follower.next_step(now.pose)
         if step is None:
             # Whatever moves the robot from now on, the job is done until a new plan comes.
             self._follower.follow(None, now.pose)
-            return self._rest(Activity.ARRIVED, 'the goal is reached')
+            self._set_activity(Activity.ARRIVED, 'the goal is reached')
+            return None
         gait = self._turning_gait if step.is_turn else self._gait
         if step.motion.turn < 0.0:
             gait = gait.mirrored()
@@ -264,6 +291,29 @@ class WalkController:
             self.reason = f'walking {math.hypot(motion.forward, motion.left):.3f} m'
         return cycle.trajectory(self._robot, self._cycle_start)
 
+    def _lack_of_effect(self, pose: Pose2D) -> str | None:
+        """Say how little came of the last cycles, if they did not move the robot."""
+        if self._cycle is None:
+            return None
+        planned = self._cycle.motion.end
+        done = self._cycle_pose.inverse() @ pose
+        self._cycle = None
+        # A turn of 1 rad counts as much as a quarter of a metre.
+        size = math.hypot(planned.x, planned.y, 0.25 * planned.yaw)
+        error = planned.inverse() @ done
+        missing = math.hypot(error.x, error.y, 0.25 * error.yaw)
+        has_effect = size < 0.02 or missing < 0.7 * size
+        self._cycles_without_effect = 0 if has_effect else self._cycles_without_effect + 1
+        if self._cycles_without_effect < _BLOCKED_CYCLES:
+            return None
+        return (
+            f'the robot does not follow its commands: {_BLOCKED_CYCLES} cycles without effect, '
+            f'the last planned {math.hypot(planned.x, planned.y):.3f} m and '
+            f'{math.degrees(planned.yaw):.1f} degrees and gave '
+            f'{math.hypot(done.x, done.y):.3f} m and {math.degrees(done.yaw):.1f} degrees; '
+            f'is it stuck, or is its joint controller not running?'
+        )
+
     def _stand_up(self, time: float, joint_positions: Array) -> JointTrajectory:
         options = self._options
         steps = int(np.ceil(options.stand_up_time / options.sample_period))
@@ -283,7 +333,7 @@ class WalkController:
             velocities=rate[:, None] * change,
         )
 
-    def _rest(self, activity: Activity, reason: str) -> None:
+    def _set_activity(self, activity: Activity, reason: str) -> None:
         self.activity = activity
         self.reason = reason
 
@@ -302,5 +352,5 @@ class WalkController:
         return float(stability_margin(center, feet, np.ones(4, dtype=bool)))
 
     def _sample(self, cycle: Cycle, time: float) -> int:
-        index = int(round((time - self._cycle_start) / cycle.times[1]))
+        index = round((time - self._cycle_start) / float(cycle.times[1]))
         return min(max(index, 0), len(cycle.times) - 1)

@@ -88,7 +88,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
 
     def _on_map(self, message: OccupancyGrid) -> None:
         self._planner.set_map(grid_from_message(message))
-        prepared = self._planner.prepared
+        prepared: Any = self._planner.prepared
         self._map_frame = message.header.frame_id or 'map'
         self._outlines = combined_obstacles(prepared.grid, prepared.forbidden).outlines
         self._problem = None

@@ -28,7 +28,7 @@ from quad_sim.world import World
 def _standard_output_silenced() -> Iterator[None]:
     """Keep PyBullet's greetings off the standard output, which may be somebody's JSON."""
     sys.stdout.flush()
-    with open(os.devnull, 'wb') as nothing:
+    with Path(os.devnull).open('wb') as nothing:
         saved = os.dup(1)
         try:
             os.dup2(nothing.fileno(), 1)
@@ -88,7 +88,9 @@ class BulletSimulator:
         with _standard_output_silenced():
             self._bullet: Any = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
         self._bullet.setGravity(0.0, 0.0, -GRAVITY)
-        self._bullet.setPhysicsEngineParameter(fixedTimeStep=time_step, deterministicOverlappingPairs=1)
+        self._bullet.setPhysicsEngineParameter(
+            fixedTimeStep=time_step, deterministicOverlappingPairs=1
+        )
         self._ground = self._make_ground(world)
         self._obstacles = self._make_obstacles(world)
         self._body, self._joints, self._link_names = self._load_robot()
@@ -227,7 +229,7 @@ class BulletSimulator:
             info = self._bullet.getJointInfo(body, index)
             by_name[info[1].decode()] = index
             links[index] = info[12].decode()
-        for link, name in links.items():
+        for link in links:
             self._bullet.changeDynamics(
                 body,
                 link,

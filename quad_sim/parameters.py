@@ -31,11 +31,15 @@ class SimParameters:
         0.005, 'Of the physics; /clock comes at 100 Hz at least.', 's', lower=0.001, upper=0.01
     )
     sensor_rate: float = parameter(
-        50.0, 'How often odom, joint_states, imu and tf are published.', 'Hz', lower=1.0, upper=1000.0
+        50.0,
+        'How often odom, joint_states, imu and tf are published.',
+        'Hz',
+        lower=1.0,
+        upper=1000.0,
     )
     friction: float = parameter(0.8, 'Coulomb friction between feet and ground.', lower=0.0)
     gyroscope_noise: float = parameter(
-        0.002, 'Standard deviation of the imu\'s angular velocity.', 'rad/s', lower=0.0
+        0.002, "Standard deviation of the imu's angular velocity.", 'rad/s', lower=0.0
     )
     accelerometer_noise: float = parameter(
         0.02, "Standard deviation of the imu's acceleration.", 'm/s^2', lower=0.0

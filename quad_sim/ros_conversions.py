@@ -75,7 +75,7 @@ def grid_message(grid: OccupancyGrid, frame: str, stamp: Time) -> OccupancyGridM
     message.info.height = grid.height
     message.info.origin = pose_message(grid.origin)
     data = array('b')
-    data.frombytes(memoryview(np.ascontiguousarray(grid.cells)).cast('B'))
+    data.frombytes(np.ascontiguousarray(grid.cells).tobytes())
     message.data = data
     return message
 

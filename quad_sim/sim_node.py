@@ -38,7 +38,7 @@ from quad_sim.ros_conversions import (
     odometry_message,
     trajectory_from_message,
 )
-from quad_sim.simulation import Simulation, make_simulator
+from quad_sim.simulation import Simulation, check_start, make_simulator
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -64,8 +64,11 @@ class SimNode(QuadNode[SimParameters]):
         p = self.parameters
         robot = load_robot(p.robot)
         grid = None if p.map_file == 'none' else load_map(p.map_file or sample_map())
+        start = Pose2D(*p.start_pose)
+        if grid is not None and p.backend == 'bullet':
+            check_start(robot, grid, start)
         simulator = make_simulator(p.backend, robot, grid, p.time_step, p.friction, p.gui)
-        self._simulation = Simulation(simulator, robot, Pose2D(*p.start_pose))
+        self._simulation = Simulation(simulator, robot, start)
         self._joint_names = robot.joint_names
         self._rng = np.random.default_rng(p.seed)
         self._is_paused = False
@@ -214,9 +217,7 @@ class SimNode(QuadNode[SimParameters]):
         response.message = f'paused at {self._simulation.time:.2f} s'
         return response
 
-    def _on_unpause(
-        self, request: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
+    def _on_unpause(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._is_paused = False
         self._pace_from = (time.monotonic(), self._simulation.time)
         self.update_status()

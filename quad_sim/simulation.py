@@ -70,6 +70,33 @@ def make_simulator(
     raise ParameterError('backend', backend, f'one of {", ".join(BACKENDS)}')
 
 
+def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
+    """
+    Raise ParameterError if the robot would start in an obstacle of the map.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    grid : OccupancyGrid
+        The map.
+    start : Pose2D
+        Where it is to stand.
+    """
+    rows, columns = np.nonzero(grid.occupied())
+    if rows.size == 0:
+        return
+    centers = grid.map_to_world(np.column_stack([columns, rows]).astype(np.float64) + 0.5)
+    nearest = float(np.min(np.hypot(*(centers - (start.x, start.y)).T)))
+    if nearest < robot.footprint_radius:
+        raise ParameterError(
+            'start_pose',
+            [start.x, start.y, start.yaw],
+            f'at least {robot.footprint_radius:.2f} m from every obstacle of the map, '
+            f'and the nearest is {nearest:.2f} m away',
+        )
+
+
 class Simulation:
     """
     Steps a simulator with the commands of the current trajectory, and keeps the record.

@@ -64,10 +64,12 @@ class Observation:
 class Simulator(Protocol):
     """One robot in one world, stepped with a fixed time step."""
 
-    time: float
-    """Simulated time since the simulator was made [s]; a reset does not turn it back."""
     time_step: float
     """[s]"""
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the simulator was made [s]; a reset does not turn it back."""
 
     def reset(self, pose: Pose2D) -> None:
         """Stand the robot at a pose, in its initial posture, at rest."""

@@ -121,4 +121,5 @@ def _cubics(times: Array, positions: Array, velocities: Array) -> Array:
     p0, p1 = positions[:-1], positions[1:]
     v0, v1 = velocities[:-1], velocities[1:]
     slope = (p1 - p0) / h
-    return np.stack([p0, v0, (3.0 * slope - 2.0 * v0 - v1) / h, (v0 + v1 - 2.0 * slope) / h**2], axis=1)
+    bend = (3.0 * slope - 2.0 * v0 - v1) / h
+    return np.stack([p0, v0, bend, (v0 + v1 - 2.0 * slope) / h**2], axis=1)

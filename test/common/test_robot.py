@@ -283,7 +283,7 @@ def test_an_unknown_robot_is_answered_with_those_that_there_are():
         ('body.mass', {'value': math.nan, 'source': 'x'}, 'nan; it must be a number'),
         ('body.mass', {'value': -1.0, 'source': 'x'}, "'body.mass' is -1.0; it must be positive"),
         ('leg.calf_length', {'value': 0, 'source': 'x'}, 'is 0; it must be positive'),
-        ('drive.knee_is_absolute', {'value': 'yes!', 'source': 'x'}, "'yes!'; it must be"),
+        ('drive.knee_is_absolute', {'value': 'yes!', 'source': 'x'}, "'yes!'; it must be true or false"),
         (
             'joints.knee_pitch.lower',
             {'value': 3.0, 'source': 'x'},

@@ -1,0 +1,353 @@
+"""
+Real nodes as processes, and a node of the test's own that talks to them.
+
+Nothing here sleeps: tests wait on conditions. How long they may take is counted in
+simulated time, so that a slow machine changes nothing; the wall clock only notices that
+nothing happens at all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+rclpy = pytest.importorskip('rclpy')
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+from quad_cli.node_processes import NodeProcess, NodeProcesses
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.ros_conversions import (
+    plan_from_message,
+    pose_from_message,
+    pose_message,
+    seconds_from_time,
+)
+from quad_common.ros_node import make_executor
+
+OK, WARN, ERROR, STALE = (
+    DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+)  # fmt: skip
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+SENSOR = qos_profile_sensor_data
+
+START = Pose2D(1.2, 1.2, 0.0)
+"""Where the robot stands at first, unless a test says otherwise."""
+
+SIMULATED_TIMEOUT = 300.0
+"""For whatever a test waits for [s]."""
+
+WALL_TIMEOUT = 30.0
+"""For simulated time to advance, or, where none runs, for what a test waits for [s]."""
+
+
+@dataclass(frozen=True)
+class Status:
+    """What a node said on ``diagnostics``."""
+
+    level: bytes
+    message: str
+    values: dict[str, str]
+
+    def is_like(
+        self, words: str, level: bytes | None = None, code: int | None = None
+    ) -> bool:
+        """Return whether the words are in it, and level and error code are these."""
+        return (
+            words in self.message
+            and level in (None, self.level)
+            and (code is None or self.values.get('error_code') == str(code))
+        )
+
+    def __str__(self) -> str:
+        name = {OK: 'OK', WARN: 'WARN', ERROR: 'ERROR', STALE: 'STALE'}[self.level]
+        return f'{name}: {self.message} {self.values}'
+
+
+class Bench:
+    """
+    Starts nodes, ends them, talks to them, and waits for what they do.
+
+    Parameters
+    ----------
+    namespace : str
+        Of all topics and services.
+    """
+
+    def __init__(self, namespace: str = '') -> None:
+        self.processes: dict[str, NodeProcess] = {}
+        """Every node that was started; the last one of a name."""
+        self.statuses: dict[str, Status] = {}
+        """What each running node said last."""
+        self.plans: list[Plan | None] = []
+        """Every plan heard."""
+        self.odometry: Odometry | None = None
+        self.joint_states: JointState | None = None
+        self.time = 0.0
+        """Simulated time, as last heard [s]."""
+        self.elapsed = 0.0
+        """Simulated time that passed, over all simulators [s]."""
+        self._namespace = namespace
+        self._nodes = NodeProcesses(namespace)
+        self._alive: set[str] = set()
+        self._pids: list[int] = []
+        self._listeners: list[Callable[[str, Status], None]] = []
+        self._publishers: dict[str, Any] = {}
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context)
+        self.node = rclpy.create_node('bench', namespace=namespace, context=self._context)
+        self._executor = make_executor(self._context)
+        self._executor.add_node(self.node)
+        create = self.node.create_subscription
+        create(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
+        create(Odometry, 'odom', self._on_odometry, SENSOR)
+        create(JointState, 'joint_states', self._on_joint_states, SENSOR)
+        create(Path, 'plan', self._on_plan, LATCHED)
+
+    def __enter__(self) -> Bench:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        # Shown by pytest if the test failed.
+        print(self.report())
+        try:
+            self._end_nodes()
+        finally:
+            self._nodes.__exit__(None, None, None)
+            self.node.destroy_node()
+            self._executor.shutdown()
+            self._context.try_shutdown()
+
+    # ---- nodes ----
+
+    def start(self, name: str, **parameters: object) -> None:
+        """Start a node, or start it again."""
+        if name == 'sim_node':
+            parameters = {'backend': 'kinematic', 'real_time_factor': 0.0, **parameters}
+        self.processes[name] = self._nodes.start(name, **parameters)
+        self._pids.append(self.processes[name].pid)
+        self._alive.add(name)
+
+    def start_robot(self, **sim_parameters: object) -> None:
+        """Start simulator, planner and gait, and wait until a goal would be walked to."""
+        self.start('sim_node', **sim_parameters)
+        self.start('planner_node')
+        self.start('gait_node')
+        self.wait_for_status('planner_node', 'ready', level=OK)
+        self.wait_for_status('gait_node', 'standing', level=OK)
+
+    def kill(self, name: str) -> None:
+        """End a node at once, as a crash would."""
+        self._alive.discard(name)
+        self.processes[name].kill()
+        self.statuses.pop(name, None)
+
+    def interrupt(self, name: str, gap: float) -> int:
+        """Press Ctrl-C twice; return the node's exit code."""
+        self._alive.discard(name)
+        pid = self.processes[name].pid
+        os.kill(pid, signal.SIGINT)
+        time.sleep(gap)
+        # It is not waited for yet, so the id is still its own even if it has ended.
+        os.kill(pid, signal.SIGINT)
+        return self.processes[name].stop(WALL_TIMEOUT)
+
+    # ---- waiting ----
+
+    def wait_until(
+        self,
+        what: str,
+        condition: Callable[[], bool],
+        simulated_timeout: float = SIMULATED_TIMEOUT,
+        wall_timeout: float = WALL_TIMEOUT,
+    ) -> None:
+        """
+        Listen until a condition holds, or fail the test.
+
+        Parameters
+        ----------
+        what : str
+            The condition in words.
+        condition : callable
+            Returns whether it holds.
+        simulated_timeout : float
+            In which it must come to hold [s].
+        wall_timeout : float
+            In which simulated time must advance; where there is none, the condition must
+            come to hold in it [s].
+        """
+        began = advanced = self.elapsed
+        alive_at = time.monotonic()
+        while not condition():
+            self._executor.spin_once(timeout_sec=0.1)
+            for name in self._alive:
+                self.processes[name].check()
+            if self.elapsed > advanced:
+                advanced, alive_at = self.elapsed, time.monotonic()
+            if advanced - began > simulated_timeout:
+                pytest.fail(f'in {simulated_timeout:.0f} s of simulated time not seen: {what}')
+            if time.monotonic() - alive_at > wall_timeout:
+                pytest.fail(f'nothing happens since {wall_timeout:.0f} s; not seen: {what}')
+
+    def wait_for_status(self, node: str, words: str, **wanted: Any) -> Status:
+        """Listen until a node says something; see `Status.is_like`."""
+        what = f"{node} says '{words}' {wanted or ''}"
+        self.wait_until(what, lambda: self.says(node, words, **wanted))
+        return self.statuses[node]
+
+    @contextlib.contextmanager
+    def expects(self, node: str, words: str, **wanted: Any) -> Iterator[None]:
+        """Expect that what is done in this block makes a node say something, if only once."""
+        heard: list[Status] = []
+
+        def listener(name: str, status: Status) -> None:
+            if name == node and status.is_like(words, **wanted):
+                heard.append(status)
+
+        self._listeners.append(listener)
+        yield
+        self.wait_until(f"{node} says '{words}' {wanted or ''}", lambda: bool(heard))
+        self._listeners.remove(listener)
+
+    # ---- listening ----
+
+    def says(self, node: str, words: str, **wanted: Any) -> bool:
+        """Return whether the last that a node said is like this."""
+        return node in self.statuses and self.statuses[node].is_like(words, **wanted)
+
+    def hear(self, kind: Any, topic: str, qos: Any = 10) -> list[Any]:
+        """Listen to a topic; messages are appended to the list."""
+        messages: list[Any] = []
+        self.node.create_subscription(kind, topic, messages.append, qos)
+        return messages
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the robot is."""
+        assert self.odometry is not None
+        return pose_from_message(self.odometry.pose.pose)
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan in force."""
+        return self.plans[-1] if self.plans else None
+
+    @property
+    def activity(self) -> str:
+        """What the gait node says it does."""
+        status = self.statuses.get('gait_node')
+        return '' if status is None else status.values.get('activity', '')
+
+    def is_near(self, goal: Pose2D, distance: float = 0.05, angle: float = 0.09) -> bool:
+        """Return whether the robot is at a pose, within 5 cm and 5 degrees."""
+        pose = self.pose
+        return pose.distance_to(goal) <= distance and abs(wrap_angle(pose.yaw - goal.yaw)) <= angle
+
+    def wait_for_arrival(self, goal: Pose2D, **timeouts: float) -> None:
+        """Listen until the robot says that it is at the goal, and is there."""
+        self.wait_until(
+            f'arrival at {goal}',
+            lambda: self.activity == 'arrived' and self.is_near(goal),
+            **timeouts,
+        )
+
+    def wait_for_walking(self, distance: float = 0.15) -> None:
+        """Listen until the robot is in the middle of its walk."""
+        start = self.pose
+        self.wait_until(
+            f'the robot walks, and has come {distance} m far',
+            lambda: self.activity == 'walking' and self.pose.distance_to(start) > distance,
+        )
+
+    # ---- talking ----
+
+    def publisher(self, kind: Any, topic: str, qos: Any = 10) -> Any:
+        """Return the publisher of a topic once somebody listens."""
+        if topic not in self._publishers:
+            self._publishers[topic] = self.node.create_publisher(kind, topic, qos)
+        publisher = self._publishers[topic]
+        self.wait_until(f"'{topic}' is heard", lambda: publisher.get_subscription_count() > 0)
+        return publisher
+
+    def give_goal(self, goal: Pose2D | PoseStamped, frame: str = 'map') -> None:
+        """Publish a goal."""
+        if isinstance(goal, Pose2D):
+            goal = PoseStamped(pose=pose_message(goal))
+        goal.header.frame_id = frame
+        self.publisher(PoseStamped, 'goal_pose').publish(goal)
+
+    def publish_map(self, message: OccupancyGrid) -> None:
+        """Publish a map, for late subscribers too."""
+        self.publisher(OccupancyGrid, 'map', LATCHED).publish(message)
+
+    def call(self, service: str, kind: Any = Trigger, request: Any = None) -> Any:
+        """Call a service and return its answer."""
+        client = self.node.create_client(kind, service)
+        self.wait_until(f"service '{service}' is there", client.service_is_ready)
+        answer = client.call_async(kind.Request() if request is None else request)
+        self.wait_until(f"service '{service}' answers", answer.done)
+        self.node.destroy_client(client)
+        return answer.result()
+
+    # ---- callbacks ----
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            name = status.name.rsplit('/', 1)[-1]
+            values = {pair.key: pair.value for pair in status.values}
+            said = Status(status.level, status.message, values)
+            self.statuses[name] = said
+            for listener in self._listeners:
+                listener(name, said)
+
+    def _on_odometry(self, message: Odometry) -> None:
+        now = seconds_from_time(message.header.stamp)
+        self.elapsed += max(0.0, now - self.time)
+        self.time = now
+        self.odometry = message
+
+    def _on_joint_states(self, message: JointState) -> None:
+        self.joint_states = message
+
+    def _on_plan(self, message: Path) -> None:
+        self.plans.append(plan_from_message(message))
+
+    # ---- the end ----
+
+    def report(self) -> str:
+        """Say all that helps to see why a test failed."""
+        lines = [f'simulated time {self.time:.2f} s, in all {self.elapsed:.2f} s']
+        if self.odometry is not None:
+            lines.append(f'robot at {self.pose}')
+        lines.append(f'{len(self.plans)} plans, the last: {self.plan}')
+        for name, process in self.processes.items():
+            lines.append(f'---- {name}: {self.statuses.get(name, "not heard of")}')
+            lines.append(process.log_tail(15))
+        return '\n'.join(lines)
+
+    def _end_nodes(self) -> None:
+        """Interrupt all nodes at once; each must end well and leave nothing behind."""
+        for name in self._alive:
+            os.kill(self.processes[name].pid, signal.SIGINT)
+        codes = {name: self.processes[name].stop(WALL_TIMEOUT) for name in self._alive}
+        assert set(codes.values()) <= {0}, f'exit codes after an interrupt: {codes}'
+        for name, process in self.processes.items():
+            assert 'Traceback' not in process.log_tail(10_000), f'a traceback in the log of {name}'
+        for pid in self._pids:
+            # Each node leads a process group of its own: nothing may be left of it.
+            with pytest.raises(ProcessLookupError):
+                os.killpg(pid, 0)
