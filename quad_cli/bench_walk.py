@@ -195,6 +195,7 @@ def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> 
             1.0 - (physics + publishing) / wall if wall else None,
             'share',
         ),
+        figure('trajectories that came late', sum(r.late_trajectories for r in results), ''),
         figure('walked', sum(r.walked_distance for r in results), 'm'),
         figure('mean walking speed along the path', _speed(results), 'm/s'),
     ]

@@ -28,11 +28,16 @@ NODES = {
 
 _FIRST_LOCK_PORT = 32768
 
+_PARTICIPANTS = 32
+"""The most that find one another on one machine."""
+
 
 class NodeDied(QuadError):
     """A node ended though nobody asked it to."""
 
     def __init__(self, name: str, code: int, log: str) -> None:
+        self.code = code
+        self.log = log
         super().__init__(f'{name} ended with code {code}; its last words:\n{log}')
 
 
@@ -70,7 +75,7 @@ def _claim_domain(stack: contextlib.ExitStack) -> int:
     """Hold a TCP port that stands for the domain as long as the stack lives."""
     domains = list(range(1, 101))
     random.SystemRandom().shuffle(domains)
-    for domain in domains:
+    for domain in filter(_is_quiet, domains):
         lock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
             lock.bind(('127.0.0.1', _FIRST_LOCK_PORT + domain))
@@ -80,6 +85,19 @@ def _claim_domain(stack: contextlib.ExitStack) -> int:
         stack.enter_context(contextlib.closing(lock))
         return domain
     raise QuadError('all 100 ROS domains of this machine are in use')
+
+
+def _is_quiet(domain: int) -> bool:
+    """Return whether nobody on this machine holds a discovery port of a domain."""
+    # RTPS 2.2 sec. 9.6.1.1: one port for all participants, and one for each of them.
+    first = 7400 + 250 * domain
+    for port in (first, *(first + 10 + 2 * k for k in range(_PARTICIPANTS))):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(('', port))
+            except OSError:
+                return False
+    return True
 
 
 class NodeProcess:

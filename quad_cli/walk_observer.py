@@ -168,6 +168,7 @@ class WalkObserver:
             if status.name == 'sim_node' and self._goal_given:
                 record.contacts = values.get('contacts', '')
                 record.has_fallen = values.get('has_fallen') == 'True'
+                record.late_trajectories = int(values.get('late_trajectories', 0))
             if status.name == 'sim_node':
                 self._note_spent_time(values)
             if status.name == 'gait_node' and record.plans:

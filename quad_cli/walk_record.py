@@ -37,6 +37,8 @@ class WalkRecord:
     contacts: str = ''
     """Contacts of anything but feet with the ground, as the simulator reports them."""
     has_fallen: bool = False
+    late_trajectories: int = 0
+    """Trajectories that reached the simulator after their first movement was due."""
     has_arrived: bool = False
     """The gait node said so."""
     problem: str = ''
@@ -78,6 +80,7 @@ class WalkRecord:
             plans=len(self.plans),
             contacts=self.contacts,
             fallen=self.has_fallen,
+            late_trajectories=self.late_trajectories,
             wall_time=self.wall_time,
             real_time_factor=duration / self.wall_time if self.wall_time > 0.0 else None,
         )
@@ -108,6 +111,7 @@ class WalkResult:
     plans: int
     contacts: str
     fallen: bool
+    late_trajectories: int
     wall_time: float
     """[s]"""
     real_time_factor: float | None

@@ -215,6 +215,13 @@ class TrajectoryError(QuadError):
     """A joint trajectory is malformed or comes too late."""
 
 
+class InvalidMessage(QuadError):
+    """A message contradicts itself or holds numbers that are not finite."""
+
+    def __init__(self, what: str, reason: str) -> None:
+        super().__init__(f'the {what} cannot be used: {reason}')
+
+
 class SimulatorError(QuadError):
     """The simulator cannot do what it was asked to."""
 

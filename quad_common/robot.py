@@ -9,7 +9,7 @@ lie in ``quad_common/robots``. Joint arrays have one row per leg, in the order
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -320,6 +320,12 @@ class _Numbers:
             raise RobotModelError(f"{self._path}: '{name}' is {value}; it must be positive")
         return float(value)
 
+    def check_all_used(self, but: tuple[str, ...]) -> None:
+        """Raise if the file holds a number that nobody asked for: it may be misspelt."""
+        for name in _leaves(self._document, but):
+            if name not in self.sources:
+                raise RobotModelError(f"{self._path} has '{name}', which means nothing here")
+
     def is_true(self, name: str) -> bool:
         value = self._value(name)
         if not isinstance(value, bool):
@@ -338,6 +344,17 @@ class _Numbers:
             )
         self.sources[name] = str(node['source'])
         return node['value']
+
+
+def _leaves(node: Mapping[str, Any], but: tuple[str, ...] = (), prefix: str = '') -> Iterator[str]:
+    """List the dotted names of a document's numbers."""
+    for key, value in node.items():
+        if not prefix and key in but:
+            continue
+        if isinstance(value, Mapping) and 'value' not in value:
+            yield from _leaves(value, prefix=f'{prefix}{key}.')
+        else:
+            yield f'{prefix}{key}'
 
 
 def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
@@ -373,7 +390,12 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         for kind in ('hip', 'thigh', 'calf', 'foot')
     }
     limits = {
-        quantity: np.array([number(f'joints.{kind}.{quantity}') for kind in kinds])
+        quantity: np.array(
+            [
+                number(f'joints.{kind}.{quantity}', positive=quantity in ('velocity', 'effort'))
+                for kind in kinds
+            ]
+        )
         for quantity in ('lower', 'upper', 'velocity', 'effort')
     }
     initial = np.array([number(f'initial_posture.{kind}') for kind in kinds])
@@ -395,6 +417,7 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         sources=number.sources,
         **limits,
     )
+    number.check_all_used(but=('name', 'description', 'leg_type', 'stated'))
     for kind, low, high in zip(kinds, robot.lower, robot.upper):
         if not low < high:
             raise RobotModelError(f'{path}: joint {kind} has lower {low} not below upper {high}')

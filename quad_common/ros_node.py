@@ -4,6 +4,7 @@ What the nodes have in common: parameters, diagnostics, sane start and end.
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 import time
@@ -31,6 +32,9 @@ ERROR = DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE
 
 _NO_LIMIT = 1e308
+
+_SAME_LOG_AGAIN = 10.0
+"""The same sentence is logged again only after so long [s]."""
 
 
 class QuadNode(Node, Generic[Table]):
@@ -61,6 +65,8 @@ class QuadNode(Node, Generic[Table]):
         self._status = (OK, 'starting')
         self._values: dict[str, object] = {}
         self._said: tuple[bytes, str] | None = None
+        self._logged_at: dict[str, float] = {}
+        self._last_refusal: dict[str, object] = {}
         self._clock_seen = self.get_clock().now().nanoseconds
         self._clock_seen_at = time.monotonic()
         # On the wall clock: it must speak up just when simulated time stands still.
@@ -86,12 +92,7 @@ class QuadNode(Node, Generic[Table]):
         self._values = values
         if self._said != self._status:
             self._said = self._status
-            if level == ERROR:
-                self.get_logger().error(message)
-            elif level == OK:
-                self.get_logger().info(message)
-            else:
-                self.get_logger().warning(message)
+            self._log(level, message)
             self._publish_status(level, message)
 
     def update_status(self) -> None:
@@ -109,9 +110,10 @@ class QuadNode(Node, Generic[Table]):
         return wrapped
 
     def report_error(self, error: QuadError) -> None:
-        """Report an error, with its code if it has one."""
+        """Report an error, with its code if it has one; its sentence stays as last_error."""
         code = getattr(error, 'code', None)
         values = {} if code is None else {'error_code': code}
+        self._last_refusal = {'last_error': str(error)}
         self.report(ERROR, str(error), error=type(error).__name__, **values)
 
     def clock_problem(self) -> str | None:
@@ -135,13 +137,30 @@ class QuadNode(Node, Generic[Table]):
         self.update_status()
         self._publish_status(*self._status)
 
+    def _log(self, level: bytes, message: str) -> None:
+        """Log a message, unless it was logged a moment ago: bad input may come in streams."""
+        now = time.monotonic()
+        if now - self._logged_at.get(message, -math.inf) < _SAME_LOG_AGAIN:
+            return
+        self._logged_at = {m: t for m, t in self._logged_at.items() if now - t < _SAME_LOG_AGAIN}
+        self._logged_at[message] = now
+        if level == ERROR:
+            self.get_logger().error(message)
+        elif level == OK:
+            self.get_logger().info(message)
+        else:
+            self.get_logger().warning(message)
+
     def _publish_status(self, level: bytes, message: str) -> None:
         status = DiagnosticStatus(
             level=level,
             name=self.get_fully_qualified_name().lstrip('/'),
             message=message,
             hardware_id=str(getattr(self.parameters, 'robot', '')),
-            values=[KeyValue(key=key, value=str(value)) for key, value in self._values.items()],
+            values=[
+                KeyValue(key=key, value=str(value))
+                for key, value in {**self._values, **self._last_refusal}.items()
+            ],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
@@ -191,6 +210,11 @@ def run_node(
     int
         Exit code: 0, or 2 if the node could not be made.
     """
+    interrupts: list[int] = []
+    # rclpy answers an interrupt by ending its context, which ends the loop. Python's own
+    # exception on top of it could come anywhere, also in the clean-up: under ros2 launch
+    # a second interrupt follows.
+    signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
     node = None
     try:
         try:
@@ -201,23 +225,23 @@ def run_node(
         node = make_node()
         executor = make_executor()
         executor.add_node(node)
-        while rclpy.ok():
+        while rclpy.ok() and not interrupts:
             executor.spin_once(timeout_sec=0.5 if drive is None else drive(node))
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         pass
     except (QuadError, ParameterException) as error:
         print(f'error: {error}', file=sys.stderr)
         return 2
     except Exception:
         # An interrupt ends the context between two lines: what fails after it is no error.
-        if rclpy.ok():
+        if rclpy.ok() and not interrupts:
             raise
     finally:
-        # Under ros2 launch a second interrupt comes: it must not disturb the clean-up.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
+        # While Python ends, it would give way to the system's handler, which kills.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     return 0
 
 

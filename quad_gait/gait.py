@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -105,6 +105,8 @@ def load_gait(gait: str | Path) -> Gait:
     try:
         document = yaml.safe_load(path.read_text(encoding='utf-8'))
         unchecked = _gait_from_document(document, path.stem)
+    except ParameterError:
+        raise
     except (yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
         why = f'{type(error).__name__}: {" ".join(str(error).split())}'
         raise ParameterError(
@@ -114,6 +116,9 @@ def load_gait(gait: str | Path) -> Gait:
 
 
 def _gait_from_document(document: Mapping[str, Any], name: str) -> Gait:
+    unknown = set(document) - {field.name for field in fields(Gait)}
+    if unknown:
+        raise ParameterError('gait', sorted(unknown), 'without keys that mean nothing here')
     swings = (Swing(leg, float(up), float(down)) for leg, (up, down) in document['swings'].items())
     return Gait(
         name=str(document.get('name', name)),
@@ -154,6 +159,10 @@ def _check(gait: Gait) -> Gait:
     if not 0.0 <= gait.sway_weight <= 1.0:
         raise ParameterError(
             'sway_weight', gait.sway_weight, 'from 0 (no sway) to 1 (the centroid)'
+        )
+    if not 0.0 <= gait.sway_start <= gait.swings[0].liftoff:
+        raise ParameterError(
+            'sway_start', gait.sway_start, 'from 0 s to the first liftoff, for the body to sway in'
         )
     if gait.sway_weight > 0.0:
         starts = [gait.sway_start, *(swing.touchdown for swing in gait.swings)]

@@ -1,7 +1,7 @@
 """
 One generator for every gait: a cycle of body, feet and joints from gait and motion.
 
-Body and footholds are planned in the cycle's ground frame (S4 sec. 2), feet are
+Body and footholds are planned in the cycle's ground frame (S4 sec. 1), feet are
 brought into the body frame, and inverse kinematics gives the joints. Everything is
 vectorised over the cycle's samples.
 """

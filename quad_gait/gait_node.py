@@ -81,7 +81,8 @@ class GaitNode(QuadNode[GaitParameters]):
         self._polygons = self.create_publisher(PolygonStamped, 'support_polygon', 10)
         self._footholds = self.create_publisher(MarkerArray, 'footholds', 10)
         sensor = qos_profile_sensor_data
-        self.create_subscription(Path, 'plan', self.guarded(self._on_plan), _LATCHED)
+        plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
+        self.create_subscription(Path, 'plan', self.guarded(self._on_plan), plan_qos)
         self.create_subscription(
             JointState, 'joint_states', self.guarded(self._on_joint_states), sensor
         )
@@ -110,8 +111,9 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _on_plan(self, message: Path) -> None:
         plan = plan_from_message(message)
-        if plan is not None and message.header.frame_id not in ('map', self._frame):
-            raise WrongFrame('plan', message.header.frame_id, 'map')
+        map_frame = self.parameters.map_frame
+        if plan is not None and message.header.frame_id not in (map_frame, self._frame):
+            raise WrongFrame('plan', message.header.frame_id, map_frame)
         self._controller.set_plan(plan)
 
     def _on_joint_states(self, message: JointState) -> None:
@@ -130,8 +132,9 @@ class GaitNode(QuadNode[GaitParameters]):
         )
         if trajectory is not None:
             self._trajectories.publish(trajectory_message(trajectory))
-            markers = foothold_markers(controller.footholds(), self._frame, stamp)
-            self._footholds.publish(markers)
+            footholds = controller.footholds()
+            if len(footholds):
+                self._footholds.publish(foothold_markers(footholds, self._frame, stamp))
         self._margins.publish(Float64(data=controller.margin_at(now)))
         if self._polygons.get_subscription_count() > 0:
             polygon = controller.support_polygon_at(now, pose)
@@ -141,7 +144,7 @@ class GaitNode(QuadNode[GaitParameters]):
             self.update_status()
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._controller.set_plan(None)
+        self._controller.stop()
         response.success = True
         response.message = 'the robot stops at the end of its gait cycle, on four feet'
         return response

@@ -19,6 +19,10 @@ class GaitParameters:
     turning_gait: str = parameter(
         'turn', 'Gait for turning on the spot to the left: its name, or the path of a gait file.'
     )
+    map_frame: str = parameter('map', 'Frame of the plans; it coincides with that of the odometry.')
+    transient_local_plan: bool = parameter(
+        True, "Hear the last plan when starting late; false to hear volatile plans, as Nav2's."
+    )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
     settle_time: float = parameter(
         0.2, "After a cycle's end, before the pose is measured for the next.", 's', 0.0, 10.0

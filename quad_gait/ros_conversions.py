@@ -16,7 +16,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.errors import JointNotFound
+from quad_common.errors import InvalidMessage, JointNotFound
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import LEGS, Robot
 from quad_common.ros_conversions import time_from_seconds
@@ -74,7 +74,16 @@ def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array
     ------
     JointNotFound
         If a joint of the robot is missing.
+    InvalidMessage
+        If there are not as many numbers as names, or they are not finite.
     """
+    for what, numbers in (('positions', message.position), ('velocities', message.velocity)):
+        if len(numbers) != len(message.name) and (what == 'positions' or len(numbers)):
+            raise InvalidMessage(
+                'joint state', f'it has {len(numbers)} {what} for {len(message.name)} names'
+            )
+        if not np.all(np.isfinite(numbers)):
+            raise InvalidMessage('joint state', f'its {what} are not finite')
     place = {name: index for index, name in enumerate(message.name)}
     try:
         order = [place[name] for name in robot.joint_names]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from quad_common.errors import GaitError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D
+from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.body_motion import minimum_jerk
 from quad_gait.gait import Gait
@@ -30,6 +30,9 @@ Array = NDArray[np.float64]
 
 _PATIENCE = 1.0
 """For the joints to come to rest after a cycle [s]."""
+
+_FIRST_STAMP = 1e-3
+"""No cycle starts before, for a stamp of zero would mean "on arrival" [s]."""
 
 _STILL_TIME = 0.5
 """A robot out of its posture must be still for so long before it is made to stand up [s]."""
@@ -128,7 +131,8 @@ class WalkController:
                 path_tolerance=options.path_tolerance,
             )
         )
-        self._new_plan: Plan | None = None
+        self._wanted: Plan | None = None
+        self._stopped_goal: Pose2D | None = None
         self._has_new_plan = False
         self._busy_until = -math.inf
         self._last_time = -math.inf
@@ -148,8 +152,23 @@ class WalkController:
         return self._cycle
 
     def set_plan(self, plan: Plan | None) -> None:
-        """Follow this plan, or none, from the next cycle on."""
-        self._new_plan = plan
+        """
+        Follow this plan, or none, from the next cycle on.
+
+        After :meth:`stop` a plan to the same goal is not followed: it is no new wish.
+        """
+        if plan is not None and self._stopped_goal is not None:
+            if _is_same_goal(plan.poses[-1], self._stopped_goal):
+                return
+            self._stopped_goal = None
+        self._wanted = plan
+        self._has_new_plan = True
+
+    def stop(self) -> None:
+        """Stop at the end of the cycle, until a plan to another goal comes."""
+        if self._wanted is not None:
+            self._stopped_goal = self._wanted.poses[-1]
+        self._wanted = None
         self._has_new_plan = True
 
     def distance_left(self, pose: Pose2D) -> float:
@@ -187,7 +206,7 @@ class WalkController:
             return None
         if self._has_new_plan:
             self._has_new_plan = False
-            self._follower.follow(self._new_plan, now.pose)
+            self._follower.follow(self._wanted, now.pose)
             self._cycles_without_effect = 0
             self.activity = Activity.STANDING
         if now.joint_positions is None:
@@ -208,7 +227,10 @@ class WalkController:
         if self._follower.plan is None:
             if self.activity in (Activity.ARRIVED, Activity.BLOCKED):
                 return None
-            self._set_activity(Activity.STANDING, 'no plan to follow')
+            why = 'no plan to follow'
+            if self._stopped_goal is not None:
+                why = 'stopped on request; a plan to another goal makes the robot walk again'
+            self._set_activity(Activity.STANDING, why)
             return None
         try:
             return self._plan_cycle(now)
@@ -278,7 +300,7 @@ class WalkController:
         )
         # Back to back with the last cycle, unless that is too late to be heard in time.
         earliest = now.time + options.lead_time - gait.motion_start
-        self._cycle_start = max(self._busy_until, earliest)
+        self._cycle_start = max(self._busy_until, earliest, _FIRST_STAMP)
         self._cycle_pose = now.pose
         self._cycle = cycle
         self._busy_until = self._cycle_start + gait.cycle_period
@@ -320,18 +342,20 @@ class WalkController:
         times = np.linspace(0.0, options.stand_up_time, steps + 1)
         share, rate = minimum_jerk(0.0, options.stand_up_time, times)
         change = self._robot.initial_joint_angles.reshape(-1) - joint_positions
-        start = time + options.lead_time
-        self._cycle = None
-        self._busy_until = start + options.stand_up_time
-        self.activity = Activity.STANDING_UP
-        self.reason = f'{np.abs(change).max():.2f} rad from the initial posture: regaining it'
-        return JointTrajectory(
+        trajectory = JointTrajectory(
             joint_names=self._robot.joint_names,
-            stamp=start,
+            stamp=time + options.lead_time,
             times=times,
             positions=joint_positions + share[:, None] * change,
             velocities=rate[:, None] * change,
         )
+        self._cycle = None
+        self._busy_until = trajectory.end
+        self._set_activity(
+            Activity.STANDING_UP,
+            f'{np.abs(change).max():.2f} rad from the initial posture: regaining it',
+        )
+        return trajectory
 
     def _set_activity(self, activity: Activity, reason: str) -> None:
         self.activity = activity
@@ -354,3 +378,7 @@ class WalkController:
     def _sample(self, cycle: Cycle, time: float) -> int:
         index = round((time - self._cycle_start) / float(cycle.times[1]))
         return min(max(index, 0), len(cycle.times) - 1)
+
+
+def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:
+    return a.distance_to(b) < 1e-3 and abs(wrap_angle(a.yaw - b.yaw)) < 1e-3

@@ -29,6 +29,3 @@ class PlannerParameters:
         5.0, 'A search that takes longer is given up.', 's', lower=0.01
     )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
-    transient_local_plan: bool = parameter(
-        True, 'Late subscribers get the last plan; set false to match volatile ones only.'
-    )

@@ -57,8 +57,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._plan: Plan | None = None
         self._problem: QuadError | None = None
 
-        plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
-        self._plan_publisher = self.create_publisher(Path, 'plan', plan_qos)
+        self._plan_publisher = self.create_publisher(Path, 'plan', _LATCHED)
         self._marker_publisher = self.create_publisher(MarkerArray, 'plan_markers', _LATCHED)
         self.create_subscription(OccupancyGrid, 'map', self.guarded(self._on_map), _LATCHED)
         self.create_subscription(PoseStamped, 'goal_pose', self.guarded(self._on_goal), 10)
@@ -136,13 +135,17 @@ class PlannerNode(QuadNode[PlannerParameters]):
             return
         self._waiting_goal = None
         try:
-            if message.header.frame_id not in (self._map_frame, *self._frames):
-                raise WrongFrame('goal', message.header.frame_id, self._map_frame)
-            goal = pose_from_message(message.pose, 'goal')
+            goal = self._pose_on_map(message, 'goal')
         except PlannerError as error:
             self._problem = error
             return
         self._attempt(goal)
+
+    def _pose_on_map(self, message: PoseStamped, what: str) -> Pose2D:
+        """Read a pose that is given in the map's frame, or in one that coincides with it."""
+        if message.header.frame_id not in (self._map_frame, *self._frames):
+            raise WrongFrame(what, message.header.frame_id, self._map_frame)
+        return pose_from_message(message.pose, what)
 
     def _attempt(self, goal: Pose2D) -> None:
         """Plan to a goal; if that fails, the last goal and plan stay."""
@@ -178,8 +181,11 @@ class PlannerNode(QuadNode[PlannerParameters]):
         stamp = self.get_clock().now().to_msg()
         plan = None
         try:
-            start = pose_from_message(request.start.pose, 'start')
-            goal = pose_from_message(request.goal.pose, 'goal')
+            for stamped in (request.start, request.goal):
+                # Unlike a topic, a request is meant for this planner: its map goes without saying.
+                stamped.header.frame_id = stamped.header.frame_id or self._map_frame
+            start = self._pose_on_map(request.start, 'start')
+            goal = self._pose_on_map(request.goal, 'goal')
             plan = self._planner.plan(start, goal)
         except QuadError as error:
             self.report_error(error)

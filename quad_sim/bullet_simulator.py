@@ -235,6 +235,9 @@ class BulletSimulator:
                 link,
                 lateralFriction=1.0,
                 restitution=0.0,
+                # Without it a robot that stands still at a heading creeps round by a degree
+                # in a second or two. Coulomb's law holds with it as well.
+                frictionAnchor=1,
                 linearDamping=0.0,
                 angularDamping=0.0,
                 jointDamping=0.0,

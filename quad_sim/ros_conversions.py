@@ -46,6 +46,8 @@ def trajectory_from_message(message: JointTrajectoryMessage) -> JointTrajectory:
         If sizes disagree, numbers are not finite, or times do not rise.
     """
     joints = len(message.joint_names)
+    if joints == 0:
+        raise TrajectoryError('the trajectory names no joints; it needs at least one')
     for index, point in enumerate(message.points):
         if len(point.positions) != joints or len(point.velocities) not in (0, joints):
             raise TrajectoryError(

@@ -136,6 +136,7 @@ class SimNode(QuadNode[SimParameters]):
             'real_time_factor': f'{self._measured_factor():.2f}',
             'contacts': contacts,
             'has_fallen': simulation.has_fallen,
+            'late_trajectories': simulation.late_trajectories,
             'seconds_in_physics': f'{self._spent["physics"]:.3f}',
             'seconds_publishing': f'{self._spent["publishing"]:.3f}',
         }
@@ -194,10 +195,10 @@ class SimNode(QuadNode[SimParameters]):
             self.get_logger().info('tf2_msgs is not installed: no transforms are published')
             return None
         p = self.parameters
-        static = self.create_publisher(TFMessage, '/tf_static', _LATCHED)
+        static = self.create_publisher(TFMessage, 'tf_static', _LATCHED)
         identity = identity_transform(p.map_frame, p.odom_frame, time_from_seconds(0.0))
         static.publish(TFMessage(transforms=[identity]))
-        return self.create_publisher(TFMessage, '/tf', 100)
+        return self.create_publisher(TFMessage, 'tf', 100)
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         self._simulation.accept(trajectory_from_message(message))

@@ -86,8 +86,10 @@ def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
     rows, columns = np.nonzero(grid.occupied())
     if rows.size == 0:
         return
-    centers = grid.map_to_world(np.column_stack([columns, rows]).astype(np.float64) + 0.5)
-    nearest = float(np.min(np.hypot(*(centers - (start.x, start.y)).T)))
+    here = grid.world_to_map(np.array([start.x, start.y]))
+    # To the nearest point of each cell's square.
+    apart = np.maximum(np.abs(np.column_stack([columns, rows]) + 0.5 - here) - 0.5, 0.0)
+    nearest = grid.resolution * float(np.min(np.hypot(apart[:, 0], apart[:, 1])))
     if nearest < robot.footprint_radius:
         raise ParameterError(
             'start_pose',
@@ -120,6 +122,8 @@ class Simulation:
         """Every contact that should not be, since the last reset."""
         self.has_fallen = False
         """Whether the robot has fallen since the last reset."""
+        self.late_trajectories = 0
+        """How many came after their first point was due: the joints had to jump."""
         self.reset()
 
     @property
@@ -142,6 +146,8 @@ class Simulation:
     def accept(self, trajectory: JointTrajectory) -> None:
         """Hand a trajectory to the controller; see :meth:`TrajectoryExecutor.accept`."""
         self._executor.accept(trajectory, self.time)
+        if trajectory.stamp > 0.0 and trajectory.stamp + trajectory.times[0] < self.time:
+            self.late_trajectories += 1
 
     def step(self) -> None:
         """Advance by one time step."""

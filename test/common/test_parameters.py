@@ -29,7 +29,7 @@ class Sample:
     free: float = parameter(2.5, 'Anything.')
     name: str = parameter('lf', 'Any text.')
     mode: str = parameter('walk', 'A mode.', choices=('walk', 'stand'))
-    pose: list[float] = parameter([1.0, 2.0, 3.0], 'A pose.', 'm')
+    pose: list[float] = parameter([1.0, 2.0, 3.0], 'A pose.', 'm')  # noqa: RUF009
 
 
 def checked(**values):

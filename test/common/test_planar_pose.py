@@ -1,5 +1,6 @@
 """Poses in the plane are the group SE(2), and headings live on a circle."""
 
+import itertools
 import math
 
 import numpy as np
@@ -128,7 +129,7 @@ def test_distance_to_a_polyline_is_the_least_over_its_points():
         corners = rng.uniform(-3.0, 3.0, (rng.integers(2, 6), 2))
         point = rng.uniform(-4.0, 4.0, 2)
         t = np.linspace(0.0, 1.0, 5001)[:, None]
-        samples = np.concatenate([a + t * (b - a) for a, b in zip(corners, corners[1:])])
+        samples = np.concatenate([a + t * (b - a) for a, b in itertools.pairwise(corners)])
         sampled = np.linalg.norm(samples - point, axis=1).min()
         exact = distance_to_polyline(tuple(point), corners)
         assert exact <= sampled + 1e-12

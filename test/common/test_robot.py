@@ -126,7 +126,11 @@ def test_the_footprint_holds_feet_and_body():
 
 
 def test_joints_are_named_leg_by_leg():
-    assert ROBOT.joint_names[:3] == ('lf_hip_yaw_joint', 'lf_hip_pitch_joint', 'lf_knee_pitch_joint')
+    assert ROBOT.joint_names[:3] == (
+        'lf_hip_yaw_joint',
+        'lf_hip_pitch_joint',
+        'lf_knee_pitch_joint',
+    )
     assert [name[:2] for name in ROBOT.joint_names] == [leg for leg in LEGS for _ in range(3)]
     for index, name in enumerate(ROBOT.joint_names):
         assert ROBOT.joint_index(name) == index
@@ -282,8 +286,14 @@ def test_an_unknown_robot_is_answered_with_those_that_there_are():
         ('body.mass', {'value': True, 'source': 'x'}, 'True; it must be a number'),
         ('body.mass', {'value': math.nan, 'source': 'x'}, 'nan; it must be a number'),
         ('body.mass', {'value': -1.0, 'source': 'x'}, "'body.mass' is -1.0; it must be positive"),
+        ('leg.calf_lenght', {'value': 0.2, 'source': 'x'}, "has 'leg.calf_lenght', which means"),
+        ('joints.hip_yaw.effort', {'value': 0.0, 'source': 'x'}, 'is 0.0; it must be positive'),
         ('leg.calf_length', {'value': 0, 'source': 'x'}, 'is 0; it must be positive'),
-        ('drive.knee_is_absolute', {'value': 'yes!', 'source': 'x'}, "'yes!'; it must be true or false"),
+        (
+            'drive.knee_is_absolute',
+            {'value': 'yes!', 'source': 'x'},
+            "'yes!'; it must be true or false",
+        ),
         (
             'joints.knee_pitch.lower',
             {'value': 3.0, 'source': 'x'},

@@ -1,6 +1,7 @@
 """A gait is data: what ships is sound, and what is not is told."""
 
 import copy
+import itertools
 import math
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def test_swings_are_in_the_order_of_liftoff(name):
 @each_gait
 def test_one_foot_at_most_is_in_the_air(name):
     swings = load_gait(name).swings
-    for swing, following in zip(swings, swings[1:]):
+    for swing, following in itertools.pairwise(swings):
         assert swing.touchdown < following.liftoff
 
 
@@ -127,6 +128,12 @@ def test_a_gait_without_one_of_its_keys_is_not_complete(tmp_path, key):
     sentence = refusal(written(tmp_path, document))
     assert 'a complete gait file' in sentence
     assert key in sentence
+
+
+def test_a_key_that_means_nothing_is_named(tmp_path):
+    sentence = refusal(written(tmp_path, {**CRAWL, 'cycle_periodd': 4.0}))
+    assert "['cycle_periodd']" in sentence
+    assert 'complete' not in sentence
 
 
 OVERLAP = {'lh': [1.1, 1.65], 'lf': [1.66, 2.55], 'rh': [3.1, 3.65], 'rf': [4.0, 4.55]}

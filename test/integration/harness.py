@@ -27,7 +27,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from quad_cli.node_processes import NodeProcess, NodeProcesses
+from quad_cli.node_processes import NodeDied, NodeProcess, NodeProcesses
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.ros_conversions import (
@@ -50,6 +50,13 @@ START = Pose2D(1.2, 1.2, 0.0)
 
 SIMULATED_TIMEOUT = 300.0
 """For whatever a test waits for [s]."""
+
+DEFAULTS: dict[str, dict[str, object]] = {
+    'sim_node': {'backend': 'kinematic', 'real_time_factor': 0.0},
+    # As fast as possible, a message is on its way for a good part of a simulated second.
+    'gait_node': {'lead_time': 2.0},
+}
+"""Parameters of the nodes, unless a test says otherwise."""
 
 WALL_TIMEOUT = 30.0
 """For simulated time to advance, or, where none runs, for what a test waits for [s]."""
@@ -107,6 +114,7 @@ class Bench:
         self._pids: list[int] = []
         self._listeners: list[Callable[[str, Status], None]] = []
         self._publishers: dict[str, Any] = {}
+        self._dead_readers: set[bytes] = set()
         self._context = rclpy.Context()
         rclpy.init(context=self._context)
         self.node = rclpy.create_node('bench', namespace=namespace, context=self._context)
@@ -136,9 +144,7 @@ class Bench:
 
     def start(self, name: str, **parameters: object) -> None:
         """Start a node, or start it again."""
-        if name == 'sim_node':
-            parameters = {'backend': 'kinematic', 'real_time_factor': 0.0, **parameters}
-        self.processes[name] = self._nodes.start(name, **parameters)
+        self.processes[name] = self._nodes.start(name, **{**DEFAULTS.get(name, {}), **parameters})
         self._pids.append(self.processes[name].pid)
         self._alive.add(name)
 
@@ -152,6 +158,9 @@ class Bench:
 
     def kill(self, name: str) -> None:
         """End a node at once, as a crash would."""
+        for topic in self._publishers:
+            readers = self.node.get_subscriptions_info_by_topic(topic)
+            self._dead_readers |= {_gid(r) for r in readers if r.node_name == name}
         self._alive.discard(name)
         self.processes[name].kill()
         self.statuses.pop(name, None)
@@ -165,6 +174,13 @@ class Bench:
         # It is not waited for yet, so the id is still its own even if it has ended.
         os.kill(pid, signal.SIGINT)
         return self.processes[name].stop(WALL_TIMEOUT)
+
+    def wait_for_end(self, name: str) -> NodeDied:
+        """Wait until a node ends on its own; return how."""
+        with pytest.raises(NodeDied) as died:
+            self.wait_until(f'{name} ends', lambda: False)
+        self._alive.discard(name)
+        return died.value
 
     # ---- waiting ----
 
@@ -276,12 +292,23 @@ class Bench:
     # ---- talking ----
 
     def publisher(self, kind: Any, topic: str, qos: Any = 10) -> Any:
-        """Return the publisher of a topic once somebody listens."""
+        """Return the publisher of a topic once a living node listens."""
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_publisher(kind, topic, qos)
         publisher = self._publishers[topic]
-        self.wait_until(f"'{topic}' is heard", lambda: publisher.get_subscription_count() > 0)
+
+        def is_heard() -> bool:
+            # A node that was killed counts as a listener until its lease runs out.
+            readers = {_gid(r) for r in self.node.get_subscriptions_info_by_topic(topic)}
+            return publisher.get_subscription_count() > 0 and bool(readers - self._dead_readers)
+
+        self.wait_until(f"'{topic}' is heard", is_heard)
         return publisher
+
+    def publish_repeatedly(self, topic: str, message: Any, period: float = 0.1) -> Any:
+        """Publish a message again and again, as a sensor does; return the timer."""
+        publisher = self.node.create_publisher(type(message), topic, 10)
+        return self.node.create_timer(period, lambda: publisher.publish(message))
 
     def give_goal(self, goal: Pose2D | PoseStamped, frame: str = 'map') -> None:
         """Publish a goal."""
@@ -351,3 +378,7 @@ class Bench:
             # Each node leads a process group of its own: nothing may be left of it.
             with pytest.raises(ProcessLookupError):
                 os.killpg(pid, 0)
+
+
+def _gid(endpoint: Any) -> bytes:
+    return bytes(endpoint.endpoint_gid)

@@ -1,0 +1,207 @@
+"""The quadwalk command says what it did, or in one sentence why it could not."""
+
+import argparse
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+pytest.importorskip('rich')
+
+import itertools
+
+from quad_cli.arguments import map_argument, pose_argument
+from quad_cli.bench import at_least, at_most, figure
+from quad_cli.main import COMMANDS, main
+from quad_cli.parameters import TABLES
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.robot import load_robot
+
+ROOT = Path(__file__).parents[2]
+PLAN = ['plan', '--start', '1.2,1.2,0', '--goal', '6.8,4.8,90deg']
+
+
+@pytest.mark.parametrize(
+    ('text', 'pose'),
+    [
+        ('1.5,2,0', (1.5, 2.0, 0.0)),
+        ('-1,-2.5,-3.1', (-1.0, -2.5, -3.1)),
+        (' 1 , 2 , 3 ', (1.0, 2.0, 3.0)),
+        ('0,0,90deg', (0.0, 0.0, math.pi / 2)),
+        ('1e-1,0,-45deg', (0.1, 0.0, -math.pi / 4)),
+    ],
+)
+def test_a_pose_is_three_numbers_and_its_yaw_may_be_in_degrees(text, pose):
+    read = pose_argument(text)
+    assert (read.x, read.y, read.yaw) == pytest.approx(pose)
+
+
+@pytest.mark.parametrize('text', ['', '1,2', '1,2,3,4', 'a,b,c', '1,2,deg', '1;2;3'])
+def test_what_is_no_pose_is_answered_with_an_example(text):
+    with pytest.raises(argparse.ArgumentTypeError, match=r'is not x,y,yaw, for example 1\.5,2,0'):
+        pose_argument(text)
+
+
+@pytest.mark.parametrize('text', ['nan,0,0', '0,inf,0', '0,0,nan', '0,0,infdeg'])
+def test_a_pose_that_is_not_finite_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match='holds a number that is not finite'):
+        pose_argument(text)
+
+
+def test_a_map_is_a_file_or_the_name_of_a_sample_map(tmp_path):
+    path = tmp_path / 'mine.yaml'
+    path.touch()
+    assert map_argument(str(path)) == path
+    assert map_argument('office') == sample_map('office')
+    with pytest.raises(argparse.ArgumentTypeError, match=r"no map file 'no'; .* office, room"):
+        map_argument('no')
+
+
+def test_plan_prints_the_turning_points_and_the_length(capsys):
+    assert main(PLAN) == 0
+    first, *rest = capsys.readouterr().out.splitlines()
+    length, count = float(first.split()[0]), int(first.split()[2])
+    assert first.endswith('turning points:')
+    rows = [[float(row.split()[k]) for k in (0, 1, 3)] for row in rest[:count]]
+    assert rows[0][:2] == pytest.approx([1.2, 1.2], abs=5e-4)
+    assert rows[-1] == pytest.approx([6.8, 4.8, 90.0], abs=5e-4)
+    walked = sum(math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(rows))
+    assert walked == pytest.approx(length, abs=0.01)
+
+
+def test_plan_as_json_is_one_object_that_adds_up(capsys):
+    assert main([*PLAN, '--json']) == 0
+    told = json.loads(capsys.readouterr().out)
+    poses = told['poses']
+    assert told['method'] == 'mesh'
+    assert poses[-1] == pytest.approx([6.8, 4.8, math.pi / 2])
+    walked = sum(math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(poses))
+    assert told['length'] == pytest.approx(walked)
+    for a, b in itertools.pairwise(poses):
+        assert a[2] == pytest.approx(math.atan2(b[1] - a[1], b[0] - a[0]))
+
+
+def test_plan_draws_a_picture(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    picture = tmp_path / 'plan.png'
+    assert main([*PLAN, '--picture', str(picture)]) == 0
+    assert picture.read_bytes()[:8] == b'\x89PNG\r\n\x1a\n'
+    assert 'turning points' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'told'),
+    [
+        (
+            ['plan', '--start', '1.2,1.2,0', '--goal', '60,4,0'],
+            'the goal (60.00, 4.00) m is outside',
+        ),
+        (['plan', '--start', '0,0,0', '--goal', '6.8,4.8,0'], 'the start (0.00, 0.00) m is'),
+        ([*PLAN, '--robot', 'spot'], "there is no robot 'spot'; available: "),
+        (['robot', 'check', 'spot'], "there is no robot 'spot'; available: "),
+        (['robot', 'urdf', '/nowhere.yaml'], "there is no robot '/nowhere.yaml'"),
+    ],
+)
+def test_what_cannot_be_done_ends_with_code_2_and_one_sentence(capsys, arguments, told):
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ''
+    assert err.startswith('error: ')
+    assert told in err
+    assert err.count('\n') == 1
+
+
+@pytest.mark.parametrize(
+    'arguments',
+    [
+        [],
+        ['dance'],
+        ['plan'],
+        ['plan', '--start', 'here', '--goal', '1,1,0'],
+        [*PLAN, '--map', 'nowhere'],
+        [*PLAN, '--method', 'guess'],
+        ['parameters', 'other_node'],
+        ['robot', 'paint', 'titan_viii'],
+        ['bench', 'nothing'],
+    ],
+)
+def test_arguments_that_are_not_understood_end_with_code_2(capsys, arguments):
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert 'usage: quadwalk' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('command', COMMANDS)
+def test_every_command_explains_itself_with_examples(capsys, command):
+    with pytest.raises(SystemExit) as caught:
+        main([command, '--help'])
+    assert caught.value.code == 0
+    told = capsys.readouterr().out
+    assert 'examples:' in told
+    assert f'quadwalk {command}' in told
+
+
+def test_robot_check_as_json_gives_the_papers_figures(capsys):
+    assert main(['robot', 'check', 'titan_viii', '--json']) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures['mass_kg'] == 40.0
+    assert (figures['stance_reach_mm'], figures['hip_height_mm']) == (200.0, 243.0)
+    assert round(figures['largest_stride_mm']) == 226
+    assert round(figures['largest_turn_deg']) == 44
+    assert round(figures['mesh_size_mm']) == 628
+    assert figures['kinematics_error_mm'] < 1e-6
+
+
+def test_robot_check_for_people_names_every_figure(capsys):
+    assert main(['robot', 'check', 'titan_viii']) == 0
+    told = capsys.readouterr().out
+    assert told.startswith('titan_viii: ')
+    assert 'largest stride mm' in told
+
+
+def test_robot_urdf_is_the_robots(capsys):
+    assert main(['robot', 'urdf', 'titan_viii']) == 0
+    root = ElementTree.fromstring(capsys.readouterr().out)
+    joints = [j.get('name') for j in root.iter('joint') if j.get('type') == 'revolute']
+    assert tuple(joints) == load_robot('titan_viii').joint_names
+
+
+@pytest.mark.parametrize('node', TABLES)
+def test_parameters_prints_what_lies_in_config(capsys, node):
+    assert main(['parameters', node]) == 0
+    config = ROOT / 'config' / f'{node}.yaml'
+    assert capsys.readouterr().out == config.read_text(encoding='utf-8')
+
+
+def test_a_bar_holds_if_its_value_was_measured_and_is_good_enough():
+    assert at_most('error', 0.05, 'm', 0.05).holds is True
+    assert at_most('error', 0.051, 'm', 0.05).holds is False
+    assert at_least('margin', 0.01, 'm', 0.01).holds is True
+    assert at_least('margin', 0.009, 'm', 0.01).holds is False
+    for make in (at_most, at_least):
+        assert make('error', None, 'm', 0.05).holds is False
+    assert (figure('cycles', 3, '').holds, figure('cycles', 3, '').bar) == (None, '')
+
+
+def test_without_ros_the_demo_says_what_to_install():
+    code = (
+        'import sys; sys.modules["rclpy"] = None\n'
+        'from quad_cli.main import main\n'
+        'raise SystemExit(main(["demo", "--no-recording"]))'
+    )
+    result = subprocess.run(
+        [sys.executable, '-c', code], capture_output=True, text=True, check=False, cwd=ROOT
+    )
+    assert result.returncode == 2
+    assert result.stderr.startswith('error: this needs the package rclpy: ')
+    assert "pip install 'quadwalk[ros]'" in result.stderr
+
+
+def test_a_pose_argument_is_a_pose():
+    assert pose_argument('1,2,3') == Pose2D(1.0, 2.0, 3.0)

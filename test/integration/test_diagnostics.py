@@ -1,0 +1,76 @@
+"""Every node says what it waits for, and what it does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy')
+
+from builtin_interfaces.msg import Time
+from harness import OK, STALE, WARN, Bench
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.robot import load_robot
+from quad_common.ros_conversions import pose_message
+from quad_sim.ros_conversions import grid_message
+
+pytestmark = pytest.mark.ros
+
+
+def odometry_at(x: float, y: float) -> Odometry:
+    message = Odometry()
+    message.header.frame_id = 'odom'
+    message.pose.pose = pose_message(Pose2D(x, y, 0.0))
+    return message
+
+
+def test_the_planner_says_what_it_waits_for(bench: Bench):
+    bench.start('planner_node', use_sim_time=False)
+    bench.wait_for_status('planner_node', "no map: waiting for one on 'map'", level=WARN)
+    free = OccupancyGrid(np.zeros((80, 80), np.int8), 0.05, Pose2D(0.0, 0.0, 0.0))
+    bench.publish_map(grid_message(free, 'map', Time()))
+    bench.wait_for_status('planner_node', "no odometry: waiting for it on 'odom'", level=WARN)
+    bench.publish_repeatedly('odom', odometry_at(1.0, 1.0))
+    bench.wait_for_status('planner_node', "ready: waiting for a goal on 'goal_pose'", level=OK)
+    bench.give_goal(Pose2D(3.0, 3.0, 0.0))
+    bench.wait_for_status('planner_node', 'plan of 2 turning points, 2.83 m', level=OK, code=0)
+
+
+def test_the_gait_node_says_what_it_waits_for(bench: Bench):
+    bench.start('gait_node', use_sim_time=False)
+    bench.wait_for_status('gait_node', "no odometry: waiting for it on 'odom'", level=WARN)
+    odometry = bench.publish_repeatedly('odom', odometry_at(1.0, 1.0))
+    bench.wait_for_status('gait_node', 'no joint states yet', level=WARN)
+    robot = load_robot('titan_viii')
+    joints = JointState(
+        name=list(robot.joint_names), position=robot.initial_joint_angles.reshape(-1).tolist()
+    )
+    bench.publish_repeatedly('joint_states', joints)
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+    odometry.cancel()
+    bench.wait_for_status('gait_node', 'no odometry', level=WARN)
+
+
+def test_without_a_clock_the_nodes_ask_for_one(bench: Bench):
+    for node in ('planner_node', 'gait_node'):
+        bench.start(node)
+    for node in ('planner_node', 'gait_node'):
+        bench.wait_for_status(node, 'no clock: use_sim_time is true', level=STALE)
+
+
+def test_a_paused_clock_is_stale_until_it_goes_on(bench: Bench):
+    bench.start_robot()
+    assert bench.call('pause').success
+    bench.wait_for_status('sim_node', 'paused', level=OK)
+    for node in ('planner_node', 'gait_node'):
+        bench.wait_for_status(node, 'stale clock: simulated time stands still at', level=STALE)
+    paused_at = bench.time
+    assert bench.call('unpause').success
+    bench.wait_for_status('sim_node', 'running', level=OK)
+    bench.wait_for_status('planner_node', 'ready', level=OK)
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    assert bench.time > paused_at

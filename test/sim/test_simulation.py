@@ -1,0 +1,140 @@
+"""The simulation steps a simulator with its trajectory's commands, and keeps the record."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from quad_common.errors import ParameterError, TrajectoryError
+from quad_common.joint_trajectory import JointTrajectory
+from quad_common.planar_pose import Pose2D
+from quad_common.robot import load_robot
+from quad_sim.kinematic_simulator import KinematicSimulator
+from quad_sim.simulation import BACKENDS, Simulation, make_simulator
+from quad_sim.simulator import Contact
+
+ROBOT = load_robot('titan_viii')
+POSTURE = ROBOT.initial_joint_angles.reshape(-1)
+START = Pose2D(1.0, 2.0, 0.5)
+
+
+class Scripted(KinematicSimulator):
+    """A simulator that can be told what to observe."""
+
+    told: tuple[tuple[Contact, ...], bool] = ((), False)
+
+    def observe(self):
+        contacts, has_fallen = self.told
+        return replace(super().observe(), contacts=contacts, has_fallen=has_fallen)
+
+
+def make_simulation(kind=KinematicSimulator):
+    simulator = kind(ROBOT, 0.01)
+    return simulator, Simulation(simulator, ROBOT, START)
+
+
+def swaying(stamp, seconds=1.0, size=0.05):
+    times = np.linspace(0.0, seconds, 51)
+    share = np.sin(math.pi * times / seconds) ** 2
+    rate = math.pi / seconds * np.sin(2.0 * math.pi * times / seconds)
+    change = np.tile([size, 0.0, 0.0], 4)
+    return JointTrajectory(
+        ROBOT.joint_names, stamp, times, POSTURE + share[:, None] * change, rate[:, None] * change
+    )
+
+
+def test_the_robot_stands_at_its_start_pose_until_it_is_told_to_move():
+    _, simulation = make_simulation()
+    for _ in range(100):
+        simulation.step()
+    seen = simulation.observe()
+    assert (seen.pose.x, seen.pose.y, seen.pose.yaw) == pytest.approx((1.0, 2.0, 0.5))
+    assert seen.joint_positions == pytest.approx(POSTURE)
+    assert simulation.time == seen.time == pytest.approx(1.0)
+    assert simulation.time_step == 0.01
+
+
+def test_after_each_step_the_joints_are_where_the_trajectory_has_them_at_that_time():
+    _, simulation = make_simulation()
+    trajectory = swaying(0.5)
+    simulation.accept(trajectory)
+    moved = 0.0
+    for _ in range(200):
+        simulation.step()
+        expected = 0.0
+        if 0.5 <= simulation.time <= 1.5:
+            expected = 0.05 * math.sin(math.pi * (simulation.time - 0.5)) ** 2
+        offset = simulation.observe().joint_positions - POSTURE
+        assert offset[::3] == pytest.approx(np.full(4, expected), abs=1e-5)
+        moved = max(moved, offset[0])
+    assert moved == pytest.approx(0.05, abs=1e-4)
+
+
+def test_a_reset_drops_the_trajectory_and_the_record_but_not_the_time():
+    simulator, simulation = make_simulation(Scripted)
+    simulation.accept(swaying(0.0))
+    for _ in range(50):
+        simulation.step()
+    simulator.told = ((Contact('lf_calf', 'obstacle'),), True)
+    simulation.observe()
+    simulator.told = ((), False)
+    simulation.reset()
+    assert (simulation.contacts_seen, simulation.has_fallen) == (set(), False)
+    assert simulation.time == pytest.approx(0.5)
+    simulation.step()
+    seen = simulation.observe()
+    assert seen.joint_positions == pytest.approx(POSTURE)
+    assert seen.pose.distance_to(START) < 1e-9
+
+
+def test_contacts_and_falls_are_kept_until_the_reset():
+    simulator, simulation = make_simulation(Scripted)
+    obstacle, ground = Contact('lf_calf', 'obstacle'), Contact('rh_thigh', 'ground')
+    for told in (((obstacle,), False), ((ground, obstacle), True), ((), False)):
+        simulator.told = told
+        simulation.observe()
+    assert simulation.contacts_seen == {obstacle, ground}
+    assert simulation.has_fallen
+    assert sorted(map(str, simulation.contacts_seen)) == [
+        'lf_calf touches obstacle',
+        'rh_thigh touches ground',
+    ]
+
+
+def test_a_trajectory_that_is_refused_leaves_the_last_one_in_force():
+    _, simulation = make_simulation()
+    simulation.accept(swaying(0.0))
+    for _ in range(50):
+        simulation.step()
+    with pytest.raises(TrajectoryError, match=r'ended at 0\.2'):
+        simulation.accept(swaying(0.1, seconds=0.1))
+    assert simulation.observe().joint_positions[0] - POSTURE[0] == pytest.approx(0.05, abs=1e-4)
+
+
+def test_a_trajectory_that_comes_after_its_first_point_was_due_is_counted():
+    _, simulation = make_simulation()
+    for _ in range(50):
+        simulation.step()
+    for stamp, late in ((0.0, 0), (0.6, 0), (0.4, 1), (0.3, 2)):
+        simulation.accept(swaying(stamp))
+        assert simulation.late_trajectories == late
+
+
+def test_simulators_are_made_by_name():
+    assert isinstance(make_simulator('kinematic', ROBOT, None), KinematicSimulator)
+    assert make_simulator('kinematic', ROBOT, None, time_step=0.002).time_step == 0.002
+    assert 'bullet' in BACKENDS
+
+
+def test_bullet_is_made_by_name():
+    pytest.importorskip('pybullet')
+    simulator = make_simulator('bullet', ROBOT, None, time_step=0.002)
+    assert type(simulator).__name__ == 'BulletSimulator'
+    assert simulator.time_step == 0.002
+    simulator.close()
+
+
+def test_an_unknown_backend_is_answered_with_those_that_there_are():
+    with pytest.raises(ParameterError, match="'backend' is 'gazebo'; it must be one of bullet, k"):
+        make_simulator('gazebo', ROBOT, None)
