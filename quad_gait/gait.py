@@ -115,7 +115,9 @@ def load_gait(gait: str | Path) -> Gait:
     return _check(unchecked)
 
 
-def _gait_from_document(document: Mapping[str, Any], name: str) -> Gait:
+def _gait_from_document(document: Any, name: str) -> Gait:
+    if not isinstance(document, Mapping):
+        raise TypeError('it must hold a mapping')
     unknown = set(document) - {field.name for field in fields(Gait)}
     if unknown:
         raise ParameterError('gait', sorted(unknown), 'without keys that mean nothing here')

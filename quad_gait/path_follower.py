@@ -38,8 +38,8 @@ class FollowerOptions:
     """Sideways in a straight cycle, and in any direction while turning [m]."""
     path_tolerance: float = 0.5
     """Farther from the plan the robot does not follow it [m]."""
-    final_cycles: int = 6
-    """At the goal the robot corrects its pose at most so often."""
+    final_cycles: int = 12
+    """At the goal the robot turns and corrects its pose at most so often."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,16 @@ class LeftPath(GaitError):
         super().__init__(
             f'the robot is {distance:.2f} m from its path; it follows within {tolerance:.2f} m: '
             f'waiting for a new plan'
+        )
+
+
+class GoalNotReached(GaitError):
+    """The robot is at the goal, but its cycles do not bring it within the tolerances."""
+
+    def __init__(self, distance: float, angle: float, cycles: int) -> None:
+        super().__init__(
+            f'after {cycles} cycles at the goal the robot is still {distance:.3f} m and '
+            f'{math.degrees(angle):.1f} degrees off'
         )
 
 
@@ -123,6 +133,8 @@ class PathFollower:
         ------
         LeftPath
             If the robot is too far from the plan.
+        GoalNotReached
+            If the robot cannot correct its pose at the goal.
         """
         plan, options = self._plan, self._options
         if plan is None:
@@ -174,11 +186,12 @@ class PathFollower:
         in_place = math.hypot(error.x, error.y) <= options.position_tolerance
         if in_place and abs(error.yaw) <= options.heading_tolerance:
             return None
-        if abs(error.yaw) > options.turn_threshold:
-            return self._turn(pose, goal)
         self._final_cycles += 1
         if self._final_cycles > options.final_cycles:
-            return None
+            distance = math.hypot(error.x, error.y)
+            raise GoalNotReached(distance, abs(error.yaw), options.final_cycles)
+        if abs(error.yaw) > options.turn_threshold:
+            return self._turn(pose, goal)
         stride = math.hypot(error.x, error.y)
         share = min(1.0, options.largest_stride / stride) if stride > 0.0 else 1.0
         aim = Pose2D(share * error.x, share * error.y, error.yaw)

@@ -95,6 +95,8 @@ class BulletSimulator:
         self._obstacles = self._make_obstacles(world)
         self._body, self._joints, self._link_names = self._load_robot()
         self._feet = frozenset(f'{leg}_foot' for leg in LEGS)
+        self._falls = {Contact('base_link', 'ground')}
+        self._falls |= {Contact(f'{leg}_hip', 'ground') for leg in LEGS}
         self._last_velocity = np.zeros(3)
         self.reset(Pose2D(0.0, 0.0, 0.0))
 
@@ -162,7 +164,7 @@ class BulletSimulator:
             joint_velocities=np.array([state[1] for state in states]),
             joint_efforts=np.array([state[3] for state in states]),
             contacts=contacts,
-            has_fallen=tilted or Contact('base_link', 'ground') in contacts,
+            has_fallen=tilted or any(contact in self._falls for contact in contacts),
         )
 
     def close(self) -> None:

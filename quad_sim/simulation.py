@@ -123,7 +123,7 @@ class Simulation:
         self.has_fallen = False
         """Whether the robot has fallen since the last reset."""
         self.late_trajectories = 0
-        """How many came after their first point was due: the joints had to jump."""
+        """How many came after their first point was due, since the last reset."""
         self.reset()
 
     @property
@@ -142,6 +142,7 @@ class Simulation:
         self._executor.hold(self._initial_joints)
         self.contacts_seen.clear()
         self.has_fallen = False
+        self.late_trajectories = 0
 
     def accept(self, trajectory: JointTrajectory) -> None:
         """Hand a trajectory to the controller; see :meth:`TrajectoryExecutor.accept`."""

@@ -9,7 +9,7 @@ import pytest
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot import load_robot
-from quad_gait.path_follower import FollowerOptions, LeftPath, PathFollower
+from quad_gait.path_follower import FollowerOptions, GoalNotReached, LeftPath, PathFollower
 
 ROBOT = load_robot('titan_viii')
 OPTIONS = FollowerOptions(largest_stride=ROBOT.largest_stride, largest_turn=ROBOT.largest_turn)
@@ -243,10 +243,11 @@ def test_the_distance_left_shrinks_to_nothing():
     assert left[-1] <= OPTIONS.position_tolerance
 
 
-def test_a_robot_that_cannot_move_gives_up_at_the_goal_instead_of_trying_forever():
+def test_a_robot_that_cannot_correct_its_pose_at_the_goal_says_so_instead_of_trying_forever():
     goal = Pose2D(1.0, 0.0, 0.0)
     follower, stuck = PathFollower(OPTIONS), Pose2D(1.05, 0.0, 0.0)
     follower.follow(Plan((goal,)), stuck)
-    steps = [follower.next_step(stuck) for _ in range(OPTIONS.final_cycles + 1)]
-    assert all(step is not None for step in steps[:-1])
-    assert steps[-1] is None
+    for _ in range(OPTIONS.final_cycles):
+        assert follower.next_step(stuck) is not None
+    with pytest.raises(GoalNotReached, match='0.050 m and 0.0 degrees off'):
+        follower.next_step(stuck)

@@ -18,7 +18,7 @@ from quad_sim.ros_conversions import grid_message
 pytestmark = pytest.mark.ros
 
 RESOLUTION = 0.05
-START, GOAL = Pose2D(1.0, 2.5, 0.0), Pose2D(3.8, 2.5, 0.0)
+START, GOAL = Pose2D(1.0, 2.5, 0.0), Pose2D(3.4, 2.5, 0.0)
 
 
 def room(wall: slice | None = None):
@@ -36,10 +36,11 @@ def test_a_walk_follows_the_map_as_it_changes(bench: Bench):
     bench.start('sim_node', map_file='none', start_pose=start)
     bench.start('planner_node')
     bench.start('gait_node')
-    bench.publish_map(room()[1])
-    bench.wait_for_status('planner_node', 'ready', level=OK)
-    bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.wait_for_status('planner_node', 'no map')
+    bench.wait_for_status('gait_node', 'standing')
+    # Given before there is a map, the goal waits for it.
     bench.give_goal(GOAL)
+    bench.publish_map(room()[1])
     bench.wait_for_walking()
     [straight] = bench.plans
     assert np.abs(straight.corners[:, 1] - START.y).max() < 0.05

@@ -62,3 +62,18 @@ def test_robots_in_namespaces_walk_on_topics_of_their_own(domain):
         assert {f'/robot1/{name}' for name in ours} <= set(topics)
         assert not {f'/{name}' for name in ours} & set(topics)
         assert seconds_from_time(bench.odometry.header.stamp) > 0.0
+
+
+def test_a_robot_that_is_stopped_stands_until_it_gets_another_goal(bench: Bench):
+    bench.start_robot()
+    bench.give_goal(Pose2D(2.0, 1.2, 0.0))
+    bench.wait_for_walking()
+    assert bench.call('stop').success
+    bench.wait_for_status('gait_node', 'standing: stopped on request')
+    stopped, since = bench.pose, bench.elapsed
+    bench.wait_until('ten seconds go by', lambda: bench.elapsed > since + 10.0)
+    assert bench.pose.distance_to(stopped) < 1e-6
+    assert not bench.is_near(Pose2D(2.0, 1.2, 0.0))
+    nearer = Pose2D(1.8, 1.2, 0.0)
+    bench.give_goal(nearer)
+    bench.wait_for_arrival(nearer)
