@@ -8,9 +8,9 @@ import argparse
 import json
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
 from quad_cli.arguments import map_argument, pose_argument
@@ -19,6 +19,10 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot import load_robot
 from quad_planner.parameters import PlannerParameters
+
+if TYPE_CHECKING:
+    from quad_cli.walk import WalkOptions
+    from quad_cli.walk_record import WalkRecord
 
 EXAMPLES = """examples:
   quadwalk demo
@@ -56,17 +60,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if the robot arrived."""
     # Here, so that 'quadwalk --help' and the commands without ROS work where rclpy is absent.
+    from quad_cli.progress import walk_progress
     from quad_cli.walk import WalkOptions, walk
-    from quad_cli.walk_observer import WalkObserver
 
     console = Console(stderr=arguments.json)
-    map_file = arguments.map or sample_map()
     output: Path = arguments.output
-    recording = None if arguments.no_recording else output / 'recording'
-    if recording is not None:
-        recording = _recordable(recording, console)
     options = WalkOptions(
-        map_file=map_file,
+        map_file=arguments.map or sample_map(),
         start=arguments.start,
         goal=arguments.goal,
         robot=arguments.robot,
@@ -75,58 +75,23 @@ def run(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         real_time_factor=arguments.real_time_factor,
         gui=arguments.gui,
-        recording=recording,
+        recording=None if arguments.no_recording else _recording(output, console),
     )
-    console.print(f'{options.robot} on {map_file.stem}: starting planner, gait and simulator ...')
-    columns = (TextColumn('{task.description}'), BarColumn(), TextColumn('{task.fields[state]}'))
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task('walking', total=None, state='')
-
-        def show(observer: WalkObserver) -> None:
-            plan, pose = observer.plan, observer.pose
-            if plan is None or pose is None:
-                return
-            record = observer.record
-            left = _distance_left(observer)
-            simulated = observer.time - (record.times[0] if record.times else observer.time)
-            factor = simulated / max(record.wall_time, 1e-6)
-            progress.update(
-                task,
-                total=plan.length,
-                completed=max(0.0, plan.length - left),
-                state=f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f}x real time',
-            )
-
+    name = options.map_file.stem
+    console.print(f'{options.robot} on {name}: starting planner, gait and simulator ...')
+    with walk_progress(console) as show:
         record = walk(options, show)
     result = record.result()
-    robot = load_robot(options.robot)
-    safety = options.safety_distance
-    clearance = robot.footprint_radius + (
-        PlannerParameters().safety_distance if safety is None else safety
-    )
     picture = output / 'walk.png'
-    # Imported late: matplotlib takes its time, and the robot should walk meanwhile.
-    from quad_cli.picture import draw_walk
-
-    draw_walk(
-        picture,
-        load_map(map_file),
-        robot,
-        clearance,
-        record.plans[-1] if record.plans else None,
-        options.start,
-        options.goal,
-        record,
-        title=f'{options.robot} on {map_file.stem}',
-    )
+    _draw(picture, options, record)
     summary: dict[str, object] = {
-        'map': map_file.stem,
+        'map': name,
         'start': [options.start.x, options.start.y, options.start.yaw],
         'goal': [options.goal.x, options.goal.y, options.goal.yaw],
         'seed': options.seed,
         **result.as_dict(),
         'picture': str(picture),
-        'recording': None if recording is None else str(recording),
+        'recording': None if options.recording is None else str(options.recording),
     }
     (output / 'walk.json').write_text(json.dumps(summary, indent=2) + '\n', encoding='utf-8')
     if arguments.json:
@@ -136,18 +101,34 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if result.arrived else 1
 
 
-def _recordable(recording: Path, console: Console) -> Path | None:
+def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:
+    # Imported late: matplotlib takes its time, and the robot should walk meanwhile.
+    from quad_cli.picture import draw_walk
+
+    robot = load_robot(options.robot)
+    safety = options.safety_distance
+    if safety is None:
+        safety = PlannerParameters().safety_distance
+    draw_walk(
+        picture,
+        load_map(options.map_file),
+        robot,
+        robot.footprint_radius + safety,
+        record.plans[-1] if record.plans else None,
+        options.start,
+        options.goal,
+        record,
+        title=f'{options.robot} on {options.map_file.stem}',
+    )
+
+
+def _recording(output: Path, console: Console) -> Path | None:
     from quad_cli.recording import can_record
 
     if can_record():
-        return recording
+        return output / 'recording'
     console.print('no recording: the package rosbags is not installed (pip install rosbags)')
     return None
-
-
-def _distance_left(observer: object) -> float:
-    values = observer.statuses.get('gait_node', (b'', '', {}))[2]  # type: ignore[attr-defined]
-    return float(values.get('distance_left', 0.0))
 
 
 def _print_table(console: Console, summary: dict[str, object]) -> None:

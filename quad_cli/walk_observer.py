@@ -116,6 +116,11 @@ class WalkObserver:
         return self.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
 
     @property
+    def distance_left(self) -> float:
+        """How far it is to the goal, as the gait node says [m]."""
+        return float(self.statuses.get('gait_node', (b'', '', {}))[2].get('distance_left', 0.0))
+
+    @property
     def plan(self) -> Plan | None:
         """The plan in force."""
         return self.record.plans[-1] if self.record.plans else None

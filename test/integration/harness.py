@@ -378,10 +378,12 @@ class Bench:
         """Interrupt all nodes at once; each must end well and leave nothing behind."""
         for name in self._alive:
             os.kill(self.processes[name].pid, signal.SIGINT)
-        codes = {name: self.processes[name].stop(WALL_TIMEOUT) for name in self._alive}
-        assert set(codes.values()) <= {0}, f'exit codes after an interrupt: {codes}'
+        for name in self._alive:
+            code = self.processes[name].stop(WALL_TIMEOUT)
+            assert code == 0, f'{name} ended with {code}:\n{self.processes[name].log_tail(40)}'
         for name, process in self.processes.items():
-            assert 'Traceback' not in process.log_tail(10_000), f'a traceback in the log of {name}'
+            log = process.log_tail(10_000)
+            assert 'Traceback' not in log, f'a traceback in the log of {name}:\n{log}'
         for pid in self._pids:
             # Each node leads a process group of its own: nothing may be left of it.
             with pytest.raises(ProcessLookupError):
