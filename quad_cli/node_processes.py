@@ -5,6 +5,7 @@ Starts nodes as processes of their own, keeps their logs and ends them by their 
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import random
 import signal
@@ -15,6 +16,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from quad_common.errors import QuadError
 from quad_common.resources import share_directory
@@ -25,6 +27,11 @@ NODES = {
     'sim_node': 'quad_sim.sim_node',
 }
 """The module behind each node's executable."""
+
+_PRCTL: Any = getattr(ctypes.CDLL(None), 'prctl', None) if sys.platform == 'linux' else None
+"""Looked up here, because little may be done between fork and exec."""
+
+_PR_SET_PDEATHSIG = 1
 
 _FIRST_LOCK_PORT = 32768
 
@@ -100,6 +107,11 @@ def _is_quiet(domain: int) -> bool:
     return True
 
 
+def _end_with_parent() -> None:
+    """Ask Linux to end this process when its parent ends, even if that is killed."""
+    _PRCTL(_PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
 class NodeProcess:
     """
     One node, running.
@@ -134,6 +146,7 @@ class NodeProcess:
                 stderr=subprocess.STDOUT,
                 env=environment,
                 start_new_session=True,
+                preexec_fn=_end_with_parent if _PRCTL is not None else None,
             )
 
     @property

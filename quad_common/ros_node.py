@@ -17,9 +17,9 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rclpy.signals import SignalHandlerOptions
 
 from quad_common.errors import QuadError
 from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
@@ -32,6 +32,9 @@ ERROR = DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE
 
 _NO_LIMIT = 1e308
+
+_LONGEST_WAIT = 0.1
+"""Of an idle node, before it looks whether it is to end [s]."""
 
 _SAME_LOG_AGAIN = 10.0
 """The same sentence is logged again only after so long [s]."""
@@ -210,39 +213,43 @@ def run_node(
     int
         Exit code: 0, or 2 if the node could not be made.
     """
-    interrupts: list[int] = []
-    # rclpy answers an interrupt by ending its context, which ends the loop. Python's own
-    # exception on top of it could come anywhere, also in the clean-up: under ros2 launch
-    # a second interrupt follows.
-    signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
+    # Signals are only noted. rclpy's own handlers end its context at once, from another
+    # thread and in the middle of whatever publishes; Python's exception could come anywhere,
+    # also in the clean-up: under ros2 launch a second interrupt follows the first.
+    signals: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, frame: signals.append(number))
     node = None
     try:
         try:
-            rclpy.init(args=args)
+            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         except RuntimeError as error:
             print(f'error: {error}', file=sys.stderr)
             return 2
         node = make_node()
         executor = make_executor()
         executor.add_node(node)
-        while rclpy.ok() and not interrupts:
-            executor.spin_once(timeout_sec=0.5 if drive is None else drive(node))
-    except ExternalShutdownException:
-        pass
+        while not signals:
+            executor.spin_once(timeout_sec=_LONGEST_WAIT if drive is None else drive(node))
     except (QuadError, ParameterException) as error:
         print(f'error: {error}', file=sys.stderr)
         return 2
-    except Exception:
-        # An interrupt ends the context between two lines: what fails after it is no error.
-        if rclpy.ok() and not interrupts:
-            raise
     finally:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
-        # While Python ends, it would give way to the system's handler, which kills.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        _ignore_signals()
     return 0
+
+
+def _ignore_signals() -> None:
+    """Ignore further signals: while Python ends, it restores the handlers that kill."""
+    hook = sys.unraisablehook
+    # A signal that comes just now makes Python complain of a race; it is ignored all the same.
+    sys.unraisablehook = lambda _: None
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    sys.unraisablehook = hook
 
 
 def make_executor(context: Any = None) -> Any:

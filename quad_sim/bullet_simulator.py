@@ -52,6 +52,9 @@ Array = NDArray[np.float64]
 GRAVITY = 9.80665
 """[m/s^2]"""
 
+_SOLVER_ITERATIONS = 25
+"""Half of Bullet's own: a walking body tilts by 0.2 degrees instead of 0.1, a step is a third faster."""
+
 _POSITION_GAIN = 0.3
 _VELOCITY_GAIN = 1.0
 _TILE = 4.0
@@ -89,7 +92,9 @@ class BulletSimulator:
             self._bullet: Any = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
         self._bullet.setGravity(0.0, 0.0, -GRAVITY)
         self._bullet.setPhysicsEngineParameter(
-            fixedTimeStep=time_step, deterministicOverlappingPairs=1
+            fixedTimeStep=time_step,
+            numSolverIterations=_SOLVER_ITERATIONS,
+            deterministicOverlappingPairs=1,
         )
         self._ground = self._make_ground(world)
         self._obstacles = self._make_obstacles(world)

@@ -95,18 +95,14 @@ def test_the_version_is_the_same_in_setup_py_and_package_xml(metadata, manifest)
 
 @pytest.mark.parametrize('path', sources(), ids=lambda path: str(path.relative_to(ROOT)))
 def test_what_a_module_imports_is_declared_in_package_xml(path, manifest):
-    declared = {
-        element.text for element in manifest if element.tag in ('depend', 'exec_depend')
-    }
+    declared = {element.text for element in manifest if element.tag in ('depend', 'exec_depend')}
     needed = {LIBRARIES.get(name, (name, ''))[0] for name in imported_modules(path)}
     assert needed <= declared
 
 
 def test_what_the_code_imports_from_pypi_is_required_in_setup_py(metadata):
     extras = metadata['extras_require']
-    required = requirement_names(
-        metadata['install_requires'] + extras['sim'] + extras['record']
-    )
+    required = requirement_names(metadata['install_requires'] + extras['sim'] + extras['record'])
     imported = {module for path in sources() for module in imported_modules(path)}
     assert {LIBRARIES[name][1] for name in imported if name in LIBRARIES} <= required
 

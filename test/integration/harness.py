@@ -14,6 +14,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -53,15 +54,15 @@ START = Pose2D(1.2, 1.2, 0.0)
 SIMULATED_TIMEOUT = 300.0
 """For whatever a test waits for [s]."""
 
+WALL_TIMEOUT = 30.0
+"""For simulated time to advance, or, where none runs, for what a test waits for [s]."""
+
 DEFAULTS: dict[str, dict[str, object]] = {
     'sim_node': {'backend': 'kinematic', 'real_time_factor': 0.0},
     # As fast as possible, a message is on its way for a good part of a simulated second.
     'gait_node': {'lead_time': 2.0},
 }
 """Parameters of the nodes, unless a test says otherwise."""
-
-WALL_TIMEOUT = 30.0
-"""For simulated time to advance, or, where none runs, for what a test waits for [s]."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,6 @@ class Bench:
         """Simulated time, as last heard [s]."""
         self.elapsed = 0.0
         """Simulated time that passed, over all simulators [s]."""
-        self._namespace = namespace
         self._nodes = NodeProcesses(namespace)
         self._alive: set[str] = set()
         self._pids: list[int] = []
@@ -144,7 +144,10 @@ class Bench:
 
     def start(self, name: str, **parameters: object) -> None:
         """Start a node, or start it again."""
-        self.processes[name] = self._nodes.start(name, **{**DEFAULTS.get(name, {}), **parameters})
+        parameters = {**DEFAULTS.get(name, {}), **parameters}
+        if parameters.get('backend') == 'bullet' and find_spec('pybullet') is None:
+            pytest.skip('pybullet is not installed')
+        self.processes[name] = self._nodes.start(name, **parameters)
         self._pids.append(self.processes[name].pid)
         self._alive.add(name)
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import Bench
+from harness import WALL_TIMEOUT, Bench
 
 from quad_common.planar_pose import Pose2D
 
@@ -50,3 +56,39 @@ def test_two_interrupts_end_every_node_quietly_in_the_middle_of_a_walk(bench: Be
     for node, process in bench.processes.items():
         assert bench.interrupt(node, gap) == 0, node
         assert 'Traceback' not in process.log_tail(1000)
+
+
+STARTER = """
+import signal, sys, time
+# What runs in the background of a shell begins with interrupts ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from quad_cli.node_processes import NodeProcesses
+with NodeProcesses() as nodes:
+    print(*(nodes.start(name).pid for name in sys.argv[1:]), flush=True)
+    time.sleep(600)
+"""
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process lives; one that nobody waits for may stay behind as a zombie."""
+    try:
+        return Path(f'/proc/{pid}/cmdline').read_bytes() != b''
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+@pytest.mark.skipif(sys.platform != 'linux', reason='what ends with its parent is up to Linux')
+@pytest.mark.parametrize('end', [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.usefixtures('domain')
+def test_no_node_outlives_the_command_that_started_it(end):
+    command = [sys.executable, '-c', STARTER, 'planner_node', 'gait_node']
+    starter = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    nodes = [int(pid) for pid in starter.stdout.readline().split()]
+    assert len(nodes) == 2
+    assert all(map(is_running, nodes))
+    starter.send_signal(end)
+    assert starter.wait(WALL_TIMEOUT) != 0
+    deadline = time.monotonic() + WALL_TIMEOUT
+    while any(map(is_running, nodes)):
+        assert time.monotonic() < deadline, f'{nodes} were left behind'
+        time.sleep(0.05)
