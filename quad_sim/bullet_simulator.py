@@ -53,7 +53,7 @@ GRAVITY = 9.80665
 """[m/s^2]"""
 
 _SOLVER_ITERATIONS = 25
-"""Half of Bullet's own: a walking body tilts by 0.2 degrees instead of 0.1, a step is a third faster."""
+"""Half of Bullet's own: a walking body tilts by 0.2 degrees, not 0.1; a step is a third faster."""
 
 _POSITION_GAIN = 0.3
 _VELOCITY_GAIN = 1.0

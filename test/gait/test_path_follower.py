@@ -249,5 +249,5 @@ def test_a_robot_that_cannot_correct_its_pose_at_the_goal_says_so_instead_of_try
     follower.follow(Plan((goal,)), stuck)
     for _ in range(OPTIONS.final_cycles):
         assert follower.next_step(stuck) is not None
-    with pytest.raises(GoalNotReached, match='0.050 m and 0.0 degrees off'):
+    with pytest.raises(GoalNotReached, match=r'0\.050 m and 0\.0 degrees off'):
         follower.next_step(stuck)
