@@ -53,3 +53,4 @@ class SimParameters:
     map_frame: str = parameter('map', 'Frame of the map.')
     odom_frame: str = parameter('odom', 'Frame of the odometry; it coincides with the map.')
     base_frame: str = parameter('base_link', "Frame of the robot's body.")
+    footprint_frame: str = parameter('base_footprint', 'Frame on the ground under the body.')

@@ -18,7 +18,12 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from quad_common.errors import TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.occupancy_grid import OccupancyGrid
-from quad_common.ros_conversions import pose_message, quaternion_from_yaw, seconds_from_time
+from quad_common.ros_conversions import (
+    pose_from_message,
+    pose_message,
+    quaternion_from_yaw,
+    seconds_from_time,
+)
 from quad_sim.parameters import SimParameters
 from quad_sim.simulator import Observation
 
@@ -189,6 +194,15 @@ def base_transform(odometry: Odometry) -> TransformStamped:
     position = odometry.pose.pose.position
     transform.transform.translation = Vector3(x=position.x, y=position.y, z=position.z)
     transform.transform.rotation = odometry.pose.pose.orientation
+    return transform
+
+
+def footprint_transform(odometry: Odometry, frame: str) -> TransformStamped:
+    """Write where the body stands on the ground: its position and heading there (REP-120)."""
+    transform = TransformStamped(header=odometry.header, child_frame_id=frame)
+    position = odometry.pose.pose.position
+    transform.transform.translation = Vector3(x=position.x, y=position.y, z=0.0)
+    transform.transform.rotation = quaternion_from_yaw(pose_from_message(odometry.pose.pose).yaw)
     return transform
 
 

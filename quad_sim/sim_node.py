@@ -31,6 +31,7 @@ from quad_common.urdf import urdf_from_robot
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     base_transform,
+    footprint_transform,
     grid_message,
     identity_transform,
     imu_message,
@@ -186,7 +187,9 @@ class SimNode(QuadNode[SimParameters]):
             self._imu.publish(imu_message(observation, p, noise, stamp))
         self._odometry.publish(odometry)
         if self._transforms is not None:
-            self._transforms.publish(TFMessage(transforms=[base_transform(odometry)]))
+            base = base_transform(odometry)
+            footprint = footprint_transform(odometry, p.footprint_frame)
+            self._transforms.publish(TFMessage(transforms=[base, footprint]))
         if fine and (self._simulation.contacts_seen or self._simulation.has_fallen):
             self.update_status()
 

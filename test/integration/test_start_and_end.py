@@ -79,11 +79,12 @@ def is_running(pid: int) -> bool:
 
 @pytest.mark.skipif(sys.platform != 'linux', reason='what ends with its parent is up to Linux')
 @pytest.mark.parametrize('end', [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-@pytest.mark.usefixtures('domain')
-def test_no_node_outlives_the_command_that_started_it(end):
+def test_no_node_outlives_the_command_that_started_it(bench: Bench, end):
     command = [sys.executable, '-c', STARTER, 'planner_node', 'gait_node']
     starter = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     nodes = [int(pid) for pid in starter.stdout.readline().split()]
+    for name in ('planner_node', 'gait_node'):
+        bench.wait_for_status(name, 'no clock')
     assert len(nodes) == 2
     assert all(map(is_running, nodes))
     starter.send_signal(end)

@@ -26,6 +26,7 @@ from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     base_transform,
+    footprint_transform,
     grid_message,
     imu_message,
     joint_state_message,
@@ -126,6 +127,18 @@ def test_the_transform_is_the_odometrys_pose():
     assert transform.child_frame_id == message.child_frame_id
     assert (numbers(transform.transform.translation) == numbers(message.pose.pose.position)).all()
     assert transform.transform.rotation == message.pose.pose.orientation
+
+
+def test_the_footprint_is_on_the_ground_under_the_body_with_its_heading():
+    message = odometry(3)
+    transform = footprint_transform(message, 'base_footprint')
+    assert transform.header == message.header
+    assert transform.child_frame_id == 'base_footprint'
+    assert transform.transform.translation.z == 0.0
+    assert transform.transform.translation.x == message.pose.pose.position.x
+    rotation = transform.transform.rotation
+    assert (rotation.x, rotation.y) == (0.0, 0.0)
+    assert 2.0 * math.atan2(rotation.z, rotation.w) == pytest.approx(POSE.yaw)
 
 
 def test_the_imu_measures_gravity_upward_with_the_noise_that_it_admits():
