@@ -5,6 +5,7 @@ The robot in PyBullet's physics. The only file that imports pybullet.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import sys
 import tempfile
@@ -34,6 +35,8 @@ def _standard_output_silenced() -> Iterator[None]:
             os.dup2(nothing.fileno(), 1)
             yield
         finally:
+            # C keeps what it prints to a pipe or a file until later.
+            ctypes.CDLL(None).fflush(None)
             os.dup2(saved, 1)
             os.close(saved)
 
