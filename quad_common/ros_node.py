@@ -36,6 +36,9 @@ _NO_LIMIT = 1e308
 _LONGEST_WAIT = 0.1
 """Of an idle node, before it looks whether it is to end [s]."""
 
+_OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
+"""Parameters that rclpy itself declares."""
+
 _SAME_LOG_AGAIN = 10.0
 """The same sentence is logged again only after so long [s]."""
 
@@ -180,6 +183,12 @@ class QuadNode(Node, Generic[Table]):
         """Declare the parameters with checked values, so that refusals are our sentences."""
         declared = parameters_of(table)
         names = [parameter.name for parameter in declared]
+        unknown = sorted(n for n in given if n not in names and not n.startswith(_OF_ROS))
+        if unknown:
+            self.get_logger().warning(
+                f'parameters that mean nothing here are ignored: {", ".join(unknown)}; '
+                f'{self.get_name()} has {", ".join(names)}'
+            )
         checked = checked_parameters(table, {n: given[n] for n in names if n in given})
         for parameter in declared:
             self.declare_parameter(
