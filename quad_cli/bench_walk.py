@@ -75,7 +75,9 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     _print_walks(console, walks)
     bars = _bars(results, bare, [record for _, record, _ in walks])
     others = len({path.stem for path in maps} & set(OTHERS_MAPS))
-    bars.insert(0, at_least('maps of others walked on', others or None, f'of {len(OTHERS_MAPS)}', 2))
+    bars.insert(
+        0, at_least('maps of others walked on', others or None, f'of {len(OTHERS_MAPS)}', 2)
+    )
     if others < len(OTHERS_MAPS):
         console.print("Nav2's maps depot and warehouse were not found: set QUADWALK_MAPS.")
     details: dict[str, object] = {
