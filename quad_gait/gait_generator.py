@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from quad_common.errors import GaitError, JointLimitExceeded, UnstableCycle
 from quad_common.joint_trajectory import JointTrajectory
-from quad_common.planar_pose import Pose2D
 from quad_common.robot import JOINTS_PER_LEG, LEGS, Robot
 from quad_gait.body_motion import BodyMotion, minimum_jerk, smooth_progress
 from quad_gait.gait import Gait, Swing
@@ -101,7 +100,7 @@ def generate_cycle(
     start_feet : ndarray, shape (4, 3), optional
         Feet in the body frame at the start [m]; the initial posture if not given.
     sample_period : float
-        Time between samples [s]; the last interval may be shorter.
+        Longest time between samples, which are evenly spaced [s].
     least_margin : float
         Refuse a cycle whose stability margin falls below this [m].
 
@@ -126,14 +125,10 @@ def generate_cycle(
     feet, foot_velocities, in_contact = _feet(gait, times, start, target)
     body, body_velocity = _body(gait, motion, times, start, target)
 
-    arms = (
-        feet
-        - np.concatenate([body[:, :2], np.full((len(times), 1), to_ground[2])], axis=1)[:, None, :]
-    )
-    arm_velocities = (
-        foot_velocities
-        - np.concatenate([body_velocity[:, :2], np.zeros((len(times), 1))], axis=1)[:, None, :]
-    )
+    arms = feet - to_ground
+    arms[..., :2] -= body[:, None, :2]
+    arm_velocities = foot_velocities.copy()
+    arm_velocities[..., :2] -= body_velocity[:, None, :2]
     in_body = _turn_back(arms, body[:, 2])
     velocities_in_body = _turn_back(arm_velocities, body[:, 2])
     # The body's own turning carries the feet the other way round.
@@ -145,7 +140,7 @@ def generate_cycle(
     velocities = robot.joint_velocities(positions, velocities_in_body)
     _check_joint_speeds(robot, velocities)
 
-    center = Pose2D(0.0, 0.0, 0.0).transform(robot.center_of_mass(positions)[:, :2])
+    center = robot.center_of_mass(positions)
     cos, sin = np.cos(body[:, 2]), np.sin(body[:, 2])
     center_of_mass = body[:, :2] + np.stack(
         [cos * center[:, 0] - sin * center[:, 1], sin * center[:, 0] + cos * center[:, 1]], axis=1
