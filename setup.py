@@ -98,7 +98,7 @@ setup(
     packages=find_packages(include=['quad_*']),
     package_data={
         '': ['py.typed'],
-        'quad_common': ['robots/*'],
+        'quad_common': ['robots/*', 'robots/calibration/*'],
         'quad_gait': ['gaits/*'],
     },
     data_files=[

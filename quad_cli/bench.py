@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from rich.console import Console
 from rich.table import Table
 
-BENCHMARKS = {'walk': 'quad_cli.bench_walk'}
+BENCHMARKS = {'walk': 'quad_cli.bench_walk', 'gaits': 'quad_cli.bench_gaits'}
 """The module of each benchmark."""
 
 EXAMPLES = """examples:

@@ -14,6 +14,8 @@ COMMANDS = {
     'demo': 'walk from a start to a goal in simulation, and say how well it went',
     'plan': 'plan a path on a map, and draw it',
     'bench': 'measure what quadwalk does, and compare it with what it should do',
+    'calibrate': 'measure in simulation how far a gait goes, and keep it with the robot',
+    'gait': 'list the gaits, or check one on a robot',
     'robot': 'check a robot data file, or print its URDF',
     'parameters': "print a node's parameters as a commented YAML file",
 }

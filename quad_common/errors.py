@@ -173,19 +173,40 @@ class FootTargetUnreachable(GaitError):
     foot : str
         Name of the leg, for example ``lf``.
     distance : float
-        Distance from the leg's pitch axis to the wanted foot [m].
+        Distance from the leg's axis to the wanted foot [m].
     reach : tuple of float
         Least and largest distance that the leg reaches [m].
+    axis : str
+        Which axis of the leg the distances are from.
     """
 
-    def __init__(self, foot: str, distance: float, reach: tuple[float, float]) -> None:
+    def __init__(
+        self, foot: str, distance: float, reach: tuple[float, float], axis: str = 'pitch axis'
+    ) -> None:
         self.foot = foot
         self.distance = distance
         self.reach = reach
         super().__init__(
-            f'foot {foot} would have to be {distance:.3f} m from its pitch axis; '
+            f'foot {foot} would have to be {distance:.3f} m from its {axis}; '
             f'the leg reaches {reach[0]:.3f} to {reach[1]:.3f} m'
         )
+
+
+class SingularPosture(GaitError):
+    """
+    A leg stands so that its joints cannot move its foot in every direction.
+
+    Parameters
+    ----------
+    leg : str
+        Name of the leg, for example ``lf``.
+    why : str
+        What is singular, as a clause.
+    """
+
+    def __init__(self, leg: str, why: str) -> None:
+        self.leg = leg
+        super().__init__(f'leg {leg} cannot move its foot in every direction: {why}')
 
 
 class JointLimitExceeded(GaitError):

@@ -1,27 +1,50 @@
 """
-Closed-form kinematics of a yaw-pitch-pitch leg (S0 eqs. 11 to 15, corrected).
+Closed-form kinematics of legs with one turning and two pitching joints.
 
-The leg hangs at a hip point on the body. Its first axis is vertical; behind it the
-leg stays in one vertical plane: ``hip_offset`` outward and ``hip_drop`` down to the
-pitch axis, then the thigh, then the calf. The paper's letters are e, a, d and b.
+The leg hangs at a hip point on the body. Its first axis, zeta, is fixed in the body:
+vertical for a yaw-pitch-pitch leg (S0 eqs. 11 to 15, corrected), and fore-aft for a
+roll-pitch-pitch leg (S2 eqs. 8 to 15, corrected). Behind it thigh and calf stay in one
+plane, which turns with q1 about zeta::
 
-Joint angles are those of the serial chain, as in the URDF: yaw q1 counter-clockwise
-from straight outward, pitch q2 from the horizontal, positive downward, and knee q3
-from the thigh's direction, positive downward. Paper S0's drives turn with
-theta1 = q1, theta2 = q2 and the **absolute** theta3 = q2 + q3:
-:func:`drive_angles` is the only place that knows it.
+    rho = cos q1 rho0 + sin q1 nu0      radial: away from zeta, in the plane
+    nu  = zeta x rho                    normal to the plane, along both pitch axes
+
+The pitch axis is off the hip point by an axial offset along zeta, a radial one along
+rho and a lateral one along nu. A link at the angle q has the direction
+``cos q rho - sin q zeta``; q is q2 for the thigh and q2 + q3 for the calf.
+
+For a yaw-pitch-pitch leg rho0 is outward and zeta up: yaw q1 is counter-clockwise from
+straight outward, pitch q2 from the horizontal, positive downward, and knee q3 from the
+thigh's direction, positive downward. Paper S0's drives turn with theta1 = q1,
+theta2 = q2 and the **absolute** theta3 = q2 + q3: :func:`drive_angles` is the only
+place that knows it. For a roll-pitch-pitch leg rho0 is down, zeta forward and nu0 left:
+all three angles are right-handed about the body's x and y axes, from the leg that
+hangs straight down.
+
+Several legs may be stacked into one :class:`Leg`, which places them all at once.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from quad_common.errors import FootTargetUnreachable
+from quad_common.errors import FootTargetUnreachable, SingularPosture
 
 Array = NDArray[np.float64]
+
+_EDGE = 1e-12
+"""Rounding at the very edge of the reach is not an error of the caller's."""
+
+_SINGULAR = 1e-9
+"""Sine of the knee, and leg length as a share of the reach, that count as zero."""
+
+_TWO_PI = 2.0 * np.pi
 
 
 def drive_angles(joint_angles: Array, knee_is_absolute: bool) -> Array:
@@ -31,7 +54,7 @@ def drive_angles(joint_angles: Array, knee_is_absolute: bool) -> Array:
     Parameters
     ----------
     joint_angles : ndarray, shape (..., 3)
-        Yaw, pitch and knee of the serial chain [rad].
+        First joint, pitch and knee of the serial chain [rad].
     knee_is_absolute : bool
         Whether the knee drive works from the horizontal (a pantograph, S0 fig. 12).
 
@@ -54,29 +77,72 @@ def joint_angles_from_drives(drives: Array, knee_is_absolute: bool) -> Array:
     return angles
 
 
-@dataclass(frozen=True)
-class YawPitchPitchLeg:
-    """Geometry of one leg, and its kinematics in the body frame."""
+class _Constants(NamedTuple):
+    """A leg's numbers with the legs first, to broadcast against (legs, samples)."""
 
-    name: str
+    legs: int
+    """How many."""
+    to_local: Array
+    """Body axes to (rho0, nu0, zeta) of each leg, shape (3 legs, 3 legs)."""
+    to_body: Array
+    """The other way, from the right: rows of samples."""
+    hips: Array
+    """In the body frame, shape (3 legs,)."""
+    hips_local: Array
+    """In each leg's own axes, shape (3 legs, 1)."""
+    axial: Array
+    radial: Array
+    lateral: Array
+    has_lateral: bool
+    thigh: Array
+    calf: Array
+    knee_sign: Array
+    signs: Array
+    """Shape (3, legs, 1)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """
+    Geometry of one leg, or of several stacked, and its kinematics in the body frame.
+
+    For n stacked legs every field has a leading axis of length n, and so have joint
+    angles and feet before their last: shapes (3,) below become (n, 3), and (..., 3)
+    become (..., n, 3). :func:`stack_legs` makes such a leg.
+    """
+
+    name: str | tuple[str, ...]
     """Which leg: lf, rf, lh or rh."""
-    hip: tuple[float, float, float]
-    """Hip point in the body frame [m]."""
-    outward: float
-    """Direction in which the leg points at q1 = 0, from the body's x axis [rad]."""
-    hip_offset: float
-    """Outward from the yaw axis to the pitch axis [m]; S0's e."""
-    hip_drop: float
-    """Downward from the hip point to the pitch axis [m]; S0's a."""
-    thigh_length: float
-    """[m]; S0's d."""
-    calf_length: float
-    """[m]; S0's b."""
+    hip: Array
+    """Hip point in the body frame, shape (3,) [m]."""
+    first_axis: Array
+    """Axis of the first joint, zeta, in the body frame, a unit vector, shape (3,)."""
+    radial_direction: Array
+    """rho at q1 = 0, in the body frame, a unit vector normal to zeta, shape (3,)."""
+    axial_offset: float | Array
+    """From the hip point to the pitch axis along zeta [m]."""
+    radial_offset: float | Array
+    """From the hip point to the pitch axis along rho [m]."""
+    lateral_offset: float | Array
+    """From the hip point to the leg's plane along nu [m]."""
+    thigh_length: float | Array
+    """[m]"""
+    calf_length: float | Array
+    """To the centre of the foot [m]."""
+    knee_sign: float | Array = 1.0
+    """+1 or -1: the sign of q3 among inverse kinematics' two solutions, before ``signs``."""
+    signs: Array | tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """+1 or -1 for each joint: joint angle = sign * the angle in the formulas, shape (3,)."""
 
-    def reach(self) -> tuple[float, float]:
+    @cached_property
+    def lateral_direction(self) -> Array:
+        """The leg's nu at q1 = 0, in the body frame: zeta x rho0, shape (3,)."""
+        return np.cross(self.first_axis, self.radial_direction)
+
+    def reach(self) -> tuple[float | Array, float | Array]:
         """Least and largest distance between pitch axis and foot [m]."""
         return (
-            abs(self.thigh_length - self.calf_length),
+            np.abs(self.thigh_length - self.calf_length),
             self.thigh_length + self.calf_length,
         )
 
@@ -87,27 +153,24 @@ class YawPitchPitchLeg:
         Parameters
         ----------
         joint_angles : ndarray, shape (..., 3)
-            Yaw, pitch and knee [rad].
+            First joint, pitch and knee [rad].
 
         Returns
         -------
         tuple of ndarray, each of shape (..., 3)
             Pitch axis, knee and foot in the body frame [m] (S0 eq. 11).
         """
-        q1, q2, q3 = (joint_angles[..., k] for k in range(3))
-        e, a, d, b = self.hip_offset, self.hip_drop, self.thigh_length, self.calf_length
-        direction = self.outward + q1
-        radial = np.stack([np.cos(direction), np.sin(direction), np.zeros_like(q1)], axis=-1)
-        down = np.array([0.0, 0.0, -1.0])
+        k = self._constants
+        q1, q2, q3 = self._angles(joint_angles)
+        c1, s1 = np.cos(q1), np.sin(q1)
         theta3 = q2 + q3
-        pitch_axis = np.asarray(self.hip) + e * radial + a * down
-        knee = (
-            pitch_axis + (d * np.cos(q2))[..., None] * radial + (d * np.sin(q2))[..., None] * down
-        )
-        foot = (
-            knee + (b * np.cos(theta3))[..., None] * radial + (b * np.sin(theta3))[..., None] * down
-        )
-        return pitch_axis, knee, foot
+        length, height = k.radial, k.axial
+        points = [self._points(joint_angles.shape, c1, s1, length, height)]
+        for link, angle in ((k.thigh, q2), (k.calf, theta3)):
+            length = length + link * np.cos(angle)
+            height = height - link * np.sin(angle)
+            points.append(self._points(joint_angles.shape, c1, s1, length, height))
+        return points[0], points[1], points[2]
 
     def forward(self, joint_angles: Array) -> Array:
         """
@@ -116,21 +179,28 @@ class YawPitchPitchLeg:
         Parameters
         ----------
         joint_angles : ndarray, shape (..., 3)
-            Yaw, pitch and knee [rad].
+            First joint, pitch and knee [rad].
 
         Returns
         -------
         ndarray, shape (..., 3)
             Foot in the body frame [m].
         """
-        return self.chain(joint_angles)[2]
+        k = self._constants
+        q1, q2, q3 = self._angles(joint_angles)
+        theta3 = q2 + q3
+        length = k.radial + k.thigh * np.cos(q2) + k.calf * np.cos(theta3)
+        height = k.axial - k.thigh * np.sin(q2) - k.calf * np.sin(theta3)
+        return self._points(joint_angles.shape, np.cos(q1), np.sin(q1), length, height)
 
     def inverse(self, foot: Array) -> Array:
         """
-        Find the joint angles that put the foot where it is wanted, knee up.
+        Find the joint angles that put the foot where it is wanted.
 
-        The paper's (15) mixes two conventions and lacks a division by 2bd; this is
-        the law of cosines for the knee and two arc tangents for the rest.
+        With x, y, z the foot from the hip point along rho0, nu0 and zeta, the foot is
+        B = sqrt(x^2 + y^2 - lateral^2) along rho and A = z - axial along zeta, which
+        is a problem of two links: the law of cosines gives the knee, and arc tangents
+        give the rest. S0's (15) mixes two conventions and lacks a division by 2bd.
 
         Parameters
         ----------
@@ -140,31 +210,49 @@ class YawPitchPitchLeg:
         Returns
         -------
         ndarray, shape (..., 3)
-            Yaw and pitch in [-pi, pi), and knee in [0, pi] [rad].
+            First joint and pitch in [-pi, pi), and knee in [0, pi] on the side that
+            ``knee_sign`` says [rad].
 
         Raises
         ------
         FootTargetUnreachable
             If a foot is nearer to, or farther from, its pitch axis than thigh and calf
-            allow; or is not finite.
+            allow; or nearer to its first axis than the leg's plane is; or not finite.
         """
-        e, a, d, b = self.hip_offset, self.hip_drop, self.thigh_length, self.calf_length
-        arm = foot - np.asarray(self.hip)
-        out = np.hypot(arm[..., 0], arm[..., 1]) - e
-        down = -arm[..., 2] - a
-        squared = out * out + down * down
-        cos_knee = (squared - d * d - b * b) / (2.0 * b * d)
-        # Rounding at the very edge of the reach is not an error of the caller's.
-        bad = ~(np.abs(cos_knee) <= 1.0 + 1e-12)
-        if np.any(bad):
-            distance = float(np.sqrt(np.ravel(squared)[np.argmax(np.ravel(bad))]))
-            raise FootTargetUnreachable(self.name, distance, self.reach())
-        q3 = np.arccos(np.clip(cos_knee, -1.0, 1.0))
-        q2 = np.arctan2(down, out) - np.arctan2(b * np.sin(q3), d + b * np.cos(q3))
-        q1 = np.arctan2(arm[..., 1], arm[..., 0]) - self.outward
-        # The difference of two directions may be a whole turn too far.
-        q1, q2 = ((q + np.pi) % (2.0 * np.pi) - np.pi for q in (q1, q2))
-        return np.stack([q1, q2, q3], axis=-1)
+        k = self._constants
+        d, b = k.thigh, k.calf
+        # What is not finite is found below, by what does not compare.
+        with np.errstate(invalid='ignore', over='ignore'):
+            x, y, z = self._locals(foot, k.hips_local)
+            squared_length = x * x + y * y
+            if k.has_lateral:
+                squared_length -= k.lateral * k.lateral
+                B = np.sqrt(np.maximum(squared_length, 0.0))
+            else:
+                B = np.sqrt(squared_length)
+            out, down = B - k.radial, k.axial - z
+            squared = out * out + down * down
+            cos_knee = (squared - (d * d + b * b)) / (2.0 * b * d)
+        if k.has_lateral and np.any(squared_length < -_EDGE * k.lateral * k.lateral):
+            raise self._too_near(squared_length)
+        if not (np.abs(cos_knee) <= 1.0 + _EDGE).all():
+            raise self._unreachable(foot, cos_knee, squared)
+        np.clip(cos_knee, -1.0, 1.0, out=cos_knee)
+        sin_knee = k.knee_sign * np.sqrt((1.0 - cos_knee) * (1.0 + cos_knee))
+        along, across = d + b * cos_knee, b * sin_knee
+        angles = np.empty((3, *x.shape))
+        # One arc tangent for each difference of two directions.
+        if k.has_lateral:
+            np.arctan2(y * B - k.lateral * x, x * B + k.lateral * y, out=angles[0])
+        else:
+            np.arctan2(y, x, out=angles[0])
+        np.arctan2(down * along - out * across, out * along + down * across, out=angles[1])
+        np.multiply(k.knee_sign, np.arccos(cos_knee), out=angles[2])
+        angles *= k.signs
+        np.subtract(angles[:2], _TWO_PI, out=angles[:2], where=angles[:2] >= np.pi)
+        result = np.empty((x.shape[1], k.legs, 3))
+        result[...] = angles.transpose(2, 1, 0)
+        return result.reshape(foot.shape)
 
     def jacobian(self, joint_angles: Array) -> Array:
         """
@@ -173,26 +261,340 @@ class YawPitchPitchLeg:
         Parameters
         ----------
         joint_angles : ndarray, shape (..., 3)
-            Yaw, pitch and knee [rad].
+            First joint, pitch and knee [rad].
 
         Returns
         -------
         ndarray, shape (..., 3, 3)
             J with foot velocity = J @ joint velocity, in the body frame [m/rad].
         """
-        q1, q2, q3 = (joint_angles[..., k] for k in range(3))
-        e, d, b = self.hip_offset, self.thigh_length, self.calf_length
+        k = self._constants
+        q1, q2, q3 = self._angles(joint_angles)
+        c1, s1 = np.cos(q1), np.sin(q1)
         theta3 = q2 + q3
-        c1, s1 = np.cos(self.outward + q1), np.sin(self.outward + q1)
-        length = e + d * np.cos(q2) + b * np.cos(theta3)
-        out_by_q3, up_by_q3 = -b * np.sin(theta3), -b * np.cos(theta3)
-        out_by_q2, up_by_q2 = out_by_q3 - d * np.sin(q2), up_by_q3 - d * np.cos(q2)
-        zero = np.zeros_like(q1)
-        return np.stack(
-            [
-                np.stack([-length * s1, out_by_q2 * c1, out_by_q3 * c1], axis=-1),
-                np.stack([length * c1, out_by_q2 * s1, out_by_q3 * s1], axis=-1),
-                np.stack([zero, up_by_q2, up_by_q3], axis=-1),
-            ],
-            axis=-2,
+        length_by_q3, height_by_q3 = -k.calf * np.sin(theta3), -k.calf * np.cos(theta3)
+        length_by_q2 = length_by_q3 - k.thigh * np.sin(q2)
+        height_by_q2 = height_by_q3 - k.thigh * np.cos(q2)
+        B = k.radial + k.thigh * np.cos(q2) + k.calf * np.cos(theta3)
+        # One row per joint: what it moves the foot along rho0, nu0 and zeta.
+        columns = np.zeros((3, 3, *q1.shape))
+        columns[0, 0] = -s1 * B - c1 * k.lateral
+        columns[0, 1] = c1 * B - s1 * k.lateral
+        for joint, length, height in (
+            (1, length_by_q2, height_by_q2),
+            (2, length_by_q3, height_by_q3),
+        ):
+            columns[joint, 0] = c1 * length
+            columns[joint, 1] = s1 * length
+            columns[joint, 2] = height
+        columns *= k.signs[:, None]
+        rows = columns.reshape(3, 3 * k.legs, -1).transpose(0, 2, 1) @ k.to_body
+        matrices = rows.reshape(3, -1, k.legs, 3).transpose(1, 2, 3, 0)
+        return np.ascontiguousarray(matrices).reshape(*joint_angles.shape, 3)
+
+    def joint_velocities(self, joint_angles: Array, foot_velocity: Array) -> Array:
+        """
+        Find the joint speeds that give the foot its velocity.
+
+        This is the inverse of :meth:`jacobian`, in closed form: q1' = v_nu / B, then
+        B' = v_rho + lateral q1' and A' = v_zeta, which the two links solve.
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 3)
+            First joint, pitch and knee [rad].
+        foot_velocity : ndarray, shape (..., 3)
+            In the body frame [m/s].
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            [rad/s].
+
+        Raises
+        ------
+        SingularPosture
+            If a knee is straight or folded, or a foot in the plane of its first axis.
+        """
+        k = self._constants
+        q1, q2, q3 = self._angles(joint_angles)
+        x, y, A_dot = self._locals(foot_velocity)
+        c1, s1, c2, s2 = np.cos(q1), np.sin(q1), np.cos(q2), np.sin(q2)
+        q2 += q3
+        c3, s3 = np.cos(q2), np.sin(q2)
+        sin_knee = np.sin(q3)
+        B = k.radial + k.thigh * c2 + k.calf * c3
+        self._check_regular(sin_knee, B)
+        speeds = np.empty((3, *q1.shape))
+        np.divide(c1 * y - s1 * x, B, out=speeds[0])
+        B_dot = c1 * x + s1 * y
+        if k.has_lateral:
+            B_dot += k.lateral * speeds[0]
+        np.divide(B_dot * c3 - A_dot * s3, k.thigh * sin_knee, out=speeds[1])
+        np.divide(A_dot * s2 - B_dot * c2, k.calf * sin_knee, out=speeds[2])
+        speeds[2] -= speeds[1]
+        speeds *= k.signs
+        result = np.empty((q1.shape[1], k.legs, 3))
+        result[...] = speeds.transpose(2, 1, 0)
+        return result.reshape(joint_angles.shape)
+
+    def angular_velocity(self, joint_angles: Array, joint_velocities: Array) -> Array:
+        """
+        Find how fast the calf turns relative to the body: zeta q1' + nu (q2' + q3').
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 3)
+            First joint, pitch and knee [rad].
+        joint_velocities : ndarray, shape (..., 3)
+            [rad/s].
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Angular velocity in the body's axes [rad/s].
+        """
+        q1 = self._angles(joint_angles)[0]
+        turn, *pitches = self._angles(joint_velocities)
+        pitch = pitches[0] + pitches[1]
+        turning = np.stack([-np.sin(q1) * pitch, np.cos(q1) * pitch, turn])
+        return self._in_body(turning, joint_angles.shape)
+
+    @cached_property
+    def _constants(self) -> _Constants:
+        hips = np.reshape(np.asarray(self.hip, dtype=float), (-1, 3))
+        count = len(hips)
+        axes = np.stack([self.radial_direction, self.lateral_direction, self.first_axis])
+        axes = axes.reshape(3, count, 3)
+        # All legs at once: rows are (axis, leg), columns are (leg, body axis).
+        blocks = np.zeros((3, count, count, 3))
+        for leg in range(count):
+            blocks[:, leg, leg] = axes[:, leg]
+        to_local = blocks.reshape(3 * count, 3 * count)
+
+        def column(values: ArrayLike) -> Array:
+            return np.reshape(np.asarray(values, dtype=float), (count, 1))
+
+        lateral = column(self.lateral_offset)
+        return _Constants(
+            legs=count,
+            to_local=to_local,
+            # The axes are orthonormal.
+            to_body=to_local,
+            hips=hips.reshape(-1),
+            hips_local=to_local @ hips.reshape(-1, 1),
+            axial=column(self.axial_offset),
+            radial=column(self.radial_offset),
+            lateral=lateral,
+            has_lateral=bool(np.any(lateral != 0.0)),
+            thigh=column(self.thigh_length),
+            calf=column(self.calf_length),
+            knee_sign=column(self.knee_sign),
+            signs=np.reshape(np.asarray(self.signs, dtype=float), (count, 3)).T[:, :, None].copy(),
         )
+
+    def _angles(self, joints: Array) -> Array:
+        """Bring joints (..., 3) into the formulas' order (3, legs, samples) and signs."""
+        k = self._constants
+        in_order = np.reshape(joints, (-1, k.legs, 3)).transpose(2, 1, 0)
+        angles: Array = np.multiply(in_order, k.signs, order='C')
+        return angles
+
+    def _locals(self, vectors: Array, origin: Array | None = None) -> Array:
+        """Bring vectors (..., 3) of the body into the legs' axes: (3, legs, samples)."""
+        k = self._constants
+        result = k.to_local @ np.reshape(vectors, (-1, 3 * k.legs)).T
+        if origin is not None:
+            result -= origin
+        return result.reshape(3, k.legs, -1)
+
+    def _in_body(self, local: Array, shape: tuple[int, ...]) -> Array:
+        """Bring vectors (3, legs, samples) of the legs' axes into the body's."""
+        k = self._constants
+        result: Array = local.reshape(3 * k.legs, -1).T @ k.to_body
+        return result.reshape(shape)
+
+    def _points(
+        self, shape: tuple[int, ...], c1: Array, s1: Array, length: Array, height: Array
+    ) -> Array:
+        """Place what is at ``length`` along rho and ``height`` along zeta."""
+        k = self._constants
+        local = np.empty((3, *c1.shape))
+        np.multiply(c1, length, out=local[0])
+        np.multiply(s1, length, out=local[1])
+        if k.has_lateral:
+            local[0] -= k.lateral * s1
+            local[1] += k.lateral * c1
+        local[2] = height
+        result = local.reshape(3 * k.legs, -1).T @ k.to_body
+        result += k.hips
+        return result.reshape(shape)
+
+    def _check_regular(self, sin_knee: Array, B: Array) -> None:
+        k = self._constants
+        for values, least, why in (
+            (np.abs(sin_knee), _SINGULAR, 'its knee is straight or folded'),
+            (np.abs(B), _SINGULAR * (k.thigh + k.calf), 'the foot is in line with the first axis'),
+        ):
+            singular = values <= least
+            if singular.any():
+                raise SingularPosture(self._name(int(np.argmax(singular)) // B.shape[1]), why)
+
+    def _too_near(self, squared_length: Array) -> FootTargetUnreachable:
+        k = self._constants
+        worst = int(np.argmax(squared_length < -_EDGE * k.lateral * k.lateral))
+        leg = worst // squared_length.shape[1]
+        lateral = abs(float(k.lateral[leg, 0]))
+        distance = float(np.sqrt(max(squared_length.reshape(-1)[worst] + lateral**2, 0.0)))
+        longest = abs(float(k.radial[leg, 0])) + float(k.thigh[leg, 0] + k.calf[leg, 0])
+        reach = (lateral, float(np.hypot(longest, lateral)))
+        return FootTargetUnreachable(self._name(leg), distance, reach, 'first axis')
+
+    def _unreachable(self, foot: Array, cos_knee: Array, squared: Array) -> FootTargetUnreachable:
+        k = self._constants
+        bad = ~(np.abs(cos_knee) <= 1.0 + _EDGE)
+        finite = np.isfinite(foot).all(axis=-1).reshape(-1, k.legs).T
+        if not finite.all():
+            # One leg's number that is not finite spoils the others of its sample.
+            bad = ~finite
+        worst = int(np.argmax(bad))
+        leg = worst // bad.shape[1]
+        d, b = float(k.thigh[leg, 0]), float(k.calf[leg, 0])
+        distance = float(np.sqrt(squared.reshape(-1)[worst]))
+        return FootTargetUnreachable(self._name(leg), distance, (abs(d - b), d + b))
+
+    def _name(self, leg: int) -> str:
+        return self.name if isinstance(self.name, str) else self.name[leg]
+
+
+def stack_legs(legs: Sequence[Leg]) -> Leg:
+    """
+    Stack single legs into one that places them all at once.
+
+    Parameters
+    ----------
+    legs : sequence of Leg
+        Single legs, in the order of the arrays' leg axis.
+
+    Returns
+    -------
+    Leg
+        With a leading axis in every field.
+    """
+    return Leg(
+        name=tuple(str(leg.name) for leg in legs),
+        hip=np.array([leg.hip for leg in legs]),
+        first_axis=np.array([leg.first_axis for leg in legs]),
+        radial_direction=np.array([leg.radial_direction for leg in legs]),
+        axial_offset=np.array([leg.axial_offset for leg in legs]),
+        radial_offset=np.array([leg.radial_offset for leg in legs]),
+        lateral_offset=np.array([leg.lateral_offset for leg in legs]),
+        thigh_length=np.array([leg.thigh_length for leg in legs]),
+        calf_length=np.array([leg.calf_length for leg in legs]),
+        knee_sign=np.array([leg.knee_sign for leg in legs]),
+        signs=np.array([leg.signs for leg in legs]),
+    )
+
+
+def yaw_pitch_pitch_leg(
+    name: str,
+    hip: ArrayLike,
+    side: int,
+    hip_offset: float,
+    hip_drop: float,
+    thigh_length: float,
+    calf_length: float,
+    lateral_offset: float = 0.0,
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> Leg:
+    """
+    Make a leg that sprawls sideways: yaw, then two pitches in a vertical plane.
+
+    Parameters
+    ----------
+    name : str
+        Which leg.
+    hip : array_like, shape (3,)
+        Hip point in the body frame [m].
+    side : int
+        +1 for a left leg, -1 for a right one: where it points at yaw 0.
+    hip_offset, hip_drop : float
+        Outward and downward from the hip point to the pitch axis [m]; S0's e and a.
+    thigh_length, calf_length : float
+        [m]; S0's d and b.
+    lateral_offset : float
+        From the hip point forward to the leg's plane, at yaw 0 [m].
+    signs : tuple of float
+        See :class:`Leg`.
+
+    Returns
+    -------
+    Leg
+        Its inverse kinematics keeps the knee up.
+    """
+    return Leg(
+        name=name,
+        hip=np.asarray(hip, dtype=float),
+        first_axis=np.array([0.0, 0.0, 1.0]),
+        radial_direction=np.array([0.0, float(side), 0.0]),
+        axial_offset=-hip_drop,
+        radial_offset=hip_offset,
+        # nu at yaw 0 is backward on the left and forward on the right.
+        lateral_offset=-side * lateral_offset,
+        thigh_length=thigh_length,
+        calf_length=calf_length,
+        signs=signs,
+    )
+
+
+def roll_pitch_pitch_leg(
+    name: str,
+    hip: ArrayLike,
+    side: int,
+    hip_offset: float,
+    hip_drop: float,
+    thigh_length: float,
+    calf_length: float,
+    knee_sign: float = 1.0,
+    forward_offset: float = 0.0,
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> Leg:
+    """
+    Make a leg that stands under the body: roll, then two pitches in a fore-aft plane.
+
+    Parameters
+    ----------
+    name : str
+        Which leg.
+    hip : array_like, shape (3,)
+        Hip point in the body frame [m].
+    side : int
+        +1 for a left leg, -1 for a right one.
+    hip_offset, hip_drop, forward_offset : float
+        Outward, downward and forward from the hip point to the pitch axis, at roll 0
+        [m]; the drop is S2's l1.
+    thigh_length, calf_length : float
+        [m]; S2's l2 and l3.
+    knee_sign : float
+        +1 for a knee that points forward, -1 for one that points backward.
+    signs : tuple of float
+        See :class:`Leg`.
+
+    Returns
+    -------
+    Leg
+        It hangs straight down at 0, and pitch carries it backward.
+    """
+    return Leg(
+        name=name,
+        hip=np.asarray(hip, dtype=float),
+        first_axis=np.array([1.0, 0.0, 0.0]),
+        radial_direction=np.array([0.0, 0.0, -1.0]),
+        axial_offset=forward_offset,
+        radial_offset=hip_drop,
+        lateral_offset=side * hip_offset,
+        thigh_length=thigh_length,
+        calf_length=calf_length,
+        knee_sign=knee_sign,
+        signs=signs,
+    )

@@ -36,6 +36,8 @@ class Parameter:
     """Valid values of a text; empty if any will do."""
     length: int | None = None
     """Number of elements of a list."""
+    is_dynamic: bool = False
+    """Whether it may be set while the node runs."""
 
     def check(self, value: object) -> Value:
         """
@@ -104,6 +106,7 @@ def parameter(
     lower: float | None = None,
     upper: float | None = None,
     choices: tuple[str, ...] = (),
+    is_dynamic: bool = False,
 ) -> Any:
     """
     Make the field of a parameter dataclass; arguments as in :class:`Parameter`.
@@ -123,6 +126,7 @@ def parameter(
             upper=upper,
             choices=choices,
             length=len(default) if isinstance(default, list) else None,
+            is_dynamic=is_dynamic,
         )
     }
     if isinstance(default, list):
@@ -219,7 +223,8 @@ def valid_range(parameter: Parameter) -> str:
 
 
 def _comment(parameter: Parameter) -> str:
-    notes = [note for note in (parameter.unit, valid_range(parameter)) if note]
+    dynamic = 'may be set while the node runs' if parameter.is_dynamic else ''
+    notes = [note for note in (parameter.unit, valid_range(parameter), dynamic) if note]
     return parameter.description + (f' [{"; ".join(notes)}]' if notes else '')
 
 

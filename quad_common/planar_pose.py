@@ -92,6 +92,34 @@ class Pose2D:
         return math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.yaw)
 
 
+@dataclass(frozen=True)
+class Twist2D:
+    """Velocity of a body in the plane, along its own axes."""
+
+    forward: float = 0.0
+    """[m/s]"""
+    left: float = 0.0
+    """[m/s]"""
+    turn: float = 0.0
+    """Counter-clockwise [rad/s]."""
+
+    def __bool__(self) -> bool:
+        """Return whether there is any movement."""
+        return bool(self.forward or self.left or self.turn)
+
+    def scaled(self, factor: float) -> Twist2D:
+        """Return the same movement at another speed."""
+        return Twist2D(factor * self.forward, factor * self.left, factor * self.turn)
+
+    def is_finite(self) -> bool:
+        """Return whether all three numbers are finite."""
+        return all(math.isfinite(value) for value in (self.forward, self.left, self.turn))
+
+
+STILL = Twist2D()
+"""No movement."""
+
+
 def distance_to_polyline(point: tuple[float, float], corners: NDArray[np.float64]) -> float:
     """
     Distance from a point to a line of straight segments.

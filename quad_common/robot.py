@@ -21,7 +21,12 @@ from numpy.typing import NDArray
 
 from quad_common import reach
 from quad_common.errors import JointLimitExceeded, JointNotFound, RobotModelError
-from quad_common.leg_kinematics import YawPitchPitchLeg
+from quad_common.leg_kinematics import (
+    Leg,
+    roll_pitch_pitch_leg,
+    stack_legs,
+    yaw_pitch_pitch_leg,
+)
 
 Array = NDArray[np.float64]
 
@@ -30,7 +35,16 @@ LEGS = ('lf', 'rf', 'lh', 'rh')
 
 JOINTS_PER_LEG = 3
 
-_ROBOTS = Path(__file__).parent / 'robots'
+LEG_TYPES = {
+    'yaw_pitch_pitch': ('hip_yaw', 'hip_pitch', 'knee_pitch'),
+    'roll_pitch_pitch': ('hip_roll', 'hip_pitch', 'knee_pitch'),
+}
+"""The builds that a leg may have, and the kinds of their joints from the body outward."""
+
+_QUANTITIES = ('lower', 'upper', 'velocity', 'effort')
+
+ROBOTS_FOLDER = Path(__file__).parent / 'robots'
+"""Where the robots that ship are."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +58,23 @@ class LinkShape:
 
 
 @dataclass(frozen=True)
+class GaitSettings:
+    """What a robot changes in a gait; None leaves it as the gait has it."""
+
+    cycle_period: float | None = None
+    """[s]"""
+    swing_height: float | None = None
+    """[m]"""
+
+
+@dataclass(frozen=True)
 class Robot:
     """One quadruped with four legs of the same build."""
 
     name: str
-    legs: tuple[YawPitchPitchLeg, ...]
+    leg_type: str
+    """Build of the legs, one of :data:`LEG_TYPES`."""
+    legs: tuple[Leg, ...]
     """In the order of :data:`LEGS`."""
     knee_is_absolute: bool
     """Whether the knee drives work from the horizontal (a pantograph)."""
@@ -63,17 +89,19 @@ class Robot:
     joint_kinds: tuple[str, ...]
     """Names of a leg's joints from the body outward, for example ``hip_yaw``."""
     lower: Array
-    """Lower limits of a leg's joints, shape (3,) [rad]."""
+    """Lower limits of the joints, shape (4, 3) [rad]."""
     upper: Array
-    """Upper limits of a leg's joints, shape (3,) [rad]."""
+    """Upper limits of the joints, shape (4, 3) [rad]."""
     velocity: Array
-    """Largest speeds of a leg's joints, shape (3,) [rad/s]."""
+    """Largest speeds of the joints, shape (4, 3) [rad/s]."""
     effort: Array
-    """Largest torques of a leg's joints, shape (3,) [N m]."""
+    """Largest torques of the joints, shape (4, 3) [N m]."""
     initial_joint_angles: Array
     """Initial posture, shape (4, 3) [rad]."""
     roughness: float
     """How much lower than expected the ground may be, S0's dh + dv [m]."""
+    gaits: Mapping[str, GaitSettings]
+    """The gaits that suit the robot, and what it changes in them."""
     sources: Mapping[str, str] = field(repr=False)
     """Where each number of the data file comes from, by its dotted name."""
 
@@ -81,6 +109,11 @@ class Robot:
     def joint_names(self) -> tuple[str, ...]:
         """The twelve joints, leg by leg."""
         return tuple(f'{leg}_{kind}_joint' for leg in LEGS for kind in self.joint_kinds)
+
+    @cached_property
+    def stacked_legs(self) -> Leg:
+        """The four legs as one, for arrays of shape (..., 4, 3)."""
+        return stack_legs(self.legs)
 
     @property
     def foot_radius(self) -> float:
@@ -109,24 +142,28 @@ class Robot:
 
     @cached_property
     def stance_reach(self) -> float:
-        """Horizontal distance from yaw axis to foot in the initial posture, L0 [m]."""
-        return float(np.linalg.norm(self.neutral_feet[0, :2] - np.array(self.legs[0].hip[:2])))
+        """Horizontal distance from hip point to foot in the initial posture, L0 [m]."""
+        return float(np.linalg.norm(self.neutral_feet[0, :2] - self.legs[0].hip[:2]))
 
     @cached_property
     def largest_stride(self) -> float:
         """S_max of S0 [m], from the legs' geometry."""
+        if self.leg_type == 'roll_pitch_pitch':
+            return reach.largest_step(self.legs[0], self.neutral_feet[0], self.roughness)
         stretch = reach.largest_stretch(self.legs[0], self.hip_height, self.roughness)
         return reach.largest_stride(stretch, self.stance_reach)
 
     @cached_property
     def largest_turn(self) -> float:
         """phi_max of S0 [rad], from the legs' geometry."""
-        return reach.largest_turn(self.largest_stride, float(self.neutral_feet[0, 1]))
+        x, y, _ = self.neutral_feet[0]
+        distance = math.hypot(x, y) if self.leg_type == 'roll_pitch_pitch' else float(y)
+        return reach.largest_turn(self.largest_stride, distance)
 
     @cached_property
     def mesh_size(self) -> float:
         """Mesh of S0 eq. 5 [m]: body length between the hip axes plus S_max."""
-        return 2.0 * self.legs[0].hip[0] + self.largest_stride
+        return 2.0 * float(self.legs[0].hip[0]) + self.largest_stride
 
     @cached_property
     def footprint_radius(self) -> float:
@@ -148,9 +185,41 @@ class Robot:
         ndarray, shape (..., 4, 3)
             Feet in the body frame [m].
         """
-        return np.stack(
-            [leg.forward(joint_angles[..., k, :]) for k, leg in enumerate(self.legs)], axis=-2
-        )
+        return self.stacked_legs.forward(joint_angles)
+
+    def foot_jacobians(self, joint_angles: Array) -> Array:
+        """
+        Differentiate the feet's positions by their own legs' joint angles.
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 4, 3)
+            [rad].
+
+        Returns
+        -------
+        ndarray, shape (..., 4, 3, 3)
+            J with foot velocity = J @ joint velocity, in the body frame [m/rad].
+        """
+        return self.stacked_legs.jacobian(joint_angles)
+
+    def calf_angular_velocities(self, joint_angles: Array, joint_velocities: Array) -> Array:
+        """
+        Find how fast the calves turn relative to the body.
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 4, 3)
+            [rad].
+        joint_velocities : ndarray, shape (..., 4, 3)
+            [rad/s].
+
+        Returns
+        -------
+        ndarray, shape (..., 4, 3)
+            Angular velocities in the body's axes [rad/s].
+        """
+        return self.stacked_legs.angular_velocity(joint_angles, joint_velocities)
 
     def joint_angles(self, feet: Array) -> Array:
         """
@@ -173,9 +242,7 @@ class Robot:
         JointLimitExceeded
             If a joint would leave its range.
         """
-        angles = np.stack(
-            [leg.inverse(feet[..., k, :]) for k, leg in enumerate(self.legs)], axis=-2
-        )
+        angles = self.stacked_legs.inverse(feet)
         self.check_joint_limits(angles)
         return angles
 
@@ -194,12 +261,13 @@ class Robot:
         -------
         ndarray, shape (..., 4, 3)
             [rad/s].
+
+        Raises
+        ------
+        SingularPosture
+            If a leg cannot move its foot in every direction.
         """
-        jacobians = np.stack(
-            [leg.jacobian(joint_angles[..., k, :]) for k, leg in enumerate(self.legs)], axis=-3
-        )
-        solution = np.linalg.solve(jacobians, foot_velocities[..., None])[..., 0]
-        return np.asarray(solution, dtype=np.float64)
+        return self.stacked_legs.joint_velocities(joint_angles, foot_velocities)
 
     def center_of_mass(self, joint_angles: Array) -> Array:
         """
@@ -217,16 +285,15 @@ class Robot:
         ndarray, shape (..., 3)
             In the body frame [m].
         """
-        moment = np.zeros(joint_angles.shape[:-2] + (3,))
-        moment += self.body_mass * np.asarray(self.body_center)
         mass = {kind: link.mass for kind, link in self.links.items()}
-        for k, leg in enumerate(self.legs):
-            pitch_axis, knee, foot = leg.chain(joint_angles[..., k, :])
-            moment += mass['hip'] * (np.asarray(leg.hip) + pitch_axis) / 2.0
-            moment += mass['thigh'] * (pitch_axis + knee) / 2.0
-            moment += mass['calf'] * (knee + foot) / 2.0
-            moment += mass['foot'] * foot
-        return moment / self.mass
+        pitch_axis, knee, feet = self.stacked_legs.chain(joint_angles)
+        moment = 0.5 * (mass['hip'] + mass['thigh']) * pitch_axis
+        moment += 0.5 * (mass['thigh'] + mass['calf']) * knee
+        moment += (0.5 * mass['calf'] + mass['foot']) * feet
+        fixed = self.body_mass * np.asarray(self.body_center)
+        fixed += 0.5 * mass['hip'] * self.stacked_legs.hip.sum(axis=0)
+        total: Array = moment.sum(axis=-2)
+        return (total + fixed) / self.mass
 
     def check_joint_limits(self, joint_angles: Array) -> None:
         """
@@ -247,12 +314,11 @@ class Robot:
             return
         worst = int(np.argmax(outside))
         joint = worst % len(self.joint_names)
-        kind = joint % JOINTS_PER_LEG
         raise JointLimitExceeded(
             self.joint_names[joint],
             float(joint_angles.reshape(-1)[worst]),
-            float(self.lower[kind]),
-            float(self.upper[kind]),
+            float(self.lower.flat[joint]),
+            float(self.upper.flat[joint]),
         )
 
     def joint_index(self, name: str) -> int:
@@ -265,7 +331,36 @@ class Robot:
 
 def available_robots() -> tuple[str, ...]:
     """Return the names of the robots that ship with quadwalk."""
-    return tuple(sorted(path.stem for path in _ROBOTS.glob('*.yaml')))
+    return tuple(sorted(path.stem for path in ROBOTS_FOLDER.glob('*.yaml')))
+
+
+def robot_file(robot: str | Path) -> Path:
+    """
+    Find the data file of a robot.
+
+    Parameters
+    ----------
+    robot : str or Path
+        Name of one that ships (``titan_viii``), or path of a YAML file.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    RobotModelError
+        If there is no such robot.
+    """
+    shipped = ROBOTS_FOLDER / f'{robot}.yaml'
+    path = shipped if shipped.is_file() else Path(robot)
+    if not path.is_file():
+        raise RobotModelError(
+            f"there is no robot '{robot}'; available: {', '.join(available_robots())}, "
+            f'or the path of a robot data file'
+        )
+    return path
 
 
 def load_robot(robot: str | Path) -> Robot:
@@ -287,13 +382,7 @@ def load_robot(robot: str | Path) -> Robot:
     RobotModelError
         If there is no such robot, or its file is incomplete or contradicts itself.
     """
-    shipped = _ROBOTS / f'{robot}.yaml'
-    path = shipped if shipped.is_file() else Path(robot)
-    if not path.is_file():
-        raise RobotModelError(
-            f"there is no robot '{robot}'; available: {', '.join(available_robots())}, "
-            f'or the path of a robot data file'
-        )
+    path = robot_file(robot)
     try:
         document = yaml.safe_load(path.read_text(encoding='utf-8'))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -310,6 +399,7 @@ class _Numbers:
         self._document = document
         self._path = path
         self.sources: dict[str, str] = {}
+        self._empty: set[str] = set()
 
     def __call__(self, name: str, positive: bool = False) -> float:
         value = self._value(name)
@@ -320,13 +410,62 @@ class _Numbers:
             raise RobotModelError(f"{self._path}: '{name}' is {value}; it must be positive")
         return float(value)
 
+    def has(self, name: str) -> bool:
+        """Whether the file has a number, or a mapping, of that name."""
+        node: Any = self._document
+        for key in name.split('.'):
+            if not isinstance(node, Mapping) or key not in node:
+                return False
+            node = node[key]
+        return True
+
+    def names_under(self, section: str) -> tuple[str, ...]:
+        """List the keys of an optional section; none if it is left out or empty."""
+        node: Any = self._document
+        for key in section.split('.'):
+            node = node.get(key)
+            if node is None:
+                self._empty.add(section)
+                return ()
+        if not isinstance(node, Mapping):
+            raise RobotModelError(f"{self._path}: '{section}' is {node!r}; it must be a mapping")
+        return tuple(str(key) for key in node)
+
     def check_all_used(self, but: tuple[str, ...]) -> None:
         """Raise if the file holds a number that nobody asked for: it may be misspelt."""
         for name in _leaves(self._document, but):
-            if name not in self.sources:
+            if name not in self.sources and name not in self._empty:
                 raise RobotModelError(f"{self._path} has '{name}', which means nothing here")
 
+    def or_zero(self, name: str) -> float:
+        """Look up a number that is 0 if it is left out."""
+        return self(name) if self.has(name) else 0.0
+
+    def sign(self, name: str) -> float:
+        """Look up +1 or -1; +1 if it is left out."""
+        value = self(name) if self.has(name) else 1.0
+        if value not in (1.0, -1.0):
+            raise RobotModelError(f"{self._path}: '{name}' is {value:g}; it must be 1 or -1")
+        return value
+
+    def signs(self, name: str) -> tuple[float, float, float]:
+        """Look up three of +1 or -1; +1 if they are left out."""
+        value = self._value(name) if self.has(name) else [1, 1, 1]
+        if (
+            not isinstance(value, list)
+            or len(value) != JOINTS_PER_LEG
+            or any(isinstance(sign, bool) or sign not in (1, -1) for sign in value)
+        ):
+            raise RobotModelError(
+                f"{self._path}: '{name}' is {value!r}; it must be three numbers, each 1 or -1"
+            )
+        first, pitch, knee = (float(sign) for sign in value)
+        return first, pitch, knee
+
     def is_true(self, name: str) -> bool:
+        """Look up true or false; false if it is left out."""
+        if not self.has(name):
+            return False
         value = self._value(name)
         if not isinstance(value, bool):
             raise RobotModelError(f"{self._path}: '{name}' is {value!r}; it must be true or false")
@@ -360,27 +499,12 @@ def _leaves(node: Mapping[str, Any], but: tuple[str, ...] = (), prefix: str = ''
 def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     number = _Numbers(document, path)
     leg_type = document.get('leg_type')
-    if leg_type != 'yaw_pitch_pitch':
-        raise RobotModelError(f"{path}: leg_type is {leg_type!r}; available: 'yaw_pitch_pitch'")
-    half_length = number('body.hip_half_length', positive=True)
-    half_width = number('body.hip_half_width', positive=True)
-    legs = tuple(
-        YawPitchPitchLeg(
-            name=leg,
-            hip=(
-                half_length if leg.endswith('f') else -half_length,
-                half_width if leg.startswith('l') else -half_width,
-                0.0,
-            ),
-            outward=math.pi / 2 if leg.startswith('l') else -math.pi / 2,
-            hip_offset=number('leg.hip_offset'),
-            hip_drop=number('leg.hip_drop'),
-            thigh_length=number('leg.thigh_length', positive=True),
-            calf_length=number('leg.calf_length', positive=True),
-        )
-        for leg in LEGS
-    )
-    kinds = ('hip_yaw', 'hip_pitch', 'knee_pitch')
+    if not isinstance(leg_type, str) or leg_type not in LEG_TYPES:
+        available = ', '.join(f"'{name}'" for name in LEG_TYPES)
+        raise RobotModelError(f'{path}: leg_type is {leg_type!r}; available: {available}')
+    kinds = LEG_TYPES[leg_type]
+    build = _roll_leg if leg_type == 'roll_pitch_pitch' else _yaw_leg
+    legs = tuple(build(number, leg, _hip(number, leg), _side(leg)) for leg in LEGS)
     foot_radius = number('leg.foot_radius', positive=True)
     links = {
         kind: LinkShape(
@@ -389,18 +513,24 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         )
         for kind in ('hip', 'thigh', 'calf', 'foot')
     }
-    limits = {
+    in_file = {
         quantity: np.array(
             [
                 number(f'joints.{kind}.{quantity}', positive=quantity in ('velocity', 'effort'))
                 for kind in kinds
             ]
         )
-        for quantity in ('lower', 'upper', 'velocity', 'effort')
+        for quantity in _QUANTITIES
     }
+    for kind, low, high in zip(kinds, in_file['lower'], in_file['upper']):
+        if not low < high:
+            raise RobotModelError(f'{path}: joint {kind} has lower {low} not below upper {high}')
     initial = np.array([number(f'initial_posture.{kind}') for kind in kinds])
+    signs = np.array([_signs_of_the_file(leg_type, leg) for leg in legs])
+    ends = signs * in_file['lower'], signs * in_file['upper']
     robot = Robot(
         name=str(document.get('name', path.stem)),
+        leg_type=leg_type,
         legs=legs,
         knee_is_absolute=number.is_true('drive.knee_is_absolute'),
         body_size=(
@@ -412,17 +542,83 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         body_mass=number('body.mass', positive=True),
         links=links,
         joint_kinds=kinds,
-        initial_joint_angles=np.tile(initial, (len(LEGS), 1)),
+        lower=np.minimum(*ends),
+        upper=np.maximum(*ends),
+        velocity=np.tile(in_file['velocity'], (len(LEGS), 1)),
+        effort=np.tile(in_file['effort'], (len(LEGS), 1)),
+        initial_joint_angles=signs * initial,
         roughness=number('gait.roughness'),
+        gaits=_gaits(number),
         sources=number.sources,
-        **limits,
     )
     number.check_all_used(but=('name', 'description', 'leg_type', 'stated'))
-    for kind, low, high in zip(kinds, robot.lower, robot.upper):
-        if not low < high:
-            raise RobotModelError(f'{path}: joint {kind} has lower {low} not below upper {high}')
     try:
         robot.check_joint_limits(robot.initial_joint_angles)
     except JointLimitExceeded as error:
         raise RobotModelError(f'{path}: the initial posture is out of range: {error}') from error
     return robot
+
+
+def _side(leg: str) -> int:
+    """Return +1 for a left leg and -1 for a right one."""
+    return 1 if leg.startswith('l') else -1
+
+
+def _hip(number: _Numbers, leg: str) -> tuple[float, float, float]:
+    half_length = number('body.hip_half_length', positive=True)
+    half_width = number('body.hip_half_width', positive=True)
+    return half_length if leg.endswith('f') else -half_length, _side(leg) * half_width, 0.0
+
+
+def _yaw_leg(number: _Numbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
+    return yaw_pitch_pitch_leg(
+        leg,
+        hip,
+        side,
+        hip_offset=number('leg.hip_offset'),
+        hip_drop=number('leg.hip_drop'),
+        thigh_length=number('leg.thigh_length', positive=True),
+        calf_length=number('leg.calf_length', positive=True),
+        lateral_offset=number.or_zero('leg.lateral_offset'),
+        signs=number.signs(f'leg.axis_signs.{leg}'),
+    )
+
+
+def _roll_leg(number: _Numbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
+    return roll_pitch_pitch_leg(
+        leg,
+        hip,
+        side,
+        hip_offset=number('leg.hip_offset'),
+        hip_drop=number('leg.hip_drop'),
+        thigh_length=number('leg.thigh_length', positive=True),
+        calf_length=number('leg.calf_length', positive=True),
+        knee_sign=number.sign(f'leg.knee_sign_{"front" if leg.endswith("f") else "hind"}'),
+        forward_offset=number.or_zero('leg.forward_offset'),
+        signs=number.signs(f'leg.axis_signs.{leg}'),
+    )
+
+
+def _signs_of_the_file(leg_type: str, leg: Leg) -> Array:
+    """
+    Say which of a leg's angles stand in the file with the other sign, shape (3,).
+
+    For roll legs the file has those of a left leg with knee_sign +1: roll is mirrored
+    by side, and pitch and knee by knee_sign. Yaw legs are all written alike.
+    """
+    signs = np.array(leg.signs)
+    if leg_type == 'roll_pitch_pitch':
+        signs *= [_side(str(leg.name)), float(leg.knee_sign), float(leg.knee_sign)]
+    return signs
+
+
+def _gaits(number: _Numbers) -> dict[str, GaitSettings]:
+    gaits = {}
+    for name in number.names_under('gaits'):
+        settings = {
+            key: number(f'gaits.{name}.{key}', positive=True)
+            for key in number.names_under(f'gaits.{name}')
+            if key in ('cycle_period', 'swing_height')
+        }
+        gaits[name] = GaitSettings(**settings)
+    return gaits

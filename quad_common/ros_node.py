@@ -9,11 +9,17 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.exceptions import ParameterException
@@ -103,6 +109,13 @@ class QuadNode(Node, Generic[Table]):
 
     def update_status(self) -> None:
         """Report what is going on; called every second. Nodes override it."""
+
+    def take_parameters(self, parameters: Table) -> None:
+        """
+        Go on with other values of the parameters that may be set while the node runs.
+
+        Nodes that have such parameters override it; a QuadError refuses the change.
+        """
 
     def guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         """Wrap a subscription's callback: quadwalk's errors become a report."""
@@ -197,7 +210,23 @@ class QuadNode(Node, Generic[Table]):
                 _descriptor(parameter),
                 ignore_override=True,
             )
+        if any(parameter.is_dynamic for parameter in declared):
+            self.add_on_set_parameters_callback(self._on_set_parameters)
         return checked
+
+    def _on_set_parameters(self, changes: list[RosParameter]) -> SetParametersResult:
+        """Check a change of parameters as a whole, and hand it to the node."""
+        table = type(self.parameters)
+        known = {parameter.name: parameter for parameter in parameters_of(table)}
+        try:
+            new = {c.name: known[c.name].check(_plain(c.value)) for c in changes if c.name in known}
+            if new:
+                changed = replace(self.parameters, **new)  # type: ignore[type-var]
+                self.take_parameters(changed)
+                self.parameters = changed
+        except QuadError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
 
 
 def run_node(
@@ -292,7 +321,7 @@ def _descriptor(parameter: Parameter) -> ParameterDescriptor:
     described = ParameterDescriptor(
         description=parameter.description + (f' [{parameter.unit}]' if parameter.unit else ''),
         additional_constraints=valid_range(parameter),
-        read_only=True,
+        read_only=not parameter.is_dynamic,
     )
     if isinstance(parameter.default, (bool, str, list)):
         return described

@@ -10,8 +10,11 @@ from __future__ import annotations
 import math
 from xml.etree import ElementTree
 
-from quad_common.leg_kinematics import YawPitchPitchLeg
-from quad_common.robot import LEGS, Robot
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.leg_kinematics import Leg
+from quad_common.robot import LEGS, LinkShape, Robot
 
 Vector = tuple[float, float, float]
 
@@ -55,68 +58,82 @@ def urdf_from_robot(robot: Robot) -> str:
     return ElementTree.tostring(root, encoding='unicode')
 
 
-def _leg(root: ElementTree.Element, robot: Robot, index: int, leg: YawPitchPitchLeg) -> None:
-    """Add one leg: each link's x axis points along the leg, and pitch turns x down."""
+def _leg(root: ElementTree.Element, robot: Robot, index: int, leg: Leg) -> None:
+    """Add one leg: in its links' frames x is rho or along the link, y is nu."""
     prefix = LEGS[index]
     names = robot.joint_names[3 * index : 3 * index + 3]
-    pitch_axis = (leg.hip_offset, 0.0, -leg.hip_drop)
+    pitch_axis = (float(leg.radial_offset), float(leg.lateral_offset), float(leg.axial_offset))
+    knee = (float(leg.thigh_length), 0.0, 0.0)
+    sole = (float(leg.calf_length), 0.0, 0.0)
     _rod(root, robot, prefix, 'hip', pitch_axis)
-    _rod(root, robot, prefix, 'thigh', (leg.thigh_length, 0.0, 0.0))
-    _rod(root, robot, prefix, 'calf', (leg.calf_length, 0.0, 0.0))
-    foot = robot.links['foot']
-    _link(
-        root,
-        f'{prefix}_foot',
-        foot.mass,
-        _ORIGIN,
-        (0.4 * foot.mass * foot.radius**2,) * 3,
-        ('sphere', {'radius': f'{foot.radius:.6g}'}),
-        _ORIGIN,
-    )
+    _rod(root, robot, prefix, 'thigh', knee)
+    _rod(root, robot, prefix, 'calf', sole)
+    _ball(root, f'{prefix}_foot', robot.links['foot'])
+    x, y, z = leg.hip
+    axes = np.column_stack([leg.radial_direction, leg.lateral_direction, leg.first_axis])
     chain = (
-        ('base_link', 'hip', leg.hip, (0.0, 0.0, leg.outward), '0 0 1'),
-        (f'{prefix}_hip', 'thigh', pitch_axis, _ORIGIN, '0 1 0'),
-        (f'{prefix}_thigh', 'calf', (leg.thigh_length, 0.0, 0.0), _ORIGIN, '0 1 0'),
+        ('base_link', 'hip', (float(x), float(y), float(z)), _rpy_from_matrix(axes), '0 0 {:g}'),
+        (f'{prefix}_hip', 'thigh', pitch_axis, _ORIGIN, '0 {:g} 0'),
+        (f'{prefix}_thigh', 'calf', knee, _ORIGIN, '0 {:g} 0'),
     )
     for kind, (parent, child, xyz, rpy, axis) in enumerate(chain):
         joint = _joint(root, names[kind], 'revolute', parent, f'{prefix}_{child}', xyz, rpy)
-        ElementTree.SubElement(joint, 'axis', xyz=axis)
+        ElementTree.SubElement(joint, 'axis', xyz=axis.format(leg.signs[kind]))
         ElementTree.SubElement(
             joint,
             'limit',
-            lower=f'{robot.lower[kind]:.9g}',
-            upper=f'{robot.upper[kind]:.9g}',
-            velocity=f'{robot.velocity[kind]:.9g}',
-            effort=f'{robot.effort[kind]:.9g}',
+            lower=f'{robot.lower[index, kind]:.9g}',
+            upper=f'{robot.upper[index, kind]:.9g}',
+            velocity=f'{robot.velocity[index, kind]:.9g}',
+            effort=f'{robot.effort[index, kind]:.9g}',
         )
-    _joint(
-        root,
-        f'{prefix}_foot_joint',
-        'fixed',
-        f'{prefix}_calf',
-        f'{prefix}_foot',
-        (leg.calf_length, 0.0, 0.0),
-        _ORIGIN,
-    )
+    foot = f'{prefix}_foot'
+    _joint(root, f'{foot}_joint', 'fixed', f'{prefix}_calf', foot, sole, _ORIGIN)
+
+
+def _rpy_from_matrix(matrix: NDArray[np.float64]) -> Vector:
+    """Roll, pitch and yaw about fixed axes of a rotation matrix (3, 3) [rad]."""
+    level = math.hypot(matrix[0, 0], matrix[1, 0])
+    pitch = math.atan2(-matrix[2, 0], level)
+    if level < 1e-9:
+        # Straight up or down, roll and yaw turn about one axis: it is all yaw.
+        return 0.0, pitch, math.atan2(-matrix[0, 1], matrix[1, 1])
+    roll = math.atan2(matrix[2, 1], matrix[2, 2])
+    return roll, pitch, math.atan2(matrix[1, 0], matrix[0, 0])
 
 
 def _rod(root: ElementTree.Element, robot: Robot, prefix: str, kind: str, end: Vector) -> None:
-    """Add a link that is a cylinder from its joint to ``end`` (in its xz-plane)."""
+    """Add a link that is a cylinder from its joint to ``end``; a ball if that is no way."""
     shape = robot.links[kind]
-    length = math.hypot(end[0], end[2])
-    middle = (end[0] / 2.0, 0.0, end[2] / 2.0)
+    x, y, z = end
+    length = math.hypot(x, y, z)
+    if length == 0.0:
+        _ball(root, f'{prefix}_{kind}', shape)
+        return
     across = shape.mass * (3.0 * shape.radius**2 + length**2) / 12.0
     along = shape.mass * shape.radius**2 / 2.0
-    # URDF's cylinders stand along z: turn z onto the rod.
-    tilt = math.atan2(end[0], end[2])
     _link(
         root,
         f'{prefix}_{kind}',
         shape.mass,
-        middle,
+        (x / 2.0, y / 2.0, z / 2.0),
         (across, across, along),
         ('cylinder', {'radius': f'{shape.radius:.6g}', 'length': f'{length:.9g}'}),
-        (0.0, tilt, 0.0),
+        # URDF's cylinders stand along z: turn z onto the rod.
+        (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)),
+    )
+
+
+def _ball(root: ElementTree.Element, name: str, shape: LinkShape) -> None:
+    """Add a link that is a ball around its joint."""
+    _link(
+        root,
+        name,
+        shape.mass,
+        _ORIGIN,
+        (0.4 * shape.mass * shape.radius**2,) * 3,
+        ('sphere', {'radius': f'{shape.radius:.6g}'}),
+        _ORIGIN,
     )
 
 

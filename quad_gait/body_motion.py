@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.planar_pose import Pose2D, Twist2D, wrap_angle
 
 Array = NDArray[np.float64]
 
@@ -62,6 +62,19 @@ class BodyMotion:
         """The body's pose at the end of the cycle, in the ground frame."""
         x, y, yaw = self.pose_at(np.array(1.0))
         return Pose2D(float(x), float(y), float(yaw))
+
+    def scaled(self, factor: float) -> BodyMotion:
+        """Return the motion with all three parts multiplied by a factor."""
+        return BodyMotion(factor * self.forward, factor * self.left, factor * self.turn)
+
+    def rate(self, duration: float) -> Twist2D:
+        """Return the velocity at which the motion takes a time [s]."""
+        return Twist2D(self.forward / duration, self.left / duration, self.turn / duration)
+
+    @classmethod
+    def during(cls, twist: Twist2D, duration: float) -> BodyMotion:
+        """Return what a velocity does to the body within a time [s]."""
+        return cls(twist.forward * duration, twist.left * duration, twist.turn * duration)
 
     @classmethod
     def reaching(cls, pose: Pose2D) -> BodyMotion:
@@ -113,6 +126,31 @@ def smooth_progress(knots: tuple[tuple[float, float], ...], times: Array) -> tup
     clipped = np.clip(times, t[0], t[-1])
     inside = (times >= t[0]) & (times <= t[-1])
     return curve(clipped), np.where(inside, curve(clipped, 1), 0.0)
+
+
+def gather_speed(duration: float, times: Array) -> tuple[Array, Array]:
+    """
+    Displacement that turns a steady motion into one that begins at another speed.
+
+    The quintic that is zero at both ends, has slope 1 at the start and none at the end,
+    and no acceleration at either. Mirrored in time it does the same for the end.
+
+    Parameters
+    ----------
+    duration : float
+        [s]
+    times : ndarray, shape (n,)
+        From 0 to the duration [s].
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (n,)
+        Displacement [s], and its rate, for a difference in speed of 1.
+    """
+    u = times / duration
+    value = duration * u * (1.0 + u**2 * (-6.0 + u * (8.0 - 3.0 * u)))
+    rate = 1.0 + u**2 * (-18.0 + u * (32.0 - 15.0 * u))
+    return value, rate
 
 
 def minimum_jerk(start: float, end: float, times: Array) -> tuple[Array, Array]:

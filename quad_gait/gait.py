@@ -1,8 +1,8 @@
 """
-A gait, as data: which foot swings when, how the body moves and sways meanwhile.
+A gait, as data: which foot swings when and how, how the body moves and sways meanwhile.
 
 Gaits are YAML files; the ones that ship lie in ``quad_gait/gaits``. Times are seconds
-from the start of a cycle, which begins and ends in the initial posture.
+from the start of a cycle. At the start and the end of a cycle all feet are down.
 """
 
 from __future__ import annotations
@@ -17,11 +17,26 @@ from typing import Any
 import yaml
 
 from quad_common.errors import ParameterError
-from quad_common.robot import LEGS
+from quad_common.robot import LEGS, Robot
 
 _GAITS = Path(__file__).parent / 'gaits'
 
 _MIRROR = {'lf': 'rf', 'rf': 'lf', 'lh': 'rh', 'rh': 'lh'}
+
+FOOTHOLDS = ('initial_posture', 'mid_stance')
+"""Under the body's end pose (S0), or where the foot is under its hip in mid-stance (S4)."""
+
+SWING_PATHS = ('smooth', 'ellipse')
+"""Lifted and lowered vertically at rest, or along half an ellipse (S2 eq. 5)."""
+
+_LEAST_SWAY_TIME = 0.05
+"""For the body to sway in, while all feet are down [s]."""
+
+_GRAVITY = 9.80665
+"""[m/s^2]"""
+
+_HIP_HEIGHT = 0.243
+"""TITAN-VIII's, for whom the swing heights of gait files are written [m]."""
 
 
 @dataclass(frozen=True)
@@ -45,25 +60,53 @@ class Gait:
     """[s]"""
     swings: tuple[Swing, ...]
     """In order of liftoff."""
-    body_progress: tuple[tuple[float, float], ...]
-    """Knots (time [s], share of the cycle's body motion); before and after: at rest."""
     swing_height: float
     """How high a foot is lifted [m]."""
-    sway_start: float
+    body_progress: tuple[tuple[float, float], ...] | None = None
+    """Knots (time [s], share of the cycle's body motion), with rests before and after;
+    None for a body that moves on steadily from cycle to cycle."""
+    footholds: str = 'mid_stance'
+    """One of :data:`FOOTHOLDS`."""
+    swing_path: str = 'smooth'
+    """One of :data:`SWING_PATHS`."""
+    support_depth: float = 0.0
+    """How far feet push down in mid-stance, as a share of the swing height; S2's rho."""
+    sway_start: float = 0.0
     """When the body begins to move towards the first support triangle [s]."""
-    sway_weight: float
-    """Share of the way to a support triangle's centroid, S4's mu."""
+    sway_weight: tuple[float, float] = (0.0, 0.0)
+    """Share of the way to a support triangle's centroid, forward and left; S4's mu."""
+    pendulum_rate: float = 0.0
+    """Of the inverted pendulum that a body on two feet is, sqrt(g / h) [1/s]; set by
+    :meth:`fitted` for gaits that are not static."""
+    is_static: bool = True
+    """Whether the robot could stop at any time without falling: three feet always down."""
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the body moves on from cycle to cycle, without a rest between them."""
+        return self.body_progress is None
+
+    @property
+    def sways(self) -> bool:
+        """Whether the body sways."""
+        return any(self.sway_weight)
 
     @property
     def motion_start(self) -> float:
-        """When the first joint begins to move [s]."""
+        """When the first joint begins to move, of a robot at rest [s]."""
+        if self.body_progress is None:
+            return 0.0
         first_swing = self.swings[0].liftoff
-        sway = self.sway_start if self.sway_weight > 0.0 else first_swing
+        sway = self.sway_start if self.sways else first_swing
         return min(first_swing, sway, self.body_progress[0][0])
+
+    def swing(self, leg: str) -> Swing:
+        """Return the swing of a leg."""
+        return next(swing for swing in self.swings if swing.leg == leg)
 
     def duty_factor(self, leg: str) -> float:
         """Return the share of the cycle in which a foot is on the ground."""
-        swing = next(swing for swing in self.swings if swing.leg == leg)
+        swing = self.swing(leg)
         return 1.0 - (swing.touchdown - swing.liftoff) / self.cycle_period
 
     def mirrored(self) -> Gait:
@@ -72,13 +115,56 @@ class Gait:
             self, swings=tuple(replace(swing, leg=_MIRROR[swing.leg]) for swing in self.swings)
         )
 
+    def with_period(self, cycle_period: float) -> Gait:
+        """Return the gait slower or faster, all its times in proportion."""
+        factor = cycle_period / self.cycle_period
+        progress = self.body_progress
+        return replace(
+            self,
+            cycle_period=cycle_period,
+            swings=tuple(
+                Swing(swing.leg, factor * swing.liftoff, factor * swing.touchdown)
+                for swing in self.swings
+            ),
+            body_progress=(
+                None if progress is None else tuple((factor * t, share) for t, share in progress)
+            ),
+            sway_start=factor * self.sway_start,
+        )
+
+    def fitted(self, robot: Robot) -> Gait:
+        """
+        Return the gait with the period and swing height that a robot's data give it.
+
+        Parameters
+        ----------
+        robot : Robot
+            Where it says nothing of this gait, the period stays and feet are lifted in
+            proportion to the hips' height, as TITAN-VIII's are.
+
+        Returns
+        -------
+        Gait
+            The gait for this robot.
+        """
+        settings = robot.gaits.get(self.name)
+        period = settings.cycle_period if settings else None
+        height = settings.swing_height if settings else None
+        fitted = self if period is None else self.with_period(period)
+        if height is None:
+            height = self.swing_height * robot.hip_height / _HIP_HEIGHT
+        if not self.is_static:
+            center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
+            fitted = replace(fitted, pendulum_rate=math.sqrt(_GRAVITY / float(center)))
+        return replace(fitted, swing_height=height)
+
 
 def available_gaits() -> tuple[str, ...]:
     """Return the names of the gaits that ship with quadwalk."""
     return tuple(sorted(path.stem for path in _GAITS.glob('*.yaml')))
 
 
-def load_gait(gait: str | Path) -> Gait:
+def load_gait(gait: str | Path, robot: Robot | None = None) -> Gait:
     """
     Load a gait by the name of one that ships, or from a YAML file.
 
@@ -86,6 +172,8 @@ def load_gait(gait: str | Path) -> Gait:
     ----------
     gait : str or Path
         Name (``crawl``) or path of a YAML file.
+    robot : Robot, optional
+        Whom to fit the gait to, see :meth:`Gait.fitted`.
 
     Returns
     -------
@@ -112,25 +200,93 @@ def load_gait(gait: str | Path) -> Gait:
         raise ParameterError(
             'gait', str(path), f'a complete gait file, see docs/gaits.md ({why})'
         ) from error
-    return _check(unchecked)
+    checked = _check(unchecked)
+    return checked if robot is None else checked.fitted(robot)
+
+
+def turning_gait_for(gait: Gait, robot: Robot, turning_gait: str = 'auto') -> Gait:
+    """
+    Choose the gait for turning on the spot.
+
+    Parameters
+    ----------
+    gait : Gait
+        For walking.
+    robot : Robot
+        The robot.
+    turning_gait : str
+        Name, path, or ``auto``: ``turn`` (S0) beside a gait that rests between its
+        cycles, and the gait itself if it keeps its speed.
+
+    Returns
+    -------
+    Gait
+        Fitted to the robot.
+    """
+    if turning_gait != 'auto':
+        return load_gait(turning_gait, robot)
+    return gait if gait.is_steady else load_gait('turn', robot)
 
 
 def _gait_from_document(document: Any, name: str) -> Gait:
     if not isinstance(document, Mapping):
         raise TypeError('it must hold a mapping')
-    unknown = set(document) - {field.name for field in fields(Gait)}
+    keys = {field.name: field for field in fields(Gait)}
+    unknown = set(document) - set(keys) - {'phase_offsets', 'duty_factor'} | (
+        set(document) & {'pendulum_rate'}
+    )
     if unknown:
         raise ParameterError('gait', sorted(unknown), 'without keys that mean nothing here')
-    swings = (Swing(leg, float(up), float(down)) for leg, (up, down) in document['swings'].items())
+    period = float(document['cycle_period'])
+    progress = document.get('body_progress')
+    plain: dict[str, Any] = {
+        key: type(field.default)(document[key])
+        for key, field in keys.items()
+        if key in document and isinstance(field.default, (str, float))
+    }
+    static = document.get('is_static', keys['is_static'].default)
+    if not isinstance(static, bool):
+        raise ParameterError('is_static', static, 'true or false')
     return Gait(
         name=str(document.get('name', name)),
-        cycle_period=float(document['cycle_period']),
-        swings=tuple(sorted(swings, key=lambda swing: swing.liftoff)),
-        body_progress=tuple((float(t), float(share)) for t, share in document['body_progress']),
+        cycle_period=period,
+        swings=tuple(sorted(_swings(document, period), key=lambda swing: swing.liftoff)),
         swing_height=float(document['swing_height']),
-        sway_start=float(document['sway_start']),
-        sway_weight=float(document['sway_weight']),
+        body_progress=(
+            None if progress is None else tuple((float(t), float(share)) for t, share in progress)
+        ),
+        sway_weight=_sway_weight(document.get('sway_weight', 0.0)),
+        is_static=static,
+        **plain,
     )
+
+
+def _sway_weight(value: Any) -> tuple[float, float]:
+    """Read one weight for both directions, or one for each."""
+    if isinstance(value, (int, float)):
+        return float(value), float(value)
+    forward, left = value
+    return float(forward), float(left)
+
+
+def _swings(document: Mapping[str, Any], period: float) -> list[Swing]:
+    """Read the swings as times, or as phase offsets and a duty factor."""
+    given = {'swings', 'phase_offsets', 'duty_factor'} & set(document)
+    if ('swings' in given) == bool(given - {'swings'}):
+        raise ParameterError(
+            'gait',
+            sorted(given),
+            'given its swings as times (swings), or by phase_offsets and duty_factor',
+        )
+    if 'swings' in document:
+        return [
+            Swing(leg, float(up), float(down)) for leg, (up, down) in document['swings'].items()
+        ]
+    duration = (1.0 - float(document['duty_factor'])) * period
+    return [
+        Swing(leg, float(phase) * period, float(phase) * period + duration)
+        for leg, phase in document['phase_offsets'].items()
+    ]
 
 
 def _check(gait: Gait) -> Gait:
@@ -141,39 +297,72 @@ def _check(gait: Gait) -> Gait:
         legs = [swing.leg for swing in gait.swings]
         raise ParameterError('swings', legs, f'one swing for each of {", ".join(LEGS)}')
     for swing in gait.swings:
-        if not 0.0 <= swing.liftoff < swing.touchdown <= period:
+        if not -1e-9 <= swing.liftoff < swing.touchdown <= period + 1e-9:
             raise ParameterError(
                 f'swings.{swing.leg}',
                 [swing.liftoff, swing.touchdown],
-                f'a liftoff before a touchdown, both within 0 and {period} s',
+                f'a liftoff before a touchdown, both within 0 and {period} s, '
+                f'for all feet are down at both ends of a cycle',
             )
+    _check_progress(gait)
+    if not 0.0 < gait.swing_height < math.inf:
+        raise ParameterError('swing_height', gait.swing_height, 'positive')
+    if not 0.0 <= gait.support_depth < 1.0:
+        raise ParameterError('support_depth', gait.support_depth, 'from 0 to below 1')
+    for name, value, valid in (
+        ('footholds', gait.footholds, FOOTHOLDS),
+        ('swing_path', gait.swing_path, SWING_PATHS),
+    ):
+        if value not in valid:
+            raise ParameterError(name, value, f'one of {", ".join(valid)}')
+    if gait.is_static:
+        _check_three_feet_down(gait)
+    _check_sway(gait)
+    return gait
+
+
+def _check_progress(gait: Gait) -> None:
+    if gait.body_progress is None:
+        return
     times = [t for t, _ in gait.body_progress]
     shares = [share for _, share in gait.body_progress]
     rising = all(a < b for a, b in pairwise(times))
-    if len(times) < 2 or not rising or times[0] < 0.0 or times[-1] > period:
+    if len(times) < 2 or not rising or times[0] < 0.0 or times[-1] > gait.cycle_period + 1e-9:
         raise ParameterError(
-            'body_progress', times, f'at least two rising times in 0 to {period} s'
+            'body_progress', times, f'at least two rising times in 0 to {gait.cycle_period} s'
         )
-    if shares[0] != 0.0 or shares[-1] != 1.0 or any(b < a for a, b in pairwise(shares)):
+    if shares[0] != 0.0 or shares[-1] != 1.0 or not all(a <= b for a, b in pairwise(shares)):
         raise ParameterError('body_progress', shares, 'shares that rise from 0 to 1')
-    if not gait.swing_height > 0.0:
-        raise ParameterError('swing_height', gait.swing_height, 'positive')
-    if not 0.0 <= gait.sway_weight <= 1.0:
+
+
+def _check_three_feet_down(gait: Gait) -> None:
+    for before, after in pairwise(gait.swings):
+        if after.liftoff < before.touchdown - 1e-9:
+            raise ParameterError(
+                'swings',
+                [(swing.leg, swing.liftoff, swing.touchdown) for swing in gait.swings],
+                f'one after the other in a static gait: from {after.liftoff:.3f} s to '
+                f'{before.touchdown:.3f} s {before.leg} and {after.leg} are both in the air, '
+                f'which leaves two feet down; a gait that means it says is_static: false',
+            )
+
+
+def _check_sway(gait: Gait) -> None:
+    if not all(0.0 <= weight <= 1.0 for weight in gait.sway_weight):
         raise ParameterError(
             'sway_weight', gait.sway_weight, 'from 0 (no sway) to 1 (the centroid)'
         )
-    if not 0.0 <= gait.sway_start <= gait.swings[0].liftoff:
+    if not 0.0 <= gait.sway_start <= gait.swings[0].liftoff + 1e-9:
         raise ParameterError(
             'sway_start', gait.sway_start, 'from 0 s to the first liftoff, for the body to sway in'
         )
-    if gait.sway_weight > 0.0:
+    if gait.sways:
         starts = [gait.sway_start, *(swing.touchdown for swing in gait.swings)]
-        ends = [*(swing.liftoff for swing in gait.swings), period]
-        if any(end - start < 0.05 for start, end in zip(starts, ends)):
+        ends = [*(swing.liftoff for swing in gait.swings), gait.cycle_period]
+        if any(end - start < _LEAST_SWAY_TIME - 1e-9 for start, end in zip(starts, ends)):
             raise ParameterError(
                 'swings',
                 [(swing.liftoff, swing.touchdown) for swing in gait.swings],
-                'at least 0.05 s apart, from sway_start to the end of the cycle, for the body '
-                'to sway in while all feet are down; or set sway_weight to 0',
+                f'at least {_LEAST_SWAY_TIME} s apart, from sway_start to the end of the cycle, '
+                f'for the body to sway in while all feet are down; or set sway_weight to 0',
             )
-    return gait

@@ -4,10 +4,14 @@ One generator for every gait: a cycle of body, feet and joints from gait and mot
 Body and footholds are planned in the cycle's ground frame (S4 sec. 1), feet are
 brought into the body frame, and inverse kinematics gives the joints. Everything is
 vectorised over the cycle's samples.
+
+Cycles join: all feet are down at both ends, the body is on its course without sway, and
+a cycle begins with the feet and the speed that the last one ended with.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +19,24 @@ from numpy.typing import NDArray
 
 from quad_common.errors import GaitError, JointLimitExceeded, UnstableCycle
 from quad_common.joint_trajectory import JointTrajectory
-from quad_common.robot import JOINTS_PER_LEG, LEGS, Robot
-from quad_gait.body_motion import BodyMotion, minimum_jerk, smooth_progress
-from quad_gait.gait import Gait, Swing
+from quad_common.planar_pose import STILL, Pose2D, Twist2D
+from quad_common.robot import LEGS, Robot
+from quad_gait.body_motion import BodyMotion, smooth_progress
+from quad_gait.gait import Gait
+from quad_gait.schedule import Schedule, schedule_of
 from quad_gait.stability import stability_margin
 
 Array = NDArray[np.float64]
+
+_ROLLING_SAMPLES = 50
+"""Of a cycle, at which the rolling of the feet is computed."""
+
+_ROLLING_PASSES = 2
+"""Rolling changes how the calves turn, and that changes the rolling, a tenth as much."""
+
+FootTracking = Callable[[Robot, Array, Array, Array], tuple[Array, Array]]
+"""Robot, times (n,), feet and their velocities in the body frame (n, 4, 3), to joint
+positions and velocities (n, 4, 3)."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +45,10 @@ class Cycle:
 
     gait: Gait
     motion: BodyMotion
+    entry: Twist2D
+    """Velocity of the body at the start, on average over a cycle at that pace."""
+    exit: Twist2D
+    """Velocity of the body at the end, on average over a cycle at that pace."""
     times: Array
     """From the start of the cycle, shape (n,) [s]."""
     body: Array
@@ -41,6 +61,8 @@ class Cycle:
     """Shape (n, 4, 3) [rad]."""
     joint_velocities: Array
     """Shape (n, 4, 3) [rad/s]."""
+    end_feet: Array
+    """Centres of the feet in the body frame at the end, shape (4, 3) [m]."""
     center_of_mass: Array
     """Projected to the ground, in the ground frame, shape (n, 2) [m]."""
     margin: Array
@@ -50,6 +72,25 @@ class Cycle:
     def least_margin(self) -> float:
         """Least stability margin of the cycle [m]."""
         return float(np.min(self.margin))
+
+    @property
+    def period(self) -> float:
+        """How long the cycle takes [s]."""
+        return self.gait.cycle_period
+
+    def sample(self, time: float) -> int:
+        """Return the index of the sample nearest to a time from the cycle's start [s]."""
+        return min(max(round(time / float(self.times[1])), 0), len(self.times) - 1)
+
+    def pose_at(self, time: float) -> Pose2D:
+        """Return where the body is planned to be, sway included, in the ground frame."""
+        x, y, yaw = (float(np.interp(time, self.times, self.body[:, k])) for k in range(3))
+        return Pose2D(x, y, yaw)
+
+    @property
+    def is_at_rest_first(self) -> bool:
+        """Whether no joint moves before the gait's ``motion_start``."""
+        return not self.entry
 
     def trajectory(self, robot: Robot, stamp: float) -> JointTrajectory:
         """
@@ -67,7 +108,8 @@ class Cycle:
         JointTrajectory
             From the first movement to the end of the cycle; before it the joints rest.
         """
-        first = int(np.searchsorted(self.times, self.gait.motion_start + 1e-9, side='right')) - 1
+        start = self.gait.motion_start if self.is_at_rest_first else 0.0
+        first = int(np.searchsorted(self.times, start + 1e-9, side='right')) - 1
         joints = len(robot.joint_names)
         return JointTrajectory(
             joint_names=robot.joint_names,
@@ -83,8 +125,11 @@ def generate_cycle(
     gait: Gait,
     motion: BodyMotion,
     start_feet: Array | None = None,
+    entry: Twist2D = STILL,
+    exit: Twist2D = STILL,
     sample_period: float = 0.02,
     least_margin: float = -np.inf,
+    track: FootTracking | None = None,
 ) -> Cycle:
     """
     Plan one cycle of a gait.
@@ -96,18 +141,23 @@ def generate_cycle(
     gait : Gait
         The gait.
     motion : BodyMotion
-        What the body is to do; the feet end in the initial posture under its end.
+        Where the body is to be at the end, and along which arc it goes there.
     start_feet : ndarray, shape (4, 3), optional
         Feet in the body frame at the start [m]; the initial posture if not given.
+    entry, exit : Twist2D
+        Velocity of the body at the start and at the end. A body that ends at rest has
+        its feet in the initial posture.
     sample_period : float
         Longest time between samples, which are evenly spaced [s].
     least_margin : float
         Refuse a cycle whose stability margin falls below this [m].
+    track : callable, optional
+        How foot paths become joint motion; closed-form inverse kinematics if not given.
 
     Returns
     -------
     Cycle
-        The cycle; its joints start and end at rest.
+        The cycle.
 
     Raises
     ------
@@ -116,28 +166,22 @@ def generate_cycle(
     UnstableCycle
         If the margin falls below ``least_margin``.
     """
-    steps = max(1, int(np.ceil(gait.cycle_period / sample_period - 1e-9)))
-    times = np.linspace(0.0, gait.cycle_period, steps + 1)
+    schedule = schedule_of(gait, sample_period)
     to_ground = np.array([0.0, 0.0, robot.standing_height])
     start = (robot.neutral_feet if start_feet is None else start_feet) + to_ground
-    target = motion.end.transform(robot.neutral_feet + to_ground)
+    target = _footholds(robot, gait, motion, exit) + to_ground
 
-    feet, foot_velocities, in_contact = _feet(gait, times, start, target)
-    body, body_velocity = _body(gait, motion, times, start, target)
-
-    arms = feet - to_ground
-    arms[..., :2] -= body[:, None, :2]
-    arm_velocities = foot_velocities.copy()
-    arm_velocities[..., :2] -= body_velocity[:, None, :2]
-    in_body = _turn_back(arms, body[:, 2])
-    velocities_in_body = _turn_back(arm_velocities, body[:, 2])
-    # The body's own turning carries the feet the other way round.
-    yaw_rate = body_velocity[:, 2, None]
-    velocities_in_body[..., 0] += yaw_rate * in_body[..., 1]
-    velocities_in_body[..., 1] -= yaw_rate * in_body[..., 0]
-
-    positions = robot.joint_angles(in_body)
-    velocities = robot.joint_velocities(positions, velocities_in_body)
+    body, body_velocity = _body(gait, schedule, motion, entry, exit, start, target)
+    rolling = _rolling(robot, schedule, start, target, body, body_velocity)
+    in_body, velocities_in_body, feet = _feet_in_body(
+        schedule, robot.standing_height, start, target, body, body_velocity, rolling
+    )
+    if track is None:
+        positions = robot.joint_angles(in_body)
+        velocities = robot.joint_velocities(positions, velocities_in_body)
+    else:
+        positions, velocities = track(robot, schedule.times, in_body, velocities_in_body)
+        robot.check_joint_limits(positions)
     _check_joint_speeds(robot, velocities)
 
     center = robot.center_of_mass(positions)
@@ -145,16 +189,19 @@ def generate_cycle(
     center_of_mass = body[:, :2] + np.stack(
         [cos * center[:, 0] - sin * center[:, 1], sin * center[:, 0] + cos * center[:, 1]], axis=1
     )
-    margin = stability_margin(center_of_mass, feet[..., :2], in_contact)
+    margin = stability_margin(center_of_mass, feet[..., :2], schedule.in_contact)
     cycle = Cycle(
         gait=gait,
         motion=motion,
-        times=times,
+        entry=entry,
+        exit=exit,
+        times=schedule.times,
         body=body,
         feet=feet,
-        in_contact=in_contact,
+        in_contact=schedule.in_contact,
         joint_positions=positions,
         joint_velocities=velocities,
+        end_feet=in_body[-1],
         center_of_mass=center_of_mass,
         margin=margin,
     )
@@ -163,7 +210,7 @@ def generate_cycle(
     return cycle
 
 
-def generate_largest_cycle(
+def generate_steady_cycle(
     robot: Robot,
     gait: Gait,
     motion: BodyMotion,
@@ -171,7 +218,7 @@ def generate_largest_cycle(
     least_margin: float = -np.inf,
 ) -> Cycle:
     """
-    Plan a cycle, shortening its motion as far as the legs and the margin require.
+    Plan a cycle in the midst of many equal ones.
 
     Parameters
     ----------
@@ -181,118 +228,338 @@ def generate_largest_cycle(
     Returns
     -------
     Cycle
+        With the feet and the speed at its start that it also ends with. For S4's wave
+        gait its start is the proper initial posture.
+    """
+    speed = motion.rate(gait.cycle_period) if gait.is_steady else STILL
+    return generate_cycle(
+        robot,
+        gait,
+        motion,
+        start_feet=steady_feet(robot, gait, motion),
+        entry=speed,
+        exit=speed,
+        sample_period=sample_period,
+        least_margin=least_margin,
+    )
+
+
+def steady_feet(robot: Robot, gait: Gait, motion: BodyMotion) -> Array:
+    """
+    Place the feet at the start of one of many equal cycles (S4 eq. 5).
+
+    Parameters
+    ----------
+    robot, gait, motion
+        As for :func:`generate_cycle`.
+
+    Returns
+    -------
+    ndarray, shape (4, 3)
+        In the body frame [m].
+    """
+    speed = motion.rate(gait.cycle_period) if gait.is_steady else STILL
+    return motion.end.inverse().transform(_footholds(robot, gait, motion, speed))
+
+
+def generate_largest_cycle(
+    robot: Robot,
+    gait: Gait,
+    motion: BodyMotion,
+    start_feet: Array | None = None,
+    entry: Twist2D = STILL,
+    exit: Twist2D = STILL,
+    sample_period: float = 0.02,
+    least_margin: float = -np.inf,
+    track: FootTracking | None = None,
+    accept: Callable[[Cycle], None] = lambda _: None,
+) -> Cycle:
+    """
+    Plan a cycle, shortening its motion as far as the legs and the margin require.
+
+    Parameters
+    ----------
+    robot, gait, motion, start_feet, entry, exit, sample_period, least_margin, track
+        As for :func:`generate_cycle`.
+    accept : callable, optional
+        Raises a GaitError for a cycle that will not do after all.
+
+    Returns
+    -------
+    Cycle
         The cycle; its :attr:`Cycle.motion` says what is left of the motion.
 
     Raises
     ------
     GaitError
-        If not even an eighth of the motion is possible.
+        If the robot cannot even come to rest, or, from rest, not even an eighth of the
+        motion is possible.
     """
+    rest = BodyMotion.during(entry, gait.cycle_period / 2.0)
     share = 1.0
     while True:
-        scaled = BodyMotion(share * motion.forward, share * motion.left, share * motion.turn)
+        scaled = BodyMotion(
+            share * motion.forward + (1.0 - share) * rest.forward,
+            share * motion.left + (1.0 - share) * rest.left,
+            share * motion.turn + (1.0 - share) * rest.turn,
+        )
         try:
-            return generate_cycle(
-                robot, gait, scaled, sample_period=sample_period, least_margin=least_margin
+            cycle = generate_cycle(
+                robot,
+                gait,
+                scaled,
+                start_feet=start_feet,
+                entry=entry,
+                exit=exit.scaled(share),
+                sample_period=sample_period,
+                least_margin=least_margin,
+                track=track,
             )
+            accept(cycle)
+            return cycle
         except GaitError:
             share -= 0.125
-            if share <= 0.0:
+            if share < 0.0 or (share == 0.0 and not entry):
                 raise
 
 
-def _feet(
-    gait: Gait, times: Array, start: Array, target: Array
-) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Move each foot from its start to its target while it swings."""
-    feet = np.repeat(start[None], len(times), axis=0)
+def _footholds(robot: Robot, gait: Gait, motion: BodyMotion, exit: Twist2D) -> Array:
+    """
+    Choose where the feet are to stand next, ground frame at hip level, (4, 3) [m].
+
+    In mid-stance a foot is where it is in the initial posture: so every foot uses its
+    working range evenly, whatever the motion (S4 eq. 5 for straight walking).
+    """
+    if gait.footholds == 'initial_posture' or not exit:
+        return motion.end.transform(robot.neutral_feet)
+    period = gait.cycle_period
+    onward = BodyMotion.during(exit, period)
+    footholds = np.empty((len(LEGS), 3))
+    for k, leg in enumerate(LEGS):
+        swing = gait.swing(leg)
+        middle = (swing.touchdown + period + swing.liftoff) / 2.0
+        if middle <= period:
+            share = middle / period
+            if gait.body_progress is not None:
+                share = float(smooth_progress(gait.body_progress, np.array([middle]))[0][0])
+            body = _pose(motion, share)
+        else:
+            body = motion.end @ _pose(onward, middle / period - 1.0)
+        footholds[k] = body.transform(robot.neutral_feet[k])
+    return footholds
+
+
+def _pose(motion: BodyMotion, share: float) -> Pose2D:
+    x, y, yaw = motion.pose_at(np.array(share))
+    return Pose2D(float(x), float(y), float(yaw))
+
+
+@dataclass(frozen=True)
+class _Rolling:
+    """How the balls of the standing feet roll over the ground."""
+
+    displacement: Array
+    """Of their centres since the start of the cycle, shape (n, 4, 2) [m]."""
+    velocity: Array
+    """Shape (n, 4, 2) [m/s]."""
+
+
+def _rolling(
+    robot: Robot,
+    schedule: Schedule,
+    start: Array,
+    target: Array,
+    body: Array,
+    body_velocity: Array,
+) -> _Rolling | None:
+    """
+    Find how far the feet roll, from how their calves turn.
+
+    The centre of a ball of radius r that rolls with the angular velocity omega moves
+    with r (omega_y, -omega_x). Without it robots with legs that are short for their feet
+    go up to a tenth too far.
+    """
+    radius = robot.foot_radius
+    if radius <= 0.0:
+        return None
+    stride = max(1, (len(schedule.times) - 1) // _ROLLING_SAMPLES)
+    coarse = schedule.thinned(stride)
+    poses, velocities = body[::stride], body_velocity[::stride]
+    rolling = None
+    for _ in range(_ROLLING_PASSES):
+        arms, arm_velocities, _ = _feet_in_body(
+            coarse, robot.standing_height, start, target, poses, velocities, rolling
+        )
+        joints = robot.stacked_legs.inverse(arms)
+        joint_velocities = robot.joint_velocities(joints, arm_velocities)
+        spin = robot.calf_angular_velocities(joints, joint_velocities)
+        cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+        x, y = spin[..., 0], spin[..., 1]
+        speed = radius * np.stack([sin * x + cos * y, sin * y - cos * x], axis=-1)
+        rolling = _rolled(coarse, speed)
+    return _rolled(schedule, _interpolated(schedule.times, coarse.times, speed))
+
+
+def _rolled(schedule: Schedule, speed: Array) -> _Rolling:
+    """Add up the rolling of the feet on the ground."""
+    velocity = np.where(schedule.in_contact[..., None], speed, 0.0)
+    displacement = np.zeros_like(velocity)
+    step = schedule.times[1]
+    np.cumsum((velocity[1:] + velocity[:-1]) * (step / 2.0), axis=0, out=displacement[1:])
+    return _Rolling(displacement, velocity)
+
+
+def _interpolated(times: Array, known_times: Array, values: Array) -> Array:
+    """Interpolate linearly along the first axis, between evenly spaced times."""
+    place = times / known_times[1]
+    index = np.minimum(place.astype(int), len(known_times) - 2)
+    share = (place - index).reshape(-1, *([1] * (values.ndim - 1)))
+    result: Array = values[index] * (1.0 - share) + values[index + 1] * share
+    return result
+
+
+def _feet_in_body(
+    schedule: Schedule,
+    standing_height: float,
+    start: Array,
+    target: Array,
+    body: Array,
+    body_velocity: Array,
+    rolling: _Rolling | None,
+) -> tuple[Array, Array, Array]:
+    """
+    Move each foot from its start to its target while it swings.
+
+    Returns the feet in the body frame, their velocities there, and the feet in the ground
+    frame, each of shape (n, 4, 3).
+    """
+    step = target - start
+    feet = np.empty((len(schedule.times), len(LEGS), 3))
+    feet[:] = start
     velocities = np.zeros_like(feet)
-    in_contact = np.ones((len(times), len(LEGS)), dtype=bool)
-    for swing in gait.swings:
-        leg = LEGS.index(swing.leg)
-        share, rate = minimum_jerk(swing.liftoff, swing.touchdown, times)
-        step = target[leg] - start[leg]
-        feet[:, leg] += share[:, None] * step
-        velocities[:, leg] = rate[:, None] * step
-        lift, lift_rate = _lift(swing, gait.swing_height, times)
-        feet[:, leg, 2] += lift
-        velocities[:, leg, 2] += lift_rate
-        in_contact[:, leg] = (times <= swing.liftoff) | (times >= swing.touchdown)
-    return feet, velocities, in_contact
-
-
-def _lift(swing: Swing, height: float, times: Array) -> tuple[Array, Array]:
-    """Lift a foot and put it down again, at rest at both ends."""
-    duration = swing.touchdown - swing.liftoff
-    u = np.clip((times - swing.liftoff) / duration, 0.0, 1.0)
-    rate = 32.0 * height * u * (1.0 - u) * (1.0 - 2.0 * u) / duration
-    return 16.0 * height * u**2 * (1.0 - u) ** 2, rate
+    if rolling is not None:
+        feet[..., :2] += rolling.displacement
+        velocities[..., :2] += rolling.velocity
+        step = step.copy()
+        step[:, :2] -= rolling.displacement[-1]
+    feet += schedule.step[..., None] * step
+    velocities += schedule.step_rate[..., None] * step
+    feet[..., 2] += schedule.lift
+    velocities[..., 2] += schedule.lift_rate
+    return *_in_body(schedule, standing_height, feet, velocities, body, body_velocity), feet
 
 
 def _body(
-    gait: Gait, motion: BodyMotion, times: Array, start: Array, target: Array
+    gait: Gait,
+    schedule: Schedule,
+    motion: BodyMotion,
+    entry: Twist2D,
+    exit: Twist2D,
+    start: Array,
+    target: Array,
 ) -> tuple[Array, Array]:
-    """Move the body along its arc, swaying towards each support triangle."""
-    share, rate = smooth_progress(gait.body_progress, times)
-    body = motion.pose_at(share)
+    """Move the body along its arc, at its speeds at both ends, swaying on the way."""
+    body = motion.pose_at(schedule.progress)
     heading = body[:, 2]
-    velocity = rate[:, None] * np.stack(
+    cos, sin = np.cos(heading), np.sin(heading)
+    velocity = schedule.progress_rate[:, None] * np.stack(
         [
-            motion.forward * np.cos(heading) - motion.left * np.sin(heading),
-            motion.forward * np.sin(heading) + motion.left * np.cos(heading),
+            motion.forward * cos - motion.left * sin,
+            motion.forward * sin + motion.left * cos,
             np.full_like(heading, motion.turn),
         ],
         axis=1,
     )
-    if gait.sway_weight == 0.0:
-        return body, velocity
-    for offset, begin, end in _sway(gait, motion, start, target):
-        moved, speed = minimum_jerk(begin, end, times)
-        body[:, :2] += moved[:, None] * offset
-        velocity[:, :2] += speed[:, None] * offset
+    # At its ends a cycle is as much faster than on average as its progress is there.
+    pace = schedule.progress_rate[0] * gait.cycle_period if gait.is_steady else 1.0
+    before = pace * _velocity(entry, 0.0) - velocity[0]
+    after = pace * _velocity(exit, motion.turn) - velocity[-1]
+    for curve, rate, change in (
+        (schedule.entry, schedule.entry_rate, before),
+        (schedule.exit, schedule.exit_rate, after),
+    ):
+        if np.any(change):
+            body += curve[:, None] * change
+            velocity += rate[:, None] * change
+    if gait.sways:
+        moves = _sway(gait, motion, start, target)
+        body[:, :2] += schedule.sway @ moves
+        velocity[:, :2] += schedule.sway_rate @ moves
     return body, velocity
 
 
-def _sway(
-    gait: Gait, motion: BodyMotion, start: Array, target: Array
-) -> list[tuple[Array, float, float]]:
+def _velocity(twist: Twist2D, heading: float) -> Array:
+    """Write a velocity in the ground frame, shape (3,)."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    return np.array(
+        [
+            twist.forward * cos - twist.left * sin,
+            twist.forward * sin + twist.left * cos,
+            twist.turn,
+        ]
+    )
+
+
+def _sway(gait: Gait, motion: BodyMotion, start: Array, target: Array) -> Array:
     """
-    List the body's sideways moves: displacement [m], begin and end [s].
+    List the body's sideways moves, ground frame, shape (5, 2) [m].
 
     In each interval with all feet down the body moves towards the centroid of the next
     support triangle, weighted by mu (S4 eq. 4), and back to its arc at the end.
     """
     feet = start[:, :2].copy()
     offsets = [np.zeros(2)]
-    for swing in gait.swings:
+    middles = np.array([(swing.liftoff + swing.touchdown) / 2.0 for swing in gait.swings])
+    if gait.body_progress is None:
+        shares = middles / gait.cycle_period
+    else:
+        shares = smooth_progress(gait.body_progress, middles)[0]
+    on_arc = motion.pose_at(shares)
+    forward, left = gait.sway_weight
+    for swing, body in zip(gait.swings, on_arc):
         leg = LEGS.index(swing.leg)
-        middle = np.array([(swing.liftoff + swing.touchdown) / 2.0])
-        on_arc = motion.pose_at(smooth_progress(gait.body_progress, middle)[0])[0, :2]
-        centroid = np.delete(feet, leg, axis=0).mean(axis=0)
-        offsets.append(gait.sway_weight * (centroid - on_arc))
+        off = np.delete(feet, leg, axis=0).mean(axis=0) - body[:2]
+        cos, sin = np.cos(body[2]), np.sin(body[2])
+        ahead = forward * (cos * off[0] + sin * off[1])
+        aside = left * (cos * off[1] - sin * off[0])
+        offsets.append(np.array([cos * ahead - sin * aside, sin * ahead + cos * aside]))
         feet[leg] = target[leg, :2]
     offsets.append(np.zeros(2))
-    begins = [gait.sway_start, *(swing.touchdown for swing in gait.swings)]
-    ends = [*(swing.liftoff for swing in gait.swings), gait.cycle_period]
-    return [
-        (after - before, begin, end)
-        for before, after, begin, end in zip(offsets, offsets[1:], begins, ends)
-    ]
+    return np.diff(np.array(offsets), axis=0)
 
 
-def _turn_back(vectors: Array, yaw: Array) -> Array:
-    """Bring vectors (n, 4, 3) of the ground frame into the body's axes."""
-    cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([cos * x + sin * y, cos * y - sin * x, vectors[..., 2]], axis=-1)
+def _in_body(
+    schedule: Schedule,
+    standing_height: float,
+    feet: Array,
+    foot_velocities: Array,
+    body: Array,
+    body_velocity: Array,
+) -> tuple[Array, Array]:
+    """Bring feet (n, 4, 3) and their velocities from the ground frame into the body's."""
+    cos, sin = np.cos(body[:, 2, None]), np.sin(body[:, 2, None])
+    yaw_rate = body_velocity[:, 2, None]
+    x, y = feet[..., 0] - body[:, 0, None], feet[..., 1] - body[:, 1, None]
+    arms = np.empty_like(feet)
+    arms[..., 0] = cos * x + sin * y
+    arms[..., 1] = cos * y - sin * x
+    arms[..., 2] = feet[..., 2] - (standing_height + schedule.body_lift[:, None])
+    x = foot_velocities[..., 0] - body_velocity[:, 0, None]
+    y = foot_velocities[..., 1] - body_velocity[:, 1, None]
+    velocities = np.empty_like(feet)
+    # The body's own turning carries the feet the other way round.
+    velocities[..., 0] = cos * x + sin * y + yaw_rate * arms[..., 1]
+    velocities[..., 1] = cos * y - sin * x - yaw_rate * arms[..., 0]
+    velocities[..., 2] = foot_velocities[..., 2] - schedule.body_lift_rate[:, None]
+    return arms, velocities
 
 
 def _check_joint_speeds(robot: Robot, velocities: Array) -> None:
     excess = np.abs(velocities) / robot.velocity
     if np.max(excess) > 1.0:
         worst = int(np.argmax(excess))
-        joint = worst % (len(LEGS) * JOINTS_PER_LEG)
-        limit = float(robot.velocity[joint % JOINTS_PER_LEG])
+        joint = worst % len(robot.joint_names)
+        limit = float(np.broadcast_to(robot.velocity, velocities.shape[1:]).reshape(-1)[joint])
         raise JointLimitExceeded(
             robot.joint_names[joint], float(velocities.reshape(-1)[worst]), -limit, limit, 'rad/s'
         )

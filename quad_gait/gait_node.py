@@ -1,22 +1,25 @@
 """
-The node that turns a plan into joint trajectories, one gait cycle at a time.
+The node that turns a plan, or steering, into joint trajectories, one gait cycle at a time.
 """
 
 from __future__ import annotations
 
+import math
 import time
+from functools import partial
 from typing import Any
 
-from geometry_msgs.msg import PolygonStamped
+from geometry_msgs.msg import PolygonStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import WrongFrame
+from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     plan_from_message,
@@ -25,14 +28,20 @@ from quad_common.ros_conversions import (
     tilt_from_odometry,
 )
 from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode, run_node
-from quad_gait.gait import load_gait
+from quad_gait.gait import Gait, load_gait, turning_gait_for
+from quad_gait.leg_odometry import LegOdometry
 from quad_gait.parameters import GaitParameters
+from quad_gait.path_follower import FollowerOptions
 from quad_gait.ros_conversions import (
     foothold_markers,
+    imu_from_message,
     joints_from_message,
+    leg_odometry_message,
     polygon_message,
     trajectory_message,
+    twist_from_message,
 )
+from quad_gait.slip_compensation import compensation_for
 from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -47,7 +56,7 @@ _LEVELS = {
 
 class GaitNode(QuadNode[GaitParameters]):
     """
-    Walks along the plan; its time is that of the odometry's stamps.
+    Walks along the plan, or as steered; its time is that of the odometry's stamps.
 
     So it keeps step with whatever moves the robot, in simulated time at any speed or in
     real time, and stands still when odometry does.
@@ -59,36 +68,58 @@ class GaitNode(QuadNode[GaitParameters]):
         self._robot = load_robot(p.robot)
         self._controller = WalkController(
             self._robot,
-            load_gait(p.gait),
-            load_gait(p.turning_gait),
+            *self._gaits(p),
             ControllerOptions(
                 settle_time=p.settle_time,
                 lead_time=p.lead_time,
                 sample_period=p.sample_period,
                 least_margin=p.least_margin,
-                position_tolerance=p.position_tolerance,
-                heading_tolerance=p.heading_tolerance,
-                path_tolerance=p.path_tolerance,
+                twist_timeout=p.cmd_vel_timeout,
+                tracking_gain=p.tracking_gain if p.foot_tracking == 'backstepping' else None,
+                follower=_follower_options(p),
             ),
+            compensation_for(p.robot, p.calibration),
         )
+        self._odometry = LegOdometry(self._robot)
+        self._is_placed = p.odom_topic == 'odom/legs'
         self._joints: tuple[Any, Any] = (None, None)
+        self._imu: tuple[Any, float | None] = (None, None)
         self._heard_odometry_at: float | None = None
         self._distance_left = 0.0
         self._frame = 'odom'
+        self._wire_topics()
+        self.update_status()
 
+    def _wire_topics(self) -> None:
+        p = self.parameters
         self._trajectories = self.create_publisher(JointTrajectory, 'joint_trajectory', 10)
         self._margins = self.create_publisher(Float64, 'stability_margin', 10)
+        self._measured_margins = self.create_publisher(Float64, 'stability_margin/measured', 10)
         self._polygons = self.create_publisher(PolygonStamped, 'support_polygon', 10)
         self._footholds = self.create_publisher(MarkerArray, 'footholds', 10)
         sensor = qos_profile_sensor_data
+        self._leg_odometry = self.create_publisher(Odometry, 'odom/legs', sensor)
         plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
         self.create_subscription(Path, 'plan', self.guarded(self._on_plan), plan_qos)
+        twist = TwistStamped if p.stamped_cmd_vel else Twist
+        self.create_subscription(twist, 'cmd_vel', self.guarded(self._on_cmd_vel), 10)
         self.create_subscription(
             JointState, 'joint_states', self.guarded(self._on_joint_states), sensor
         )
+        self.create_subscription(Imu, 'imu', self.guarded(self._on_imu), sensor)
         self.create_subscription(Odometry, p.odom_topic, self.guarded(self._on_odometry), sensor)
-        self.create_service(Trigger, 'stop', self._on_stop)
-        self.update_status()
+        self.create_service(Trigger, 'stand', partial(self._on_request, self._controller.stand))
+        self.create_service(Trigger, 'sit', partial(self._on_request, self._controller.sit))
+        self.create_service(Trigger, 'stop', partial(self._on_request, self._controller.stop))
+
+    def _gaits(self, p: GaitParameters) -> tuple[Gait, Gait]:
+        """Load the gaits for walking and for turning."""
+        gait = load_gait(p.gait, self._robot)
+        return gait, turning_gait_for(gait, self._robot, p.turning_gait)
+
+    def take_parameters(self, parameters: GaitParameters) -> None:
+        """Change gaits at the end of the cycle."""
+        self._controller.set_gaits(*self._gaits(parameters), _follower_options(parameters))
 
     def update_status(self) -> None:
         """Say what the robot does, or why it does not move."""
@@ -99,14 +130,18 @@ class GaitNode(QuadNode[GaitParameters]):
         elif heard is None or time.monotonic() - heard > self.parameters.odom_timeout:
             self.report(WARN, f"no odometry: waiting for it on '{self.parameters.odom_topic}'")
         else:
-            activity = self._controller.activity
-            cycle = self._controller.cycle
+            controller = self._controller
+            activity, cycle = controller.activity, controller.cycle
+            level = _LEVELS.get(activity, OK)
             self.report(
-                _LEVELS.get(activity, OK),
-                f'{activity.value}: {self._controller.reason}',
+                max(level, WARN) if controller.limit else level,
+                f'{activity.value}: {controller.reason}'
+                + (f'; {controller.limit}' if controller.limit else ''),
                 activity=activity.value,
+                gait=controller.gait.name,
                 distance_left=f'{self._distance_left:.3f}',
                 least_margin='' if cycle is None else f'{cycle.least_margin:.4f}',
+                limit=controller.limit,
             )
 
     def _on_plan(self, message: Path) -> None:
@@ -116,38 +151,89 @@ class GaitNode(QuadNode[GaitParameters]):
             raise WrongFrame('plan', message.header.frame_id, map_frame)
         self._controller.set_plan(plan)
 
+    def _on_cmd_vel(self, message: Twist | TwistStamped) -> None:
+        twist = message.twist if isinstance(message, TwistStamped) else message
+        self._controller.set_twist(twist_from_message(twist))
+
+    def _on_imu(self, message: Imu) -> None:
+        self._imu = imu_from_message(message)
+
     def _on_joint_states(self, message: JointState) -> None:
         self._joints = joints_from_message(message, self._robot)
+        stamp = message.header.stamp
+        if self._is_placed:
+            odometry = self._odometry
+            odometry.update(seconds_from_time(stamp), self._joints[0], None, *self._imu)
+            if self._leg_odometry.get_subscription_count() > 0:
+                self._leg_odometry.publish(leg_odometry_message(odometry, self._frame, stamp))
 
     def _on_odometry(self, message: Odometry) -> None:
         self._heard_odometry_at = time.monotonic()
         self._frame = message.header.frame_id
         stamp = message.header.stamp
-        now = seconds_from_time(stamp)
         pose = pose_from_message(message.pose.pose, 'odometry')
-        controller = self._controller
-        said = controller.reason
-        trajectory = controller.update(
-            Measurement(now, pose, tilt_from_odometry(message), *self._joints)
+        if not self._is_placed:
+            # From here on the legs tell; where the robot was put they cannot know.
+            self._odometry.reset(pose)
+            self._is_placed = True
+        now = Measurement(
+            time=seconds_from_time(stamp),
+            pose=pose,
+            tilt=max(tilt_from_odometry(message), _tilt_of(self._imu[0])),
+            joint_positions=self._joints[0],
+            joint_velocities=self._joints[1],
         )
+        controller = self._controller
+        said = (controller.reason, controller.limit)
+        trajectory = controller.update(now)
         if trajectory is not None:
             self._trajectories.publish(trajectory_message(trajectory))
             footholds = controller.footholds()
             if len(footholds):
                 self._footholds.publish(foothold_markers(footholds, self._frame, stamp))
-        self._margins.publish(Float64(data=controller.margin_at(now)))
-        if self._polygons.get_subscription_count() > 0:
-            polygon = controller.support_polygon_at(now, pose)
-            self._polygons.publish(polygon_message(polygon, self._frame, stamp))
-        if controller.reason != said:
+        self._publish_stability(now, pose, stamp)
+        if (controller.reason, controller.limit) != said:
             self._distance_left = controller.distance_left(pose)
             self.update_status()
 
-    def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._controller.stop()
+    def _publish_stability(self, now: Measurement, pose: Pose2D, stamp: Any) -> None:
+        controller = self._controller
+        self._margins.publish(Float64(data=controller.margin_at(now.time)))
+        if self._measured_margins.get_subscription_count() > 0:
+            measured = controller.measured_margin(now)
+            if math.isfinite(measured):
+                self._measured_margins.publish(Float64(data=measured))
+        if self._polygons.get_subscription_count() > 0:
+            polygon = controller.support_polygon_at(now.time, pose)
+            self._polygons.publish(polygon_message(polygon, self._frame, stamp))
+
+    def _on_request(
+        self, request: Any, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        """Hand stand, sit or stop to the controller."""
+        response.message = request()
         response.success = True
-        response.message = 'the robot stops at the end of its gait cycle, on four feet'
         return response
+
+
+def _tilt_of(orientation: Any) -> float:
+    """Angle between the body's z axis and the vertical by the imu; 0 without one [rad]."""
+    if orientation is None:
+        return 0.0
+    x, y, _, _ = orientation
+    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * float(x * x + y * y))))
+
+
+def _follower_options(p: GaitParameters) -> FollowerOptions:
+    return FollowerOptions(
+        turning=p.turning,
+        position_tolerance=p.position_tolerance,
+        heading_tolerance=p.heading_tolerance,
+        path_tolerance=p.path_tolerance,
+        corner_deviation=p.corner_deviation,
+        corner_radius=p.corner_radius,
+        largest_speed=p.largest_speed or math.inf,
+    )
 
 
 def main(args: list[str] | None = None) -> int:

@@ -12,20 +12,54 @@ class GaitParameters:
     """Parameters of ``gait_node``."""
 
     robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
-    gait: str = parameter('crawl', 'Gait for walking: its name, or the path of a gait file.')
+    gait: str = parameter(
+        'crawl', 'Gait for walking: its name, or the path of a gait file.', is_dynamic=True
+    )
     turning: str = parameter(
-        'in_place', 'How the plan is followed: turning on the spot.', choices=('in_place',)
+        'in_place',
+        'How a plan is followed: turning on the spot, keeping the heading, or along arcs.',
+        choices=('in_place', 'crab', 'arc'),
+        is_dynamic=True,
     )
     turning_gait: str = parameter(
-        'turn', 'Gait for turning on the spot to the left: its name, or the path of a gait file.'
+        'auto',
+        "Gait for turning on the spot: a name, the path of a file, or 'auto': 'turn' if the "
+        'gait for walking rests between cycles, and that gait itself if it does not.',
+        is_dynamic=True,
+    )
+    largest_speed: float = parameter(
+        0.0,
+        'A plan is walked no faster; 0 for as fast as the gait allows.',
+        'm/s',
+        lower=0.0,
+        is_dynamic=True,
+    )
+    foot_tracking: str = parameter(
+        'inverse_kinematics',
+        'How foot paths become joint motion: in closed form, or by the law of S1.',
+        choices=('inverse_kinematics', 'backstepping'),
+    )
+    tracking_gain: float = parameter(4.0, "Gain K of 'backstepping'.", '1/s', 0.1, 50.0)
+    calibration: str = parameter(
+        'auto',
+        "Slip compensation: 'auto' for the robot's own, if it has any, 'none', or a file "
+        'of quadwalk calibrate.',
     )
     map_frame: str = parameter('map', 'Frame of the plans; it coincides with that of the odometry.')
     transient_local_plan: bool = parameter(
         True, "Hear the last plan when starting late; false to hear volatile plans, as Nav2's."
     )
-    odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
+    odom_topic: str = parameter(
+        'odom', "Where the robot's pose comes from; 'odom/legs' for the node's own odometry."
+    )
+    cmd_vel_timeout: float = parameter(
+        1.0, 'Steering older than this is over.', 's', lower=0.05, upper=60.0
+    )
+    stamped_cmd_vel: bool = parameter(
+        False, 'Whether cmd_vel is a TwistStamped, as later ROS distributions have it.'
+    )
     settle_time: float = parameter(
-        0.2, "After a cycle's end, before the pose is measured for the next.", 's', 0.0, 10.0
+        0.2, "After a cycle's end at rest, before the pose is measured.", 's', 0.0, 10.0
     )
     lead_time: float = parameter(
         0.3, 'A trajectory is published at least so long before its first movement.', 's', 0.0, 10.0
@@ -34,7 +68,10 @@ class GaitParameters:
         0.02, "Between a trajectory's points.", 's', lower=0.002, upper=0.1
     )
     least_margin: float = parameter(
-        0.01, 'Cycles with a smaller predicted stability margin are shortened.', 'm', lower=0.0
+        0.005,
+        'Cycles of static gaits with a smaller predicted stability margin are shortened.',
+        'm',
+        lower=0.0,
     )
     position_tolerance: float = parameter(
         0.02, 'The robot is at a turning point or the goal when it is this near.', 'm', 0.005, 1.0
@@ -44,5 +81,11 @@ class GaitParameters:
     )
     path_tolerance: float = parameter(
         0.5, 'Farther from its plan the robot stops and waits for a new one.', 'm', lower=0.05
+    )
+    corner_deviation: float = parameter(
+        0.1, "How far an arc may pass inside a turning point, with turning 'arc'.", 'm', 0.001, 10.0
+    )
+    corner_radius: float = parameter(
+        1.0, "Largest radius of a rounded corner, with turning 'arc'.", 'm', 0.01, 100.0
     )
     odom_timeout: float = parameter(1.0, 'Older odometry is said to be missing.', 's', lower=0.05)

@@ -1,33 +1,62 @@
 """
-Follows a plan of turning points, one gait cycle at a time.
+Follows a plan of turning points, one gait cycle at a time, in one of three ways.
 
-Between turning points the robot walks straight; at each it turns on the spot (S0
-sec. 4). Every cycle aims at a pose on the plan from where the robot really is, so that
-drift in heading and sideways is corrected within the gait's reach.
+``in_place``: straight between turning points, a turn on the spot at each (S0 sec. 4).
+``crab``: the body keeps its heading and walks in any direction (S1 sec. IV).
+``arc``: corners are rounded by circles (S2).
+
+Every cycle aims at a pose on the path from where the robot really is, so that drift in
+heading and sideways is corrected within the gait's reach.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 
-from quad_common.errors import GaitError
+from quad_common.errors import GaitError, ParameterError
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_gait.body_motion import BodyMotion
+from quad_gait.reference_path import Piece, rounded_pieces, straight_pieces
+
+TURNINGS = ('in_place', 'crab', 'arc')
+"""The ways to follow a plan."""
+
+_CATCH_UP = 0.2
+"""Share of a stride by which a robot that keeps its speed makes up for lost way."""
+
+_TURNING_RADIUS = 0.02
+"""A circle smaller than this is a turn on the spot [m]."""
+
+_LEAST_CORRECTION = 1e-4
+"""A path this short is no path [m]."""
+
+
+class Gear(Protocol):
+    """What a follower needs to know of a gait on a robot."""
+
+    @property
+    def period(self) -> float:
+        """How long a cycle takes [s]."""
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the body may keep its speed from cycle to cycle."""
+
+    def largest_share(self, motion: BodyMotion) -> float:
+        """Return how many times a motion fits into one cycle."""
 
 
 @dataclass(frozen=True)
 class FollowerOptions:
-    """What a cycle may do, and when the robot has arrived."""
+    """How a plan is followed, and when the robot has arrived."""
 
-    largest_stride: float
-    """Of a straight cycle [m]."""
-    largest_turn: float
-    """Of a turning cycle [rad]."""
+    turning: str = 'in_place'
+    """One of :data:`TURNINGS`."""
     position_tolerance: float = 0.02
     """The robot is at a turning point or the goal when it is this near [m]."""
     heading_tolerance: float = math.radians(2.0)
@@ -38,6 +67,12 @@ class FollowerOptions:
     """Sideways in a straight cycle, and in any direction while turning [m]."""
     path_tolerance: float = 0.5
     """Farther from the plan the robot does not follow it [m]."""
+    corner_deviation: float = 0.1
+    """How far a rounded corner may pass inside the turning point [m]."""
+    corner_radius: float = 1.0
+    """Largest radius of a rounded corner [m]."""
+    largest_speed: float = math.inf
+    """The robot walks no faster along its path, if the gait could [m/s]."""
     final_cycles: int = 12
     """At the goal the robot turns and corrects its pose at most so often."""
 
@@ -49,6 +84,8 @@ class Step:
     is_turn: bool
     """Whether it is a turn on the spot."""
     motion: BodyMotion
+    exit: Twist2D = STILL
+    """With which speed the cycle should end."""
 
 
 class LeftPath(GaitError):
@@ -59,6 +96,13 @@ class LeftPath(GaitError):
             f'the robot is {distance:.2f} m from its path; it follows within {tolerance:.2f} m: '
             f'waiting for a new plan'
         )
+
+
+class CannotFollow(GaitError):
+    """The gait can do nothing at all of what the path asks for."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(f'the gait cannot {what} on this robot, not even a little at a time')
 
 
 class GoalNotReached(GaitError):
@@ -77,22 +121,38 @@ class PathFollower:
 
     Parameters
     ----------
+    walking : Gear
+        The gait for walking along the path.
+    turning : Gear
+        The gait for turning on the spot.
     options : FollowerOptions
-        Limits and tolerances.
+        Tolerances.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such way of turning.
     """
 
-    def __init__(self, options: FollowerOptions) -> None:
+    def __init__(self, walking: Gear, turning: Gear, options: FollowerOptions) -> None:
+        if options.turning not in TURNINGS:
+            raise ParameterError('turning', options.turning, f'one of {", ".join(TURNINGS)}')
+        self._walking = walking
+        self._turning = turning
         self._options = options
         self._plan: Plan | None = None
-        self._segment = 0
+        self._pieces: list[Piece] = []
+        self._piece = 0
         self._final_cycles = 0
+        self._crab_yaw = 0.0
+        self._expected = 0.0
 
     @property
     def plan(self) -> Plan | None:
         """The plan that is being followed."""
         return self._plan
 
-    def follow(self, plan: Plan | None, pose: Pose2D) -> None:
+    def follow(self, plan: Plan | None, pose: Pose2D, pieces: list[Piece] | None = None) -> None:
         """
         Take a new plan, or none.
 
@@ -101,28 +161,47 @@ class PathFollower:
         plan : Plan or None
             The plan.
         pose : Pose2D
-            Where the robot is: it joins the plan at the nearest segment.
+            Where the robot is: it joins the plan at the nearest piece.
+        pieces : list of Piece, optional
+            The path to the plan's last pose; made of the turning points if not given.
         """
+        options = self._options
+        if plan is None:
+            pieces = []
+        elif pieces is not None:
+            pass
+        elif options.turning == 'arc':
+            pieces = rounded_pieces(
+                plan, options.corner_deviation, options.corner_radius, options.turn_threshold
+            )
+        else:
+            pieces = straight_pieces(plan, options.turn_threshold)
         self._plan = plan
+        self._pieces = pieces
+        self._expected = 0.0
         self._final_cycles = 0
-        self._segment = 0 if plan is None else _nearest_segment(plan, pose)
+        self._crab_yaw = pose.yaw
+        self._piece = self._nearest_piece(pose)
 
     def distance_left(self, pose: Pose2D) -> float:
-        """Return how far it is along the plan to the goal [m]; 0 without a plan."""
+        """Return how far it is along the path to the goal [m]; 0 without a plan."""
         if self._plan is None:
             return 0.0
-        ahead = self._plan.poses[self._segment + 1 :] or self._plan.poses[-1:]
-        stops = (pose, *ahead)
-        return sum(a.distance_to(b) for a, b in pairwise(stops))
+        ahead = self._pieces[self._piece :]
+        if not ahead:
+            return pose.distance_to(self._plan.poses[-1])
+        return pose.distance_to(ahead[0].end) + sum(piece.length for piece in ahead[1:])
 
-    def next_step(self, pose: Pose2D) -> Step | None:
+    def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:
         """
         Decide on the next cycle.
 
         Parameters
         ----------
         pose : Pose2D
-            Where the robot is, in the plan's frame.
+            Where the robot will be at the start of the cycle, in the plan's frame.
+        entry : Twist2D
+            Its velocity then.
 
         Returns
         -------
@@ -133,85 +212,223 @@ class PathFollower:
         ------
         LeftPath
             If the robot is too far from the plan.
+        CannotFollow
+            If the gait can do nothing of what the path asks for.
         GoalNotReached
             If the robot cannot correct its pose at the goal.
         """
         plan, options = self._plan, self._options
         if plan is None:
             return None
-        if _distance_to_segment(plan, self._segment, pose) > options.path_tolerance / 2.0:
-            # Something carried the robot away: it may be on another part of its plan.
-            self._segment = _nearest_segment(plan, pose)
-            distance = _distance_to_segment(plan, self._segment, pose)
-            if distance > options.path_tolerance:
-                raise LeftPath(distance, options.path_tolerance)
-        last = len(plan.poses) - 1
-        while self._segment < last:
-            corner, target = plan.poses[self._segment], plan.poses[self._segment + 1]
-            heading = corner.heading_to(target)
-            remaining = _along(pose, target, heading)
-            if remaining <= options.position_tolerance:
-                self._segment += 1
+        self._look_where_it_is(pose)
+        while self._piece < len(self._pieces):
+            piece = self._pieces[self._piece]
+            done = piece.project(pose)
+            if piece.length - done <= (options.position_tolerance if piece.ends_in_stop else 1e-3):
+                self._piece += 1
                 continue
-            if abs(wrap_angle(heading - pose.yaw)) > options.turn_threshold:
-                return self._turn(pose, Pose2D(corner.x, corner.y, heading))
-            return self._straight(pose, target, heading, remaining)
-        return self._final(pose, plan.poses[last])
+            # The point to turn on is on the path beside the robot, but not before it.
+            beside = piece.at(min(max(done, 0.0), piece.length))
+            heading = self._heading(beside)
+            is_off = abs(wrap_angle(heading - pose.yaw)) > options.turn_threshold
+            if _is_turning(entry) or (is_off and not entry):
+                return self._turn(pose, Pose2D(beside.x, beside.y, heading), entry)
+            if is_off:
+                return self._come_to_rest(entry)
+            return self._walk(pose, entry, done)
+        return self._final(pose, plan.poses[-1], entry)
 
-    def _straight(self, pose: Pose2D, target: Pose2D, heading: float, remaining: float) -> Step:
-        """Aim at the segment, one of the equal strides that are left ahead."""
-        options = self._options
-        stride = remaining / math.ceil(remaining / options.largest_stride)
-        # Target seen along the segment: the robot is `remaining` behind it, `left` beside.
-        left = -((target.x - pose.x) * math.sin(heading) - (target.y - pose.y) * math.cos(heading))
-        sideways = _clamp(left, options.largest_correction)
-        on_segment = Pose2D(stride, sideways, 0.0)
-        seen_from_robot = Pose2D(0.0, 0.0, wrap_angle(heading - pose.yaw)) @ on_segment
-        return Step(is_turn=False, motion=BodyMotion.reaching(seen_from_robot))
+    def _look_where_it_is(self, pose: Pose2D) -> None:
+        """Go on on another piece if something carried the robot away."""
+        if self._distance_to_piece(self._piece, pose) <= self._options.path_tolerance / 2.0:
+            return
+        self._piece = self._nearest_piece(pose)
+        distance = self._distance_to_piece(self._piece, pose)
+        if distance > self._options.path_tolerance:
+            raise LeftPath(distance, self._options.path_tolerance)
 
-    def _turn(self, pose: Pose2D, target: Pose2D) -> Step:
+    def _heading(self, on_path: Pose2D) -> float:
+        """Which way the body is to face there [rad]."""
+        return self._crab_yaw if self._options.turning == 'crab' else on_path.yaw
+
+    def _walk(self, pose: Pose2D, entry: Twist2D, done: float) -> Step:
+        """Aim at the path ahead, one of the equal strides that are left before the next stop."""
+        piece = self._pieces[self._piece]
+        remaining = -done
+        for following in self._pieces[self._piece :]:
+            remaining += following.length
+            if following.ends_in_stop:
+                break
+        stride = self._stride(done)
+        period = self._walking.period
+        speed = math.hypot(entry.forward, entry.left) * period
+        if entry:
+            # What was lost on the way is made up for, within reason.
+            behind = self._expected - (self._before(self._piece) + done)
+            catch_up = max(-_CATCH_UP * stride, min(_CATCH_UP * stride, behind))
+            done, remaining = done + catch_up, remaining - catch_up
+        advance, exit_speed = _advance(remaining, speed, stride, self._walking.is_steady)
+        if exit_speed:
+            # What comes then may be slower: a bend, after a straight line.
+            exit_speed = min(exit_speed, self._pace(done + advance))
+            advance = (speed + exit_speed) / 2.0
+        self._expected = self._before(self._piece) + done + advance
+        ahead, along = self._ahead(done + advance)
+        target = ahead.at(along)
+        # An error across the path is taken back gently: what is left, in the next cycles.
+        limit = self._options.largest_correction
+        across = (piece.at(piece.project(pose)).inverse() @ pose).y
+        left_over = across - max(-limit, min(limit, across))
+        target_then = target @ Pose2D(0.0, left_over, 0.0)
+        heading = self._heading(target)
+        course = wrap_angle(target.yaw - heading)
+        aim = pose.inverse() @ Pose2D(target_then.x, target_then.y, heading)
+        speed = exit_speed / period
+        turn = 0.0 if self._options.turning == 'crab' else speed * ahead.curvature
+        return Step(
+            is_turn=False,
+            motion=BodyMotion.reaching(aim),
+            exit=Twist2D(speed * math.cos(course), speed * math.sin(course), turn),
+        )
+
+    def _before(self, index: int) -> float:
+        """Return how long the path is up to a piece [m]."""
+        return sum(piece.length for piece in self._pieces[:index])
+
+    def _stride(self, done: float) -> float:
+        """How far one cycle goes along the path, of which each piece takes its share [m]."""
+        share, stride = 1.0, 0.0
+        for piece in self._pieces[self._piece :]:
+            left = piece.length - done
+            largest = self._largest_stride(piece, done)
+            if left < 0.0 and not piece.ends_in_stop:
+                done -= piece.length
+                continue
+            if share * largest <= left or piece.ends_in_stop:
+                return stride + share * largest
+            stride, share, done = stride + left, share - left / largest, 0.0
+        return stride
+
+    def _pace(self, distance: float) -> float:
+        """How fast a robot may be at a distance from this piece's start, per cycle [m]."""
+        return min(self._stride(distance), self._largest_stride(*self._ahead(distance)))
+
+    def _largest_stride(self, piece: Piece, done: float) -> float:
+        """How far one cycle goes along a piece, were it long enough [m]."""
+        if self._options.turning == 'crab':
+            course = piece.at(min(max(done, 0.0), piece.length)).yaw - self._crab_yaw
+            direction = BodyMotion(math.cos(course), math.sin(course))
+        else:
+            direction = BodyMotion(forward=1.0, turn=piece.curvature)
+        largest = self._walking.largest_share(direction)
+        if not largest > 0.0:
+            raise CannotFollow('walk along its path')
+        return min(largest, self._options.largest_speed * self._walking.period)
+
+    def _ahead(self, distance: float) -> tuple[Piece, float]:
+        """Find the place at a distance from this piece's start: a piece, and how far along."""
+        for piece in self._pieces[self._piece :]:
+            if distance <= piece.length or piece.ends_in_stop:
+                break
+            distance -= piece.length
+        return piece, min(distance, piece.length)
+
+    def _turn(self, pose: Pose2D, target: Pose2D, entry: Twist2D) -> Step:
         """Turn by one of the equal shares that are left, drifting towards the point."""
-        options = self._options
         angle = wrap_angle(target.yaw - pose.yaw)
-        turn = angle / math.ceil(abs(angle) / options.largest_turn - 1e-9)
+        period = self._turning.period
+        largest = self._turning.largest_share(BodyMotion(turn=math.copysign(1.0, angle)))
+        if not largest > 0.0:
+            raise CannotFollow('turn on the spot')
+        advance, exit_speed = _advance(
+            abs(angle), abs(entry.turn) * period, largest, self._turning.is_steady
+        )
         ahead = pose.inverse() @ target
-        limit = options.largest_correction
-        aim = Pose2D(_clamp(ahead.x, limit), _clamp(ahead.y, limit), turn)
-        return Step(is_turn=True, motion=BodyMotion.reaching(aim))
+        limit = self._options.largest_correction
+        aim = Pose2D(
+            max(-limit, min(limit, ahead.x)),
+            max(-limit, min(limit, ahead.y)),
+            math.copysign(advance, angle),
+        )
+        return Step(
+            is_turn=True,
+            motion=BodyMotion.reaching(aim),
+            exit=Twist2D(turn=math.copysign(exit_speed / period, angle)),
+        )
 
-    def _final(self, pose: Pose2D, goal: Pose2D) -> Step | None:
+    def _final(self, pose: Pose2D, goal: Pose2D, entry: Twist2D) -> Step | None:
         """Turn to the goal's heading, then correct what is left of the error."""
         options = self._options
         error = pose.inverse() @ goal
         in_place = math.hypot(error.x, error.y) <= options.position_tolerance
-        if in_place and abs(error.yaw) <= options.heading_tolerance:
+        if in_place and abs(error.yaw) <= options.heading_tolerance and not entry:
             return None
         self._final_cycles += 1
         if self._final_cycles > options.final_cycles:
             distance = math.hypot(error.x, error.y)
             raise GoalNotReached(distance, abs(error.yaw), options.final_cycles)
-        if abs(error.yaw) > options.turn_threshold:
-            return self._turn(pose, goal)
+        if _is_turning(entry) or (abs(error.yaw) > options.turn_threshold and not entry):
+            return self._turn(pose, goal, entry)
+        if entry:
+            return self._come_to_rest(entry)
         stride = math.hypot(error.x, error.y)
-        share = min(1.0, options.largest_stride / stride) if stride > 0.0 else 1.0
+        share = 1.0
+        if stride > _LEAST_CORRECTION:
+            direction = BodyMotion(error.x / stride, error.y / stride)
+            share = min(1.0, self._walking.largest_share(direction) / stride)
         aim = Pose2D(share * error.x, share * error.y, error.yaw)
         return Step(is_turn=False, motion=BodyMotion.reaching(aim))
 
+    def _come_to_rest(self, entry: Twist2D) -> Step:
+        """Slow down within one cycle."""
+        return Step(is_turn=False, motion=BodyMotion.during(entry, self._walking.period / 2.0))
 
-def _distance_to_segment(plan: Plan, segment: int, pose: Pose2D) -> float:
-    """Measure how far a pose is from a segment, or, past the last one, from the goal [m]."""
-    return distance_to_polyline((pose.x, pose.y), plan.corners[segment : segment + 2])
+    def _distance_to_piece(self, index: int, pose: Pose2D) -> float:
+        """Measure how far a pose is from a piece, or, past the last one, from the goal [m]."""
+        if index < len(self._pieces):
+            return self._pieces[index].distance_to(pose)
+        assert self._plan is not None
+        return pose.distance_to(self._plan.poses[-1])
+
+    def _nearest_piece(self, pose: Pose2D) -> int:
+        """Find the piece that passes nearest to a pose; the earliest of equals."""
+        if not self._pieces:
+            return 0
+        distances = [round(piece.distance_to(pose), 3) for piece in self._pieces]
+        return int(np.argmin(distances))
 
 
-def _nearest_segment(plan: Plan, pose: Pose2D) -> int:
-    """Find the segment that passes nearest to a pose; the earliest of equals."""
-    segments = range(max(1, len(plan.poses) - 1))
-    return int(np.argmin([round(_distance_to_segment(plan, k, pose), 3) for k in segments]))
+def _is_turning(twist: Twist2D) -> bool:
+    """Whether a body turns on the spot."""
+    return abs(twist.turn) * _TURNING_RADIUS > math.hypot(twist.forward, twist.left)
 
 
-def _along(pose: Pose2D, target: Pose2D, heading: float) -> float:
-    return (target.x - pose.x) * math.cos(heading) + (target.y - pose.y) * math.sin(heading)
+def _advance(
+    remaining: float, entry: float, largest: float, is_steady: bool
+) -> tuple[float, float]:
+    """
+    Divide what is left before a stop into cycles.
 
+    Parameters
+    ----------
+    remaining : float
+        Length or angle, 0 or more.
+    entry : float
+        Speed at the start of the cycle, per cycle.
+    largest : float
+        Most that one cycle does.
+    is_steady : bool
+        Whether speed is kept from cycle to cycle.
 
-def _clamp(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
+    Returns
+    -------
+    tuple of float
+        What the next cycle does, and the speed at its end, per cycle.
+    """
+    if not is_steady:
+        return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
+    if remaining <= 0.5 * entry + 0.3 * largest:
+        return remaining, 0.0
+    # In two cycles: from the entry to a speed, and from that to rest.
+    exit_speed = min((2.0 * remaining - entry) / 2.0, largest)
+    return (entry + exit_speed) / 2.0, exit_speed

@@ -8,9 +8,10 @@ from array import array
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import Point32, PolygonStamped, Pose
+from geometry_msgs.msg import Point32, PolygonStamped, Pose, Twist
+from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import ColorRGBA
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -19,9 +20,14 @@ from visualization_msgs.msg import Marker, MarkerArray
 from quad_common.errors import InvalidMessage, JointNotFound
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import LEGS, Robot
-from quad_common.ros_conversions import time_from_seconds
+from quad_common.planar_pose import Twist2D
+from quad_common.ros_conversions import pose_message, time_from_seconds
+from quad_gait.leg_odometry import LegOdometry
 
 Array = NDArray[np.float64]
+
+_NEGLIGIBLE = 1e-6
+"""Slower than this is not at all [m/s, rad/s]."""
 
 
 def trajectory_message(trajectory: JointTrajectory) -> JointTrajectoryMessage:
@@ -92,6 +98,88 @@ def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array
     positions = np.array(message.position)[order]
     velocities = np.array(message.velocity)[order] if len(message.velocity) else None
     return positions, velocities
+
+
+def twist_from_message(message: Twist) -> Twist2D:
+    """
+    Read a velocity in the plane.
+
+    Parameters
+    ----------
+    message : geometry_msgs/Twist
+        Along the body's own axes.
+
+    Returns
+    -------
+    Twist2D
+        The velocity.
+
+    Raises
+    ------
+    InvalidMessage
+        If a number is not finite, or asks for what a walking robot cannot do: to rise,
+        to roll or to pitch.
+    """
+    linear, angular = message.linear, message.angular
+    twist = Twist2D(float(linear.x), float(linear.y), float(angular.z))
+    rest = (linear.z, angular.x, angular.y)
+    if not twist.is_finite() or not np.all(np.isfinite(rest)):
+        raise InvalidMessage('cmd_vel', 'its numbers are not finite')
+    if any(abs(value) > _NEGLIGIBLE for value in rest):
+        raise InvalidMessage(
+            'cmd_vel',
+            f'linear z, angular x and angular y are {rest}; a walking robot follows linear x '
+            f'and y, and angular z, only',
+        )
+    return twist
+
+
+def imu_from_message(message: Imu) -> tuple[Array | None, float | None]:
+    """
+    Read an imu's orientation and yaw rate.
+
+    Parameters
+    ----------
+    message : sensor_msgs/Imu
+        A first covariance of -1 says that the imu does not measure the quantity.
+
+    Returns
+    -------
+    tuple of ndarray (4,) or None, and float or None
+        Unit quaternion xyzw, and rate about the body's z axis [rad/s].
+
+    Raises
+    ------
+    InvalidMessage
+        If a number is not finite, or the quaternion is no rotation.
+    """
+    q, rate = message.orientation, message.angular_velocity.z
+    orientation: Array | None = np.array([q.x, q.y, q.z, q.w])
+    if message.orientation_covariance[0] == -1.0:
+        orientation = None
+    elif not 0.9 < float(np.linalg.norm(orientation)) < 1.1:
+        raise InvalidMessage('imu', f'its quaternion xyzw is {(q.x, q.y, q.z, q.w)}')
+    has_rate = message.angular_velocity_covariance[0] != -1.0
+    if has_rate and not np.isfinite(rate):
+        raise InvalidMessage('imu', 'its angular velocity is not finite')
+    return orientation, float(rate) if has_rate else None
+
+
+def leg_odometry_message(odometry: LegOdometry, frame: str, stamp: Time) -> Odometry:
+    """Write what leg odometry has found, as the pose of base_link."""
+    message = Odometry(child_frame_id='base_link')
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.pose.pose = pose_message(odometry.pose)
+    message.pose.pose.position.z = float(odometry.height)
+    covariance = np.zeros((6, 6))
+    planar = np.ix_((0, 1, 5), (0, 1, 5))
+    covariance[planar] = odometry.covariance
+    message.pose.covariance = covariance.reshape(-1)
+    vx, vy, wz = odometry.twist
+    message.twist.twist.linear.x, message.twist.twist.linear.y = float(vx), float(vy)
+    message.twist.twist.angular.z = float(wz)
+    return message
 
 
 def polygon_message(corners: Array, frame: str, stamp: Time) -> PolygonStamped:

@@ -35,7 +35,8 @@ def _standard_output_silenced() -> Iterator[None]:
             os.dup2(nothing.fileno(), 1)
             yield
         finally:
-            # C keeps what it prints to a pipe or a file until later.
+            # Python and C keep what they print to a pipe or a file until later.
+            sys.stdout.flush()
             ctypes.CDLL(None).fflush(None)
             os.dup2(saved, 1)
             os.close(saved)
@@ -252,7 +253,7 @@ class BulletSimulator:
                 angularDamping=0.0,
                 jointDamping=0.0,
             )
-        self._efforts = np.tile(self._robot.effort, len(LEGS)).tolist()
+        self._efforts = self._robot.effort.reshape(-1).tolist()
         return body, [by_name[name] for name in self._robot.joint_names], links
 
     def _contacts(self) -> tuple[Contact, ...]:

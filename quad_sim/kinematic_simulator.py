@@ -2,7 +2,8 @@
 A simulator without physics: joints follow commands exactly, stance feet do not slip.
 
 The body goes where the feet that stay on the ground carry it: its heading and position
-are the rigid motion that keeps them in place best, its height that of the lowest foot.
+are the rigid motion that keeps them in place best, as their balls roll, its height that
+of the lowest foot.
 """
 
 from __future__ import annotations
@@ -59,12 +60,19 @@ class KinematicSimulator:
         standing = self._on_ground(self._feet) & self._on_ground(feet)
         self._previous = self._pose
         if standing.sum() >= 2:
-            # Feet at rest: old pose @ old feet = new pose @ new feet.
-            self._pose = self._pose @ _rigid_motion(feet[standing, :2], self._feet[standing, :2])
+            # Feet at rest, but for their rolling: old pose @ old feet = new pose @ new feet.
+            rolled = self._feet[:, :2] + self._rolled(joint_positions)
+            self._pose = self._pose @ _rigid_motion(feet[standing, :2], rolled[standing])
         self._feet = feet
         self._joints = np.array(joint_positions, dtype=float)
         self._joint_velocities = np.array(joint_velocities, dtype=float)
         self._steps += 1
+
+    def _rolled(self, joint_positions: Array) -> Array:
+        """How far the balls of the feet roll when the joints move, shape (4, 2) [m]."""
+        before, after = self._joints.reshape(4, 3), np.reshape(joint_positions, (4, 3))
+        spin = self._robot.calf_angular_velocities((before + after) / 2.0, after - before)
+        return self._robot.foot_radius * np.stack([spin[:, 1], -spin[:, 0]], axis=-1)
 
     def observe(self) -> Observation:
         """Return the robot's state; the body stays level and touches nothing."""

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_common.planar_pose import STILL, Pose2D, Twist2D, distance_to_polyline, wrap_angle
 
 IDENTITY = Pose2D(0.0, 0.0, 0.0)
 
@@ -148,3 +148,28 @@ def test_beyond_its_ends_a_polyline_is_as_far_as_the_end():
     assert distance_to_polyline((4.0, 4.0), line) == pytest.approx(5.0)
     assert distance_to_polyline((-3.0, -4.0), line) == pytest.approx(5.0)
     assert distance_to_polyline((0.3, -0.2), line) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf])
+def test_a_twist_is_finite_only_if_all_its_numbers_are(bad):
+    assert Twist2D(1.0, 2.0, 3.0).is_finite()
+    for part in ('forward', 'left', 'turn'):
+        assert not Twist2D(**{part: bad}).is_finite()
+
+
+def test_a_twist_is_true_if_anything_moves():
+    assert not STILL
+    assert not Twist2D(0.0, -0.0, 0.0)
+    for part in ('forward', 'left', 'turn'):
+        for speed in (1e-12, -1.0):
+            assert Twist2D(**{part: speed})
+
+
+def test_scaling_a_twist_scales_all_its_parts():
+    for row in np.random.default_rng(12).uniform(-1.0, 1.0, (20, 3)):
+        twist = Twist2D(*row)
+        assert twist.scaled(1.0) == twist
+        assert twist.scaled(-2.0) == Twist2D(*(-2.0 * row))
+        assert twist.scaled(3.0).scaled(0.5) == Twist2D(*(1.5 * row))
+        assert twist.scaled(0.0) == STILL
+    assert STILL.scaled(5.0) == STILL

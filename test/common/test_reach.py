@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import RobotModelError
-from quad_common.reach import largest_stretch, largest_stride, largest_turn
+from quad_common.reach import largest_step, largest_stretch, largest_stride, largest_turn
 from quad_common.robot import load_robot
 
 ROBOT = load_robot('titan_viii')
@@ -84,7 +84,7 @@ def test_a_leg_that_cannot_reach_the_ground_is_refused_with_the_numbers():
 
 
 def test_a_leg_that_just_reaches_the_ground_stretches_to_its_offset_only():
-    straight_down = LEG.hip_drop + LEG.thigh_length + LEG.calf_length
+    straight_down = 0.043 + LEG.thigh_length + LEG.calf_length
     assert largest_stretch(LEG, straight_down - 1e-12, 0.0) == pytest.approx(0.045, abs=1e-5)
 
 
@@ -99,3 +99,47 @@ def test_the_figures_of_a_robot_follow_from_its_data():
     assert longer.largest_stride == pytest.approx(
         math.sqrt((math.sqrt(0.355**2 - 0.2**2) + 0.045) ** 2 - 0.2**2)
     )
+
+
+dogs = pytest.mark.parametrize('name', ['cuhk', 'genibo'])
+
+
+@dogs
+@pytest.mark.parametrize('way', [-1, 1])
+@pytest.mark.parametrize('index', range(4))
+def test_a_dogs_legs_are_straight_at_the_largest_stride_either_way(name, way, index):
+    robot = load_robot(name)
+    leg = robot.legs[index]
+    step = np.array([way * robot.largest_stride, 0.0, -robot.roughness])
+    foot = robot.neutral_feet[index] + step
+    pitch_axis, _, _ = leg.chain(leg.inverse(foot - 1e-9 * step))
+    assert np.linalg.norm(foot - pitch_axis) == pytest.approx(leg.reach()[1], abs=1e-8)
+
+
+@pytest.mark.parametrize(('name', 'stride', 'turn'), [('cuhk', 57.0, 25.6), ('genibo', 64.3, 39.9)])
+def test_the_figures_of_the_dogs_are_those_of_the_document(name, stride, turn):
+    robot = load_robot(name)
+    assert 1e3 * robot.largest_stride == pytest.approx(stride, abs=0.05)
+    assert math.degrees(robot.largest_turn) == pytest.approx(turn, abs=0.05)
+
+
+@dogs
+def test_the_chord_of_a_dogs_largest_turn_at_its_feet_is_the_largest_stride(name):
+    robot = load_robot(name)
+    radius = np.linalg.norm(robot.neutral_feet[0, :2])
+    chord = 2.0 * radius * math.sin(robot.largest_turn / 2.0)
+    assert chord == pytest.approx(robot.largest_stride)
+
+
+def test_a_foot_that_stands_off_its_pitch_axis_has_so_much_less_to_go():
+    robot = load_robot('cuhk')
+    leg, foot = robot.legs[0], robot.neutral_feet[0]
+    for off in (-0.01, 0.01):
+        less = largest_step(leg, foot + [off, 0.0, 0.0], 0.004)
+        assert less == pytest.approx(robot.largest_stride - 0.01)
+
+
+def test_a_dogs_leg_that_cannot_reach_the_ground_is_refused_with_the_numbers():
+    robot = load_robot('cuhk')
+    with pytest.raises(RobotModelError, match=r'leg lf is 0\.095 m long .* reach 0\.172 m down'):
+        largest_step(robot.legs[0], robot.neutral_feet[0], 0.1)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.planar_pose import Pose2D
-from quad_gait.body_motion import BodyMotion, minimum_jerk, smooth_progress
+from quad_common.planar_pose import Pose2D, Twist2D
+from quad_gait.body_motion import BodyMotion, gather_speed, minimum_jerk, smooth_progress
 from quad_gait.gait import available_gaits, load_gait
 
 
@@ -75,6 +75,22 @@ def test_two_halves_of_a_motion_make_the_whole():
         assert (both.x, both.y, both.yaw) == pytest.approx((whole.x, whole.y, whole.yaw))
 
 
+def test_a_velocity_for_a_time_is_a_motion_and_back():
+    for row in np.random.default_rng(6).uniform(-0.5, 0.5, (50, 3)):
+        twist, duration = Twist2D(*row), 3.0
+        motion = BodyMotion.during(twist, duration)
+        assert (motion.forward, motion.left, motion.turn) == pytest.approx(tuple(3.0 * row))
+        again = motion.rate(duration)
+        assert (again.forward, again.left, again.turn) == pytest.approx(tuple(row))
+
+
+def test_a_scaled_motion_ends_where_that_share_of_the_motion_is():
+    for row in np.random.default_rng(7).uniform(-0.5, 0.5, (50, 3)):
+        end = BodyMotion(*row).scaled(0.3).end
+        on_the_way = BodyMotion(*row).pose_at(np.array(0.3))
+        assert (end.x, end.y, end.yaw) == pytest.approx(tuple(on_the_way), abs=1e-12)
+
+
 def test_a_mirrored_motion_ends_mirrored():
     for forward, left, turn in np.random.default_rng(5).uniform(-0.5, 0.5, (50, 3)):
         end, mirrored = BodyMotion(forward, left, turn).end, BodyMotion(forward, -left, -turn).end
@@ -106,7 +122,23 @@ def test_the_rate_of_minimum_jerk_is_its_derivative():
     assert minimum_jerk(0.7, 2.2, times)[1] == pytest.approx((up - down) / (2.0 * h), abs=1e-5)
 
 
-KNOTS = [load_gait(name).body_progress for name in available_gaits()]
+def test_gathering_speed_changes_the_speed_at_the_start_and_nothing_else():
+    value, rate = gather_speed(2.0, np.array([0.0, 2.0]))
+    assert value == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert rate == pytest.approx([1.0, 0.0], abs=1e-12)
+    h = 1e-5
+    _, rate = gather_speed(2.0, np.array([0.0, h, 2.0 - h, 2.0]))
+    assert np.diff(rate)[[0, 2]] / h == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
+def test_the_rate_of_gathering_speed_is_its_derivative_at_any_duration():
+    for duration in (0.4, 1.0, 5.0):
+        times, h = np.linspace(0.0, duration, 101), 1e-6
+        up, down = (gather_speed(duration, times + step)[0] for step in (h, -h))
+        assert gather_speed(duration, times)[1] == pytest.approx((up - down) / (2 * h), abs=1e-6)
+
+
+KNOTS = [p for name in available_gaits() if (p := load_gait(name).body_progress) is not None]
 KNOTS.append(((1.0, 0.0), (2.0, 0.25), (3.0, 0.5), (4.0, 0.75), (5.0, 1.0)))
 KNOTS.append(((0.5, 0.0), (1.0, 0.0), (1.1, 0.9), (3.0, 1.0)))
 
