@@ -242,11 +242,11 @@ def _figures_of_s4(quick: bool) -> list[Bar]:
     cycles = 4 if quick else 12
     forward = measure_motion(robot, wave, BodyMotion(forward=0.065), cycles)
     spin = measure_motion(robot, wave, BodyMotion(turn=math.radians(15.0)), 6)
-    share = 0.065 / MotionLimits(robot, wave).largest_share(BodyMotion(forward=1.0))
     duration = 20.0 if quick else 60.0
-    with_sway = steady_walk(robot, wave, BodyMotion(forward=1.0), duration, share)
+    ahead, asked = DIRECTIONS['forward'], BodyMotion(forward=0.065)
+    with_sway = steady_walk(robot, wave, ahead, duration, asked)
     stiff = replace(wave, sway_weight=(0.0, 0.0))
-    without = steady_walk(robot, stiff, BodyMotion(forward=1.0), duration, share)
+    without = steady_walk(robot, stiff, ahead, duration, asked, least_margin=-math.inf)
     return [
         at_least(
             'S4: longest reachable stride by the initial posture',

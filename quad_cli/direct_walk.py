@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
 from quad_gait.stability import stability_margin
@@ -24,6 +25,17 @@ Array = NDArray[np.float64]
 
 SENSOR_PERIOD = 0.02
 """Between two measurements, as sim_node publishes them [s]."""
+
+
+_PATIENCE = 10.0
+"""A robot that begins no cycle for so long does not walk [s]."""
+
+
+class DoesNotWalk(QuadError):
+    """A robot that was to walk stands still."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(f'the robot does not walk: {reason}')
 
 
 @dataclass
@@ -132,9 +144,19 @@ class DirectWalk:
         self._since_measured = (self._since_measured + 1) % self._steps
 
     def next_cycle_end(self) -> Pose2D:
-        """Go on to the end of the cycle that runs, or of the next, and return the pose then."""
+        """
+        Go on to the end of the cycle that runs, or of the next, and return the pose then.
+
+        Raises
+        ------
+        DoesNotWalk
+            If no cycle begins for a long time.
+        """
+        patience = self.time + _PATIENCE
         current = self.controller.cycle_at(self.time + 1e-6)
         while current is None:
+            if self.time > patience:
+                raise DoesNotWalk(self.controller.reason)
             self.run(SENSOR_PERIOD)
             current = self.controller.cycle_at(self.time + 1e-6)
         end = current.end

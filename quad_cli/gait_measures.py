@@ -79,7 +79,12 @@ def make_controller(
 
 
 def steady_walk(
-    robot: Robot, gait: Gait, direction: BodyMotion, duration: float, share: float = 0.6
+    robot: Robot,
+    gait: Gait,
+    direction: BodyMotion,
+    duration: float,
+    asked: BodyMotion | None = None,
+    least_margin: float = 0.005,
 ) -> SteadyWalk:
     """
     Steer a robot in one direction.
@@ -92,21 +97,24 @@ def steady_walk(
         Which way; its size does not matter.
     duration : float
         [s]
-    share : float
-        Of the largest motion in that direction.
+    asked : BodyMotion, optional
+        Of one cycle; 60 % of the largest in that direction if not given.
+    least_margin : float
+        That cycles must keep [m].
 
     Returns
     -------
     SteadyWalk
         What was measured.
     """
-    controller = make_controller(robot, gait)
+    controller = make_controller(robot, gait, least_margin=least_margin)
     walk = DirectWalk(robot, controller)
     try:
         walk.run(0.1)
-        period = controller.gear_for(direction.rate(1.0)).period
-        largest = controller.gear_for(direction.rate(1.0)).largest_share(direction)
-        asked = direction.scaled(share * largest)
+        gear = controller.gear_for(direction.rate(1.0))
+        period = gear.period
+        if asked is None:
+            asked = direction.scaled(0.6 * gear.largest_share(direction))
         controller.set_twist(asked.rate(period))
         walk.run(0.5)
         ends = []

@@ -61,8 +61,8 @@ class Interface:
 
     name: str
     """Without a leading slash."""
-    kind: str
-    """Type in ROS's notation, for example ``nav_msgs/msg/Path``."""
+    kinds: tuple[str, ...]
+    """Type in ROS's notation, for example ``nav_msgs/msg/Path``; two if a parameter chooses."""
     call: str
     """Key of :data:`ROWS`."""
     nodes: tuple[str, ...]
@@ -86,13 +86,14 @@ def interfaces() -> Iterator[Interface]:
                 continue
             name = call.func.attr
             # What forwards its own arguments has no literal type: its callers do.
-            if name in ROWS and isinstance(call.args[0], ast.Name) and call.args[0].id in types:
+            kinds = kinds_of(call.args[0], types, tree) if name in ROWS else ()
+            if kinds:
                 quality = ''
                 if name != 'create_service':
                     place = 2 if name in ('create_publisher', '_listen') else 3
                     quality = resolved(call.args[place], tree)
                 topic = topic_name(call.args[1], path.stem).lstrip('/')
-                yield Interface(topic, types[call.args[0].id], name, nodes, quality)
+                yield Interface(topic, kinds, name, nodes, quality)
 
 
 def imported_types(tree: ast.Module) -> dict[str, str]:
@@ -104,6 +105,26 @@ def imported_types(tree: ast.Module) -> dict[str, str]:
         if node.module is not None and node.module.endswith(('.msg', '.srv'))
         for alias in node.names
     }
+
+
+def kinds_of(argument: ast.expr, types: dict[str, str], tree: ast.Module) -> tuple[str, ...]:
+    """Return the type that an argument names, or the two between which a parameter chooses."""
+    if isinstance(argument, ast.IfExp):
+        chosen = (argument.body, argument.orelse)
+        return tuple(sorted(kind for part in chosen for kind in kinds_of(part, types, tree)))
+    if not isinstance(argument, ast.Name):
+        return ()
+    if argument.id in types:
+        return (types[argument.id],)
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.Assign)
+            and ast.unparse(node.targets[0]) == argument.id
+            and isinstance(node.value, ast.IfExp)
+            and (kinds := kinds_of(node.value, types, tree))
+        ):
+            return kinds
+    return ()
 
 
 def topic_name(argument: ast.expr, module: str) -> str:
@@ -134,8 +155,8 @@ INTERFACES = sorted(set(interfaces()), key=str)
 
 
 def page_of(interface: Interface) -> Path:
-    """Return the page of an interface; tf and tf_static share one."""
-    return MSG_DOCS / f'{interface.name.removesuffix("_static")}.md'
+    """Return the page of an interface, ``a_b.md`` for ``a/b``; tf and tf_static share one."""
+    return MSG_DOCS / f'{interface.name.removesuffix("_static").replace("/", "_")}.md'
 
 
 def first_table(page: Path) -> dict[str, str]:
@@ -253,7 +274,7 @@ def test_every_topic_and_service_has_its_page(interface):
 @pytest.mark.parametrize('interface', INTERFACES, ids=str)
 def test_a_page_has_the_type_the_nodes_and_the_quality_of_service_of_the_code(interface):
     table = first_table(page_of(interface))
-    assert table['type'] == f'`{interface.kind}`'
+    assert table['type'] == ' or '.join(f'`{kind}`' for kind in interface.kinds)
     for node in interface.nodes:
         assert f'`{node}`' in table[ROWS[interface.call]]
     if interface.quality:

@@ -37,6 +37,9 @@ LIBRARIES = {
     'yaml': ('python3-yaml', 'pyyaml'),
 }
 
+# Imported only where they are installed, for comparison; rosdep does not know them.
+COMPARED_WITH = {'ikpy': 'ikpy'}
+
 
 @pytest.fixture(scope='module')
 def metadata() -> dict[str, Any]:
@@ -96,7 +99,11 @@ def test_the_version_is_the_same_in_setup_py_and_package_xml(metadata, manifest)
 @pytest.mark.parametrize('path', sources(), ids=lambda path: str(path.relative_to(ROOT)))
 def test_what_a_module_imports_is_declared_in_package_xml(path, manifest):
     declared = {element.text for element in manifest if element.tag in ('depend', 'exec_depend')}
-    needed = {LIBRARIES.get(name, (name, ''))[0] for name in imported_modules(path)}
+    needed = {
+        LIBRARIES.get(name, (name, ''))[0]
+        for name in imported_modules(path)
+        if name not in COMPARED_WITH
+    }
     assert needed <= declared
 
 
@@ -105,6 +112,13 @@ def test_what_the_code_imports_from_pypi_is_required_in_setup_py(metadata):
     required = requirement_names(metadata['install_requires'] + extras['sim'] + extras['record'])
     imported = {module for path in sources() for module in imported_modules(path)}
     assert {LIBRARIES[name][1] for name in imported if name in LIBRARIES} <= required
+
+
+def test_what_is_only_compared_with_is_an_extra_of_its_own(metadata):
+    bench = requirement_names(metadata['extras_require']['bench'])
+    others = requirement_names(metadata['install_requires'] + metadata['extras_require']['all'])
+    assert bench == set(COMPARED_WITH.values())
+    assert not bench & others
 
 
 def test_ros_packages_are_no_hard_requirement_of_pip(metadata):
