@@ -80,6 +80,7 @@ class GaitNode(QuadNode[GaitParameters]):
             ),
             compensation_for(p.robot, p.calibration),
         )
+        self._controller.prepare()
         self._odometry = LegOdometry(self._robot)
         self._is_placed = p.odom_topic == 'odom/legs'
         self._joints: tuple[Any, Any] = (None, None)

@@ -50,6 +50,9 @@ class Gear(Protocol):
     def largest_share(self, motion: BodyMotion) -> float:
         """Return how many times a motion fits into one cycle."""
 
+    def reason(self, motion: BodyMotion) -> str:
+        """Say what forbids more of a motion."""
+
 
 @dataclass(frozen=True)
 class FollowerOptions:
@@ -101,8 +104,10 @@ class LeftPath(GaitError):
 class CannotFollow(GaitError):
     """The gait can do nothing at all of what the path asks for."""
 
-    def __init__(self, what: str) -> None:
-        super().__init__(f'the gait cannot {what} on this robot, not even a little at a time')
+    def __init__(self, what: str, reason: str) -> None:
+        super().__init__(
+            f'the gait cannot {what} on this robot, not even a little at a time: {reason}'
+        )
 
 
 class GoalNotReached(GaitError):
@@ -322,7 +327,7 @@ class PathFollower:
             direction = BodyMotion(forward=1.0, turn=piece.curvature)
         largest = self._walking.largest_share(direction)
         if not largest > 0.0:
-            raise CannotFollow('walk along its path')
+            raise CannotFollow('walk along its path', self._walking.reason(direction))
         return min(largest, self._options.largest_speed * self._walking.period)
 
     def _ahead(self, distance: float) -> tuple[Piece, float]:
@@ -337,9 +342,10 @@ class PathFollower:
         """Turn by one of the equal shares that are left, drifting towards the point."""
         angle = wrap_angle(target.yaw - pose.yaw)
         period = self._turning.period
-        largest = self._turning.largest_share(BodyMotion(turn=math.copysign(1.0, angle)))
+        direction = BodyMotion(turn=math.copysign(1.0, angle))
+        largest = self._turning.largest_share(direction)
         if not largest > 0.0:
-            raise CannotFollow('turn on the spot')
+            raise CannotFollow('turn on the spot', self._turning.reason(direction))
         advance, exit_speed = _advance(
             abs(angle), abs(entry.turn) * period, largest, self._turning.is_steady
         )

@@ -198,6 +198,12 @@ class WalkController:
         """The gait for walking."""
         return self._walking.gait
 
+    def prepare(self) -> None:
+        """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
+        self._walking.largest_share(BodyMotion(forward=1.0))
+        for side in (1.0, -1.0):
+            self._turning.largest_share(BodyMotion(turn=side))
+
     def set_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
         """Change gaits and the way to follow plans, once the robot is at rest."""
         self._new_gaits = (gait, turning_gait, follower)

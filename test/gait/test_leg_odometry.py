@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,19 +21,43 @@ POINTED = replace(TITAN, links={**TITAN.links, 'foot': replace(TITAN.links['foot
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 DT = 0.02
 
-CYCLES = {
-    name: generate_cycle(TITAN, load_gait(gait), motion)
-    for name, gait, motion in (
-        ('crawl', 'crawl', BodyMotion(forward=0.15)),
-        ('backward', 'crawl', BodyMotion(forward=-0.1)),
-        ('sideways', 'crawl', BodyMotion(left=0.05)),
-        ('arc', 'crawl', BodyMotion(forward=0.1, left=0.02, turn=0.2)),
-        ('turning in place', 'turn', BodyMotion(turn=0.6)),
-        ('on the spot', 'crawl', BodyMotion()),
-    )
+MOTIONS = {
+    'crawl': ('crawl', BodyMotion(forward=0.15)),
+    'backward': ('crawl', BodyMotion(forward=-0.1)),
+    'sideways': ('crawl', BodyMotion(left=0.05)),
+    'arc': ('crawl', BodyMotion(forward=0.1, left=0.02, turn=0.2)),
+    'turning in place': ('turn', BodyMotion(turn=0.6)),
+    'on the spot': ('crawl', BodyMotion()),
 }
 
-each_cycle = pytest.mark.parametrize('cycle', CYCLES.values(), ids=CYCLES)
+each_motion = pytest.mark.parametrize('motion', MOTIONS)
+each_sense = pytest.mark.parametrize('senses', ['orientation', 'yaw rate', 'feet alone'])
+
+
+@cache
+def cycle_of(robot_on, motion):
+    gait, body_motion = MOTIONS[motion]
+    robot = {'points': POINTED, 'balls': TITAN}[robot_on]
+    return robot, generate_cycle(robot, load_gait(gait), body_motion)
+
+
+def worst_error(robot, cycle, senses, knows_contacts=True):
+    """Walk a cycle just as planned; largest error at any time, and the rolling of a foot [m]."""
+    odometry = LegOdometry(robot)
+    rates = np.gradient(cycle.body[:, 2], cycle.times)
+    worst = np.zeros(3)
+    for k, time in enumerate(cycle.times):
+        pose = odometry.update(
+            time,
+            cycle.joint_positions[k].reshape(-1),
+            cycle.in_contact[k] if knows_contacts else None,
+            quaternion(0.0, 0.0, cycle.body[k, 2]) if senses == 'orientation' else None,
+            rates[k] if senses == 'yaw rate' else None,
+        )
+        worst = np.maximum(worst, np.abs(difference(pose, Pose2D(*cycle.body[k]))))
+    ways = np.linalg.norm(np.diff(cycle.feet[..., :2], axis=0), axis=2)
+    standing = cycle.in_contact[1:] & cycle.in_contact[:-1]
+    return worst, np.where(standing, ways, 0.0).sum(axis=0).max()
 
 
 def rotation(roll, pitch, yaw):
@@ -93,29 +118,36 @@ def difference(a, b):
     return np.array([a.x - b.x, a.y - b.y, wrap_angle(a.yaw - b.yaw)])
 
 
-@each_cycle
-@pytest.mark.parametrize('senses', ['orientation', 'yaw rate', 'feet alone'])
-@pytest.mark.parametrize('knows_contacts', [True, False])
-def test_a_cycle_walked_as_planned_gives_back_the_bodys_motion(cycle, senses, knows_contacts):
-    odometry = LegOdometry(POINTED)
-    rates = np.gradient(cycle.body[:, 2], cycle.times)
-    worst = np.zeros(3)
-    for k, time in enumerate(cycle.times):
-        pose = odometry.update(
-            time,
-            cycle.joint_positions[k].reshape(-1),
-            cycle.in_contact[k] if knows_contacts else None,
-            quaternion(0.0, 0.0, cycle.body[k, 2]) if senses == 'orientation' else None,
-            rates[k] if senses == 'yaw rate' else None,
-        )
-        worst = np.maximum(worst, np.abs(difference(pose, Pose2D(*cycle.body[k]))))
-    if not knows_contacts:
-        # A foot that rises, or comes down, is on the ground a few instants too long.
-        assert worst.max() < 5e-3
-    elif senses == 'yaw rate':
-        assert worst.max() < 1e-3
-    else:
-        assert worst.max() < 1e-9
+@each_motion
+@each_sense
+def test_on_points_a_cycle_walked_as_planned_gives_back_the_bodys_motion(motion, senses):
+    worst, rolled = worst_error(*cycle_of('points', motion), senses)
+    assert rolled == pytest.approx(0.0, abs=1e-12)
+    # The trapezoidal rule integrates the rate of turning between two samples.
+    assert worst.max() < (1e-3 if senses == 'yaw rate' else 1e-9)
+
+
+@each_motion
+@each_sense
+def test_on_balls_it_is_as_exact_as_their_rolling_is_planned(motion, senses):
+    worst, rolled = worst_error(*cycle_of('balls', motion), senses)
+    # A foot rolls for 8 to 17 mm, planned to a few percent of it.
+    assert 5e-3 < rolled < 0.02
+    assert worst[:2].max() < min(0.04 * rolled, 3e-4)
+    # The same error at a foot, 0.3 m off the centre, as an angle.
+    assert worst[2] < 1e-3
+
+
+@each_motion
+@each_sense
+@pytest.mark.parametrize('robot_on', ['points', 'balls'])
+def test_without_contacts_a_cycle_is_known_to_a_few_tenths_of_a_millimetre(
+    motion, senses, robot_on
+):
+    # A foot that rises, or comes down, is on the ground a few instants too long.
+    worst, _ = worst_error(*cycle_of(robot_on, motion), senses, knows_contacts=False)
+    assert worst[:2].max() < 5e-4
+    assert worst[2] < 1.5e-3
 
 
 def test_all_feet_down_and_swaying_gives_the_sway_in_all_six_directions():
@@ -228,7 +260,7 @@ def test_in_the_air_the_velocity_is_held_for_a_moment_only():
     assert odometry.twist == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
 
 
-@pytest.mark.parametrize('senses', ['orientation', 'yaw rate', 'feet alone'])
+@each_sense
 @pytest.mark.parametrize('sense_of_turn', [1.0, -1.0])
 def test_the_heading_wraps_at_half_a_turn(senses, sense_of_turn):
     odometry = LegOdometry(POINTED)
@@ -376,7 +408,7 @@ def walked():
     return observations
 
 
-@pytest.mark.parametrize('senses', ['orientation', 'yaw rate', 'feet alone'])
+@each_sense
 def test_in_the_physics_it_finds_distance_to_three_percent_and_heading_to_a_degree(walked, senses):
     odometry = LegOdometry(TITAN)
     odometry.reset(walked[0].pose)

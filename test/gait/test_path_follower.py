@@ -37,6 +37,9 @@ class Gear:
     is_steady: bool = False
     period: float = 5.0
 
+    def reason(self, motion):
+        return 'made up'
+
     def largest_share(self, motion):
         return 1.0 / (
             math.hypot(motion.forward, motion.left) / self.stride + abs(motion.turn) / self.turn

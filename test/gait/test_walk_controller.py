@@ -10,6 +10,7 @@ import pytest
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot import load_robot
+from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait
 from quad_gait.gait_generator import generate_cycle
 from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
@@ -221,10 +222,13 @@ def test_while_the_joints_move_the_robot_waits():
 
 
 @pytest.mark.parametrize('tilt', [0.6, math.pi / 2])
-def test_a_tilted_robot_has_fallen_and_is_told_nothing_more(tilt):
+def test_a_tilted_robot_has_fallen_and_is_told_to_hold_its_joints_and_nothing_more(tilt):
     controller = make_controller()
     controller.set_plan(AHEAD)
-    assert controller.update(standing(1.0, tilt=tilt)) is None
+    held = controller.update(standing(1.0, tilt=tilt))
+    assert held.positions == pytest.approx(POSTURE[None])
+    assert not held.velocities.any()
+    assert controller.update(standing(1.02, tilt=tilt)) is None
     assert controller.activity is Activity.FALLEN
     assert f'tilted by {math.degrees(tilt):.0f} degrees' in controller.reason
 
@@ -235,8 +239,14 @@ def test_a_fall_in_mid_cycle_is_noticed_at_once():
     assert controller.update(standing(1.0)) is not None
     assert controller.update(standing(2.0, tilt=0.1)) is None
     assert controller.activity is Activity.WALKING
-    assert controller.update(standing(2.1, tilt=1.0)) is None
+    assert controller.update(standing(2.1, tilt=1.0)).positions == pytest.approx(POSTURE[None])
     assert controller.activity is Activity.FALLEN
+    # Put upright again it does not walk off by itself.
+    assert controller.update(standing(3.0)) is None
+    assert controller.activity is Activity.FALLEN
+    controller.stand()
+    controller.update(standing(4.0))
+    assert controller.activity is Activity.STANDING
 
 
 def test_out_of_its_posture_the_robot_stands_up_smoothly_before_it_walks():
@@ -366,8 +376,12 @@ def test_turns_to_the_right_mirror_turns_to_the_left(side):
     controller = make_controller()
     controller.set_plan(Plan((Pose2D(0.0, 0.0, side * 0.7),)))
     trajectory = controller.update(standing(1.0))
-    gait = TURN if side > 0 else TURN.mirrored()
-    assert controller.cycle.gait == gait
+    gait = controller.cycle.gait
+    if side > 0:
+        assert gait == TURN
+    else:
+        left = generate_cycle(ROBOT, TURN, BodyMotion(turn=0.7))
+        assert controller.cycle.least_margin == pytest.approx(left.least_margin, rel=0.05)
     expected = generate_cycle(ROBOT, gait, controller.cycle.motion).trajectory(ROBOT, 0.0)
     assert trajectory.positions == pytest.approx(expected.positions, abs=1e-12)
     assert controller.reason == f'turning by {math.degrees(side * 0.7):.1f} degrees'
