@@ -113,8 +113,6 @@ setup(
     ],
     zip_safe=False,
     entry_points={
-        'console_scripts': [
-            f'{name} = {target}' for name, target in (NODES | COMMANDS).items()
-        ],
+        'console_scripts': [f'{name} = {target}' for name, target in (NODES | COMMANDS).items()],
     },
 )

@@ -172,6 +172,8 @@ class WalkController:
         self._is_to_sit = False
         self._has_fallen = False
         self._last_time = -math.inf
+        # At the end of the cycle that was planned last, without compensation for slip.
+        self._speed = STILL
         self._decided: Pose2D | None = None
         self._decided_after = -math.inf
         self._cycles_without_effect = 0
@@ -409,9 +411,8 @@ class WalkController:
             self._give_up(Activity.BLOCKED, problem)
         if problem is not None or self._new_gaits is not None or self._is_to_sit:
             return self._come_to_rest(current)
-        entry = current.cycle.exit
         try:
-            step = self._next_step(end, entry)
+            step = self._next_step(end, self._speed)
             if step is None or self._gear(step) is not self._gear_in_use:
                 return self._come_to_rest(current)
             cycle = self._generate(step, current.cycle.joint_positions[-1], current.cycle)
@@ -473,7 +474,7 @@ class WalkController:
         """Plan a step: from rest, or following another cycle at its speed."""
         gear = self._gear(step)
         self._gear_in_use = gear
-        entry = STILL if before is None else before.exit
+        entry = STILL if before is None else self._speed
         motion, exit = step.motion, self._gathered(step.exit, entry, gear)
         if exit is not step.exit:
             # Less speed at the end: less way on average.
@@ -482,19 +483,21 @@ class WalkController:
                 motion.forward - lost.forward, motion.left - lost.left, motion.turn - lost.turn
             )
         compensated = self._compensation.compensated
-        speed = compensated(gear.gait, BodyMotion.during(exit, gear.period))
-        return generate_largest_cycle(
+        speed = compensated(gear.gait, BodyMotion.during(exit, gear.period)).rate(gear.period)
+        cycle = generate_largest_cycle(
             self._robot,
             gear.gait_for(step.motion),
             compensated(gear.gait, motion),
             start_feet=None if before is None else before.end_feet,
-            entry=entry,
-            exit=speed.rate(gear.period),
+            entry=STILL if before is None else before.exit,
+            exit=speed,
             sample_period=self._options.sample_period,
             least_margin=_slack(gear.least_margin),
             track=self._tracking(start_joints),
             accept=self._check_stop_after,
         )
+        self._speed = exit.scaled(_ratio(cycle.exit, speed))
+        return cycle
 
     def _check_stop_after(self, cycle: Cycle) -> None:
         """Raise a GaitError if the body could not be brought to rest after a cycle."""
@@ -628,7 +631,8 @@ class WalkController:
             self._has_new_plan = False
             self._follower.follow(self._wanted, pose, self._pieces)
             self._cycles_without_effect = 0
-            self.activity = Activity.STANDING
+            if self.activity in (Activity.ARRIVED, Activity.BLOCKED):
+                self._set_activity(Activity.STANDING, self._why_standing())
             self.limit = ''
 
     def _give_up_plan(self) -> None:
@@ -769,6 +773,12 @@ class WalkController:
 
 def _difference(a: Twist2D, b: Twist2D) -> Twist2D:
     return Twist2D(a.forward - b.forward, a.left - b.left, a.turn - b.turn)
+
+
+def _ratio(a: Twist2D, b: Twist2D) -> float:
+    """Say how much of a velocity another one with the same direction is."""
+    part, whole = (abs(v.forward) + abs(v.left) + abs(v.turn) for v in (a, b))
+    return part / whole if whole else 0.0
 
 
 def _slack(least_margin: float) -> float:

@@ -17,7 +17,10 @@ SHELLS = {'ros_conversions', 'ros_node', 'bullet_simulator'}
 """Modules whose work it is to talk to ROS or PyBullet, besides the nodes ``*_node``."""
 
 ROS_COMMANDS = {
-    'quad_cli.walk', 'quad_cli.walk_observer', 'quad_cli.progress', 'quad_cli.bench_walk'
+    'quad_cli.walk',
+    'quad_cli.walk_observer',
+    'quad_cli.progress',
+    'quad_cli.bench_walk',
 }
 """Of the command line: what walks over topics."""
 

@@ -258,9 +258,9 @@ def test_every_robot_has_settings_for_the_five_gaits(robot):
 def test_gait_settings_are_those_of_the_file():
     assert ROBOT.gaits['crawl'] == GaitSettings(None, None)
     assert ROBOT.gaits['wave'] == GaitSettings(cycle_period=5.0)
-    assert ROBOT.gaits['trot'] == GaitSettings(cycle_period=2.0, swing_height=0.05)
-    assert ROBOTS['pukyong'].gaits['trot'] == GaitSettings(1.0)
-    assert ROBOTS['cuhk'].gaits['trot'] == GaitSettings(0.8, 0.008)
+    assert ROBOT.gaits['trot'] == GaitSettings(cycle_period=0.5, swing_height=0.05)
+    assert ROBOTS['pukyong'].gaits['trot'] == GaitSettings(0.5)
+    assert ROBOTS['cuhk'].gaits['trot'] == GaitSettings(0.45, 0.008)
     assert ROBOTS['genibo'].gaits['wave'] == GaitSettings(4.0)
 
 

@@ -116,9 +116,9 @@ def test_a_trajectory_that_comes_after_its_first_point_was_due_is_counted():
     _, simulation = make_simulation()
     for _ in range(50):
         simulation.step()
-    # One that is due already makes the joints jump, and is late; but not if it only goes
-    # on with what they do.
-    for stamp, late in ((0.0, 0), (0.6, 0), (0.4, 1), (0.4, 1)):
+    # At 0.5 s: a stamp of zero means now, one to come is early enough. The third was due
+    # and makes the joints jump; the fourth was due too, but goes on with what they do.
+    for stamp, late in ((0.0, 0), (0.6, 0), (0.25, 1), (0.25, 1)):
         simulation.accept(swaying(stamp))
         assert simulation.late_trajectories == late
 
