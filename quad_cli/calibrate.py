@@ -8,6 +8,7 @@ import argparse
 import json
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -103,7 +104,7 @@ def measure_motion(
         ends = [walk.next_cycle_end() for _ in range(_SKIPPED + cycles + 1)][_SKIPPED:]
     finally:
         walk.close()
-    parts = np.array([_parts(BodyMotion.reaching(a.inverse() @ b)) for a, b in zip(ends, ends[1:])])
+    parts = np.array([_parts(BodyMotion.reaching(a.inverse() @ b)) for a, b in pairwise(ends)])
     mean = BodyMotion(*parts.mean(axis=0).tolist())
     spread = parts.std(axis=0) * (1.0, 1.0, 0.2)
     return MeasuredMotion(mean, float(np.linalg.norm(spread)), walk.record.has_fallen)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,7 +130,7 @@ def _steady_walk(
     robot: Robot, walk: DirectWalk, asked: BodyMotion, period: float, ends: list[Pose2D]
 ) -> SteadyWalk:
     record = walk.record
-    steps = [BodyMotion.reaching(a.inverse() @ b) for a, b in zip(ends, ends[1:])]
+    steps = [BodyMotion.reaching(a.inverse() @ b) for a, b in pairwise(ends)]
     parts = np.array([(s.forward, s.left, s.turn) for s in steps]).reshape(-1, 3)
     mean = parts.mean(axis=0) if len(parts) else np.full(3, math.nan)
     way = math.hypot(asked.forward, asked.left)

@@ -19,8 +19,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage, JointNotFound
 from quad_common.joint_trajectory import JointTrajectory
-from quad_common.robot import LEGS, Robot
 from quad_common.planar_pose import Twist2D
+from quad_common.robot import LEGS, Robot
 from quad_common.ros_conversions import pose_message, time_from_seconds
 from quad_gait.leg_odometry import LegOdometry
 
@@ -154,11 +154,11 @@ def imu_from_message(message: Imu) -> tuple[Array | None, float | None]:
         If a number is not finite, or the quaternion is no rotation.
     """
     q, rate = message.orientation, message.angular_velocity.z
-    orientation: Array | None = np.array([q.x, q.y, q.z, q.w])
-    if message.orientation_covariance[0] == -1.0:
-        orientation = None
-    elif not 0.9 < float(np.linalg.norm(orientation)) < 1.1:
-        raise InvalidMessage('imu', f'its quaternion xyzw is {(q.x, q.y, q.z, q.w)}')
+    orientation: Array | None = None
+    if message.orientation_covariance[0] != -1.0:
+        orientation = np.array([q.x, q.y, q.z, q.w])
+        if not 0.9 < float(np.linalg.norm(orientation)) < 1.1:
+            raise InvalidMessage('imu', f'its quaternion xyzw is {(q.x, q.y, q.z, q.w)}')
     has_rate = message.angular_velocity_covariance[0] != -1.0
     if has_rate and not np.isfinite(rate):
         raise InvalidMessage('imu', 'its angular velocity is not finite')

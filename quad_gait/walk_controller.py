@@ -20,14 +20,14 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.body_motion import BodyMotion
+from quad_gait.foot_tracking import track_feet
 from quad_gait.gait import Gait
 from quad_gait.gait_generator import Cycle, FootTracking, generate_cycle, generate_largest_cycle
 from quad_gait.motion_limits import MotionLimits
 from quad_gait.motion_sequence import MotionSequence, ScheduledCycle
 from quad_gait.path_follower import FollowerOptions, PathFollower, Step
-from quad_gait.reference_path import Piece
 from quad_gait.posture import crouching_joint_angles, posture_trajectory
-from quad_gait.foot_tracking import track_feet
+from quad_gait.reference_path import Piece
 from quad_gait.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.stability import stability_margin, support_polygon
 
@@ -410,16 +410,19 @@ class WalkController:
         if problem is not None:
             self._give_up(Activity.BLOCKED, problem)
         if problem is not None or self._new_gaits is not None or self._is_to_sit:
-            return self._come_to_rest(current)
+            self._come_to_rest(current)
+            return None
         try:
             step = self._next_step(end, self._speed)
             if step is None or self._gear(step) is not self._gear_in_use:
-                return self._come_to_rest(current)
+                self._come_to_rest(current)
+                return None
             cycle = self._generate(step, current.cycle.joint_positions[-1], current.cycle)
             planned = self._with_stop(ScheduledCycle(cycle, current.end, end))
         except GaitError as error:
             self.limit = str(error)
-            return self._come_to_rest(current)
+            self._come_to_rest(current)
+            return None
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
         self._decided = now.pose

@@ -49,10 +49,10 @@ ROWS = {
 """The row of a page's first table that names the nodes."""
 
 # A citation: S0, then eq., fig. or sec. with numbers, "to" between two of them for a range.
-_KINDS = {'eq': 'eq', 'eqs': 'eq', 'fig': 'fig', 'sec': 'sec', 'section': 'sec'}
-_PLACE = r'(?:eqs?\.|fig\.|sec\.|section)\s\d+(?:\sto\s\d+)?'
+_KINDS = {'eq': 'eq', 'eqs': 'eq', 'fig': 'fig', 'figs': 'fig', 'sec': 'sec', 'section': 'sec'}
+_PLACE = r'(?:eqs?\.|figs?\.|sec\.|section)\s\d+(?:\sto\s\d+)?'
 _CITATION = re.compile(rf"\b(S\d)\b(?:'s)?\s?\(?((?:(?:,\s|\sand\s)?{_PLACE})*)")
-_EACH = re.compile(r'(eqs?|fig|sec|section)\.?\s(\d+)(?:\sto\s(\d+))?')
+_EACH = re.compile(r'(eqs?|figs?|sec|section)\.?\s(\d+)(?:\sto\s(\d+))?')
 
 
 @dataclass(frozen=True)

@@ -852,7 +852,7 @@ def test_a_robot_that_goes_five_percent_short_is_asked_for_as_much_more(gait):
         walk.controller.set_twist(wanted.rate(limits.period))
         walk.run(lambda walk=walk: walk.controller.cycle is not None, 2.0)
         starts = []
-        for k in range(6):
+        for _ in range(6):
             walk.run(
                 lambda walk=walk: (
                     walk.controller.cycle_at(walk.time) is None
