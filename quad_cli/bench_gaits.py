@@ -185,7 +185,7 @@ def _circles_of_s2(
     if quick:
         rows = [rows[int(np.random.default_rng(seed).integers(len(rows)))]]
     table = Table('radius [mm]', 'angle', 'loop', 'radius walked', 'steps', 'steps walked')
-    worst = {'closed': [0.0, 0.0], 'open': [0.0, 0.0], 'left alone': [0.0, 0.0]}
+    worst = {loop: [0.0, 0.0] for loop in ('closed', 'open', 'closed, raw', 'open, raw')}
     noted = []
     for radius, degrees in rows:
         angle = math.radians(degrees)
@@ -194,9 +194,10 @@ def _circles_of_s2(
         compensation = SlipCompensation((calibration,))
         laps = 1.0 if quick else 3.0
         walks: dict[str, CircleWalk] = {
-            'closed': circle_walk(robot, gait, radius, angle, True, laps=laps),
+            'closed': circle_walk(robot, gait, radius, angle, True, compensation, laps),
             'open': circle_walk(robot, gait, radius, angle, False, compensation, laps),
-            'left alone': circle_walk(robot, gait, radius, angle, False, laps=laps),
+            'closed, raw': circle_walk(robot, gait, radius, angle, True, laps=laps),
+            'open, raw': circle_walk(robot, gait, radius, angle, False, laps=laps),
         }
         for loop, walk in walks.items():
             steps = 360.0 / degrees
@@ -217,15 +218,15 @@ def _circles_of_s2(
     details['circles'] = noted
     bars = []
     for loop, bar in (('closed', 1.0), ('open', 2.0)):
-        what = 'closed loop' if loop == 'closed' else 'open loop, calibrated'
+        what = f'{loop} loop, calibrated'
         bars.append(at_most(f'S2: radius, {what}, worst row', 1e2 * worst[loop][0], '%', bar))
         bars.append(
             at_most(f'S2: steps per lap, {what}, worst row', 1e2 * worst[loop][1], '%', bar)
         )
-    for k, what in enumerate(('radius', 'steps per lap')):
-        bars.append(
-            figure(f'S2: {what}, open loop, not calibrated', 1e2 * worst['left alone'][k], '%')
-        )
+    for loop in ('closed', 'open'):
+        for k, what in enumerate(('radius', 'steps per lap')):
+            off = 1e2 * worst[f'{loop}, raw'][k]
+            bars.append(figure(f'S2: {what}, {loop} loop, not calibrated', off, '%'))
     return bars
 
 
@@ -328,6 +329,7 @@ def _every_gait(console: Console, quick: bool, seed: int, details: dict[str, obj
         seconds = duration if not gait.is_static else max(duration, 4.0 * gait.cycle_period)
         walk = steady_walk(robot, gait, DIRECTIONS[name], seconds)
         walks.append(walk)
+        console.print(f'{robot.name}, {gait.name}, {name}: {_wrong(walk) or "good"}')
         noted.append({'robot': robot.name, 'gait': gait.name, 'direction': name, **asdict(walk)})
         table.add_row(
             robot.name,

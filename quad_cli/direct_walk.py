@@ -153,12 +153,14 @@ class DirectWalk:
             If no cycle begins for a long time.
         """
         patience = self.time + _PATIENCE
-        current = self.controller.cycle_at(self.time + 1e-6)
+        # A cycle that is over within the next step of physics counts as over.
+        soon = self._simulation.time_step
+        current = self.controller.cycle_at(self.time + soon)
         while current is None:
             if self.time > patience:
                 raise DoesNotWalk(self.controller.reason)
             self.run(SENSOR_PERIOD)
-            current = self.controller.cycle_at(self.time + 1e-6)
+            current = self.controller.cycle_at(self.time + soon)
         end = current.end
         self.run(end - self.time - SENSOR_PERIOD)
         while self.time < end - self._simulation.time_step / 2.0:

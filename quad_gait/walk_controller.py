@@ -174,6 +174,8 @@ class WalkController:
         self._last_time = -math.inf
         # At the end of the cycle that was planned last, without compensation for slip.
         self._speed = STILL
+        # What slip takes from that cycle, by the compensation.
+        self._slip = BodyMotion()
         self._decided: Pose2D | None = None
         self._decided_after = -math.inf
         self._cycles_without_effect = 0
@@ -404,7 +406,7 @@ class WalkController:
     def _go_on(self, now: Measurement, current: ScheduledCycle) -> JointTrajectory | None:
         """Decide for a robot in motion, shortly before its cycle ends."""
         expected = current.pose_at(now.time)
-        end = now.pose @ (expected.inverse() @ current.end_pose)
+        end = now.pose @ self._without_slip(current, now.time, expected)
         self._take_new_plan(now.pose)
         problem = self._lack_of_effect(now.pose, expected)
         if problem is not None:
@@ -428,6 +430,15 @@ class WalkController:
         self._decided = now.pose
         self._say(step, cycle)
         return self._sequence.trajectory(self._robot, now.time)
+
+    def _without_slip(self, current: ScheduledCycle, time: float, expected: Pose2D) -> Pose2D:
+        """Return how the body will have moved at a cycle's end: slip takes back what it costs."""
+        ahead = expected.inverse() @ current.end_pose
+        share = (current.end - time) / current.cycle.period
+        slip = self._slip
+        return ahead @ BodyMotion(
+            -share * slip.forward, -share * slip.left, -share * slip.turn
+        ).end
 
     def _come_to_rest(self, current: ScheduledCycle) -> None:
         """Let the stop that follows this cycle happen: it was given out with it."""
@@ -499,7 +510,9 @@ class WalkController:
             track=self._tracking(start_joints),
             accept=self._check_stop_after,
         )
-        self._speed = exit.scaled(_ratio(cycle.exit, speed))
+        share = _ratio(cycle.exit, speed)
+        self._speed = exit.scaled(share)
+        self._slip = BodyMotion.during(_difference(speed, exit), share * gear.period)
         return cycle
 
     def _check_stop_after(self, cycle: Cycle) -> None:
