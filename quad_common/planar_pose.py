@@ -111,6 +111,14 @@ class Twist2D:
         """Return the same movement at another speed."""
         return Twist2D(factor * self.forward, factor * self.left, factor * self.turn)
 
+    def plus(self, other: Twist2D) -> Twist2D:
+        """Return the sum of both velocities."""
+        return Twist2D(self.forward + other.forward, self.left + other.left, self.turn + other.turn)
+
+    def minus(self, other: Twist2D) -> Twist2D:
+        """Return by how much this velocity differs from another one."""
+        return Twist2D(self.forward - other.forward, self.left - other.left, self.turn - other.turn)
+
     def is_finite(self) -> bool:
         """Return whether all three numbers are finite."""
         return all(math.isfinite(value) for value in (self.forward, self.left, self.turn))

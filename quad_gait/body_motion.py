@@ -67,6 +67,12 @@ class BodyMotion:
         """Return the motion with all three parts multiplied by a factor."""
         return BodyMotion(factor * self.forward, factor * self.left, factor * self.turn)
 
+    def minus(self, other: BodyMotion) -> BodyMotion:
+        """Return the motion less another one, part by part."""
+        return BodyMotion(
+            self.forward - other.forward, self.left - other.left, self.turn - other.turn
+        )
+
     def rate(self, duration: float) -> Twist2D:
         """Return the velocity at which the motion takes a time [s]."""
         return Twist2D(self.forward / duration, self.left / duration, self.turn / duration)

@@ -87,6 +87,26 @@ class Gait:
         return self.body_progress is None
 
     @property
+    def support_edges(self) -> tuple[float, ...]:
+        """When one group of standing feet takes over from another, with both ends [s]."""
+        windows = sorted({(swing.liftoff, swing.touchdown) for swing in self.swings})
+        changes = ((before[1] + after[0]) / 2.0 for before, after in pairwise(windows))
+        return (0.0, *changes, self.cycle_period)
+
+    @property
+    def gathering(self) -> float:
+        """
+        Way in which a cycle gathers its speed from rest, as a share of its way at speed.
+
+        The cycle that loses its speed covers the rest of it. A pendulum does all of it over
+        its last support, where it falls forward at first.
+        """
+        if self.pendulum_rate == 0.0:
+            return 0.5
+        edges = self.support_edges
+        return (edges[-1] - edges[-2]) / (2.0 * self.cycle_period)
+
+    @property
     def sways(self) -> bool:
         """Whether the body sways."""
         return any(self.sway_weight)

@@ -12,7 +12,7 @@ a cycle begins with the feet and the speed that the last one ended with.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_common.robot import LEGS, Robot
 from quad_gait.body_motion import BodyMotion, smooth_progress
 from quad_gait.gait import Gait
-from quad_gait.schedule import Schedule, schedule_of
+from quad_gait.schedule import Schedule, mid_swing_progress, schedule_of, setback
 from quad_gait.stability import stability_margin
 
 Array = NDArray[np.float64]
@@ -67,6 +67,8 @@ class Cycle:
     """Projected to the ground, in the ground frame, shape (n, 2) [m]."""
     margin: Array
     """Static stability margin, shape (n,) [m]."""
+    limit: str = ''
+    """What forbade more of the motion that was wanted; empty if nothing did."""
 
     @property
     def least_margin(self) -> float:
@@ -169,7 +171,7 @@ def generate_cycle(
     schedule = schedule_of(gait, sample_period)
     to_ground = np.array([0.0, 0.0, robot.standing_height])
     start = (robot.neutral_feet if start_feet is None else start_feet) + to_ground
-    target = _footholds(robot, gait, motion, exit) + to_ground
+    target = _footholds(robot, gait, motion, entry, exit) + to_ground
 
     body, body_velocity = _body(gait, schedule, motion, entry, exit, start, target)
     rolling = _rolling(robot, schedule, start, target, body, body_velocity)
@@ -259,7 +261,7 @@ def steady_feet(robot: Robot, gait: Gait, motion: BodyMotion) -> Array:
         In the body frame [m].
     """
     speed = motion.rate(gait.cycle_period) if gait.is_steady else STILL
-    return motion.end.inverse().transform(_footholds(robot, gait, motion, speed))
+    return motion.end.inverse().transform(_footholds(robot, gait, motion, speed, speed))
 
 
 def generate_largest_cycle(
@@ -287,7 +289,8 @@ def generate_largest_cycle(
     Returns
     -------
     Cycle
-        The cycle; its :attr:`Cycle.motion` says what is left of the motion.
+        The cycle; its :attr:`Cycle.motion` says what is left of the motion, and its
+        :attr:`Cycle.limit` why.
 
     Raises
     ------
@@ -295,8 +298,8 @@ def generate_largest_cycle(
         If the robot cannot even come to rest, or, from rest, not even an eighth of the
         motion is possible.
     """
-    rest = BodyMotion.during(entry, gait.cycle_period / 2.0)
-    share = 1.0
+    rest = BodyMotion.during(entry, (1.0 - gait.gathering) * gait.cycle_period)
+    share, limit = 1.0, ''
     while True:
         scaled = BodyMotion(
             share * motion.forward + (1.0 - share) * rest.forward,
@@ -316,24 +319,32 @@ def generate_largest_cycle(
                 track=track,
             )
             accept(cycle)
-            return cycle
-        except GaitError:
+            return replace(cycle, limit=limit)
+        except GaitError as error:
+            limit = limit or str(error)
             share -= 0.125
             if share < 0.0 or (share == 0.0 and not entry):
                 raise
 
 
-def _footholds(robot: Robot, gait: Gait, motion: BodyMotion, exit: Twist2D) -> Array:
+def _footholds(
+    robot: Robot, gait: Gait, motion: BodyMotion, entry: Twist2D, exit: Twist2D
+) -> Array:
     """
     Choose where the feet are to stand next, ground frame at hip level, (4, 3) [m].
 
     In mid-stance a foot is where it is in the initial posture: so every foot uses its
-    working range evenly, whatever the motion (S4 eq. 5 for straight walking).
+    working range evenly, whatever the motion (S4 eq. 5 for straight walking). A pendulum
+    that is to gain speed stands farther back.
     """
     if gait.footholds == 'initial_posture' or not exit:
         return motion.end.transform(robot.neutral_feet)
     period = gait.cycle_period
     onward = BodyMotion.during(exit, period)
+    gain = exit.minus(entry)
+    gathered = BodyMotion.during(gain, gait.gathering * period)
+    before = motion.minus(gathered) if gait.pendulum_rate > 0.0 else motion
+    set_back = BodyMotion.during(gain, -setback(gait)).end
     footholds = np.empty((len(LEGS), 3))
     for k, leg in enumerate(LEGS):
         swing = gait.swing(leg)
@@ -342,7 +353,7 @@ def _footholds(robot: Robot, gait: Gait, motion: BodyMotion, exit: Twist2D) -> A
             share = middle / period
             if gait.body_progress is not None:
                 share = float(smooth_progress(gait.body_progress, np.array([middle]))[0][0])
-            body = _pose(motion, share)
+            body = _pose(before, share) @ set_back
         else:
             body = motion.end @ _pose(onward, middle / period - 1.0)
         footholds[k] = body.transform(robot.neutral_feet[k])
@@ -509,12 +520,7 @@ def _sway(gait: Gait, motion: BodyMotion, start: Array, target: Array) -> Array:
     """
     feet = start[:, :2].copy()
     offsets = [np.zeros(2)]
-    middles = np.array([(swing.liftoff + swing.touchdown) / 2.0 for swing in gait.swings])
-    if gait.body_progress is None:
-        shares = middles / gait.cycle_period
-    else:
-        shares = smooth_progress(gait.body_progress, middles)[0]
-    on_arc = motion.pose_at(shares)
+    on_arc = motion.pose_at(mid_swing_progress(gait))
     forward, left = gait.sway_weight
     for swing, body in zip(gait.swings, on_arc):
         leg = LEGS.index(swing.leg)

@@ -81,6 +81,11 @@ class MotionLimits:
         """Whether the body may keep its speed from cycle to cycle."""
         return self._gait.is_steady
 
+    @property
+    def gathering(self) -> float:
+        """Share of a cycle's way at speed in which it gathers that speed."""
+        return self._gait.gathering
+
     def largest_share(self, motion: BodyMotion) -> float:
         """
         Return how many times a motion fits into one cycle.
@@ -95,12 +100,12 @@ class MotionLimits:
         float
             More than 1 if there is room for more; 0 if not even little of it is possible.
         """
-        size = self._size(motion)
+        size = self.size(motion)
         return math.inf if size == 0.0 else self._limit(motion).size / size
 
     def reason(self, motion: BodyMotion) -> str:
         """Say what forbids more of a motion: a leg's reach, a joint, the margin."""
-        return '' if self._size(motion) == 0.0 else self._limit(motion).reason
+        return '' if self.size(motion) == 0.0 else self._limit(motion).reason
 
     def gait_for(self, motion: BodyMotion) -> Gait:
         """
@@ -117,7 +122,9 @@ class MotionLimits:
             The gait as it is, or with its legs exchanged where that keeps the centre of
             mass farther inside: backwards, sideways, or turning the other way.
         """
-        return self._gait if self._size(motion) == 0.0 else self._limit(motion).gait
+        if len(self._variants) == 1 or self.size(motion) == 0.0:
+            return self._gait
+        return self._limit(motion).gait
 
     def limited(self, twist: Twist2D) -> tuple[Twist2D, str]:
         """
@@ -138,7 +145,7 @@ class MotionLimits:
         return (twist, '') if share >= 1.0 else (twist.scaled(share), self.reason(motion))
 
     def _limit(self, motion: BodyMotion) -> _Limit:
-        size = self._size(motion)
+        size = self.size(motion)
         direction = (
             round(motion.forward / size, 2),
             round(motion.left / size, 2),
@@ -148,7 +155,7 @@ class MotionLimits:
             self._known[direction] = self._search(BodyMotion(*direction))
         return self._known[direction]
 
-    def _size(self, motion: BodyMotion) -> float:
+    def size(self, motion: BodyMotion) -> float:
         """How far the motion carries the outermost foot, at most [m]."""
         radius = self._robot.footprint_radius
         return math.hypot(motion.forward, motion.left) + radius * abs(motion.turn)
@@ -211,11 +218,12 @@ class MotionLimits:
             if crossing:
                 return crossing
             if gait.is_steady:
-                speed, half = motion.rate(gait.cycle_period), motion.scaled(0.5)
-                generate_cycle(robot, gait, half, cycle.end_feet, speed, STILL, period, margin)
+                speed = motion.rate(gait.cycle_period)
+                first, last = motion.scaled(gait.gathering), motion.scaled(1.0 - gait.gathering)
+                generate_cycle(robot, gait, last, cycle.end_feet, speed, STILL, period, margin)
                 if gait.is_static:
                     # Dynamic gaits gather speed over several cycles.
-                    generate_cycle(robot, gait, half, None, STILL, speed, period, margin)
+                    generate_cycle(robot, gait, first, None, STILL, speed, period, margin)
         except GaitError as error:
             return str(error)
         return None

@@ -47,6 +47,10 @@ class Gear(Protocol):
     def is_steady(self) -> bool:
         """Whether the body may keep its speed from cycle to cycle."""
 
+    @property
+    def gathering(self) -> float:
+        """Share of a cycle's way at speed in which it gathers that speed."""
+
     def largest_share(self, motion: BodyMotion) -> float:
         """Return how many times a motion fits into one cycle."""
 
@@ -272,11 +276,12 @@ class PathFollower:
             behind = self._expected - (self._before(self._piece) + done)
             catch_up = max(-_CATCH_UP * stride, min(_CATCH_UP * stride, behind))
             done, remaining = done + catch_up, remaining - catch_up
-        advance, exit_speed = _advance(remaining, speed, stride, self._walking.is_steady)
+        advance, exit_speed = _advance(remaining, speed, stride, self._walking)
         if exit_speed:
             # What comes then may be slower: a bend, after a straight line.
             exit_speed = min(exit_speed, self._pace(done + advance))
-            advance = (speed + exit_speed) / 2.0
+            share = self._walking.gathering
+            advance = (1.0 - share) * speed + share * exit_speed
         self._expected = self._before(self._piece) + done + advance
         ahead, along = self._ahead(done + advance)
         target = ahead.at(along)
@@ -346,9 +351,7 @@ class PathFollower:
         largest = self._turning.largest_share(direction)
         if not largest > 0.0:
             raise CannotFollow('turn on the spot', self._turning.reason(direction))
-        advance, exit_speed = _advance(
-            abs(angle), abs(entry.turn) * period, largest, self._turning.is_steady
-        )
+        advance, exit_speed = _advance(abs(angle), abs(entry.turn) * period, largest, self._turning)
         ahead = pose.inverse() @ target
         limit = self._options.largest_correction
         aim = Pose2D(
@@ -387,7 +390,8 @@ class PathFollower:
 
     def _come_to_rest(self, entry: Twist2D) -> Step:
         """Slow down within one cycle."""
-        return Step(is_turn=False, motion=BodyMotion.during(entry, self._walking.period / 2.0))
+        time = (1.0 - self._walking.gathering) * self._walking.period
+        return Step(is_turn=False, motion=BodyMotion.during(entry, time))
 
     def _distance_to_piece(self, index: int, pose: Pose2D) -> float:
         """Measure how far a pose is from a piece, or, past the last one, from the goal [m]."""
@@ -409,9 +413,7 @@ def _is_turning(twist: Twist2D) -> bool:
     return abs(twist.turn) * _TURNING_RADIUS > math.hypot(twist.forward, twist.left)
 
 
-def _advance(
-    remaining: float, entry: float, largest: float, is_steady: bool
-) -> tuple[float, float]:
+def _advance(remaining: float, entry: float, largest: float, gear: Gear) -> tuple[float, float]:
     """
     Divide what is left before a stop into cycles.
 
@@ -423,18 +425,19 @@ def _advance(
         Speed at the start of the cycle, per cycle.
     largest : float
         Most that one cycle does.
-    is_steady : bool
-        Whether speed is kept from cycle to cycle.
+    gear : Gear
+        What cycles it has.
 
     Returns
     -------
     tuple of float
         What the next cycle does, and the speed at its end, per cycle.
     """
-    if not is_steady:
+    if not gear.is_steady:
         return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
-    if remaining <= 0.5 * entry + 0.3 * largest:
+    share = gear.gathering
+    if remaining <= (1.0 - share) * entry + 0.3 * largest:
         return remaining, 0.0
     # In two cycles: from the entry to a speed, and from that to rest.
-    exit_speed = min((2.0 * remaining - entry) / 2.0, largest)
-    return (entry + exit_speed) / 2.0, exit_speed
+    exit_speed = min(remaining - (1.0 - share) * entry, largest)
+    return (1.0 - share) * entry + share * exit_speed, exit_speed

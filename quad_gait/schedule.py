@@ -6,9 +6,9 @@ A cycle is a sum of these curves, weighted by where body and feet start and end.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,6 +95,10 @@ def schedule_of(gait: Gait, sample_period: float) -> Schedule:
         progress, progress_rate = smooth_progress(gait.body_progress, times)
     entry, entry_rate = gather_speed(period, times)
     exit_, exit_rate = -entry[::-1], entry_rate[::-1]
+    if gait.pendulum_rate > 0.0:
+        exit_, exit_rate = _pendulum_exit(
+            gait, times, (progress, entry), (progress_rate, entry_rate)
+        )
     sway, sway_rate = _sway(gait, times)
     shape = (len(times), len(LEGS))
     step, step_rate, lift, lift_rate = (np.zeros(shape) for _ in range(4))
@@ -144,16 +148,76 @@ def _pendulum_progress(gait: Gait, times: Array) -> tuple[Array, Array]:
     the feet, faster between two supports. A body that moves at an even pace instead needs
     a moment that two feet cannot give it, and rocks from one diagonal to the other.
     """
-    windows = sorted({(swing.liftoff, swing.touchdown) for swing in gait.swings})
-    changes = [(before[1] + after[0]) / 2.0 for before, after in pairwise(windows)]
-    edges = np.array([0.0, *changes, gait.cycle_period])
-    support = np.clip(np.searchsorted(edges, times, side='right') - 1, 0, len(windows) - 1)
+    edges = np.array(gait.support_edges)
+    support = np.clip(np.searchsorted(edges, times, side='right') - 1, 0, len(edges) - 2)
     duration = np.diff(edges)[support]
     middle = edges[support] + duration / 2.0
     angle = gait.pendulum_rate * (times - middle)
     scale = duration / 2.0 / np.sinh(gait.pendulum_rate * duration / 2.0)
     progress = (middle + scale * np.sinh(angle)) / gait.cycle_period
     return progress, scale * gait.pendulum_rate * np.cosh(angle) / gait.cycle_period
+
+
+def _pendulum_exit(
+    gait: Gait, times: Array, values: tuple[Array, Array], rates: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """
+    Change the speed as an inverted pendulum does whose last support is set back.
+
+    Set back by d, it falls forward by d (cosh(omega t) - 1) besides. What the change adds to
+    the body's way by the end is taken off its progress, so that the curve ends in 0.
+
+    Parameters
+    ----------
+    gait : Gait
+        With a pendulum rate.
+    times : ndarray, shape (n,)
+        [s]
+    values, rates : pair of ndarray, each of shape (n,)
+        The progress and the curve for the entry, and their derivatives.
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (n,)
+        As :attr:`Schedule.exit` and :attr:`Schedule.exit_rate`.
+    """
+    rate, share = gait.pendulum_rate, gait.gathering
+    begin, end = gait.support_edges[-2:]
+    angle = rate * np.maximum(times - begin, 0.0)
+    last = rate * (end - begin)
+    added = np.tanh(last / 2.0) / rate
+    value = (np.cosh(angle) - 1.0) / (rate * np.sinh(last)) - added * values[0] + share * values[1]
+    speed = np.sinh(angle) / np.sinh(last) - added * rates[0] + share * rates[1]
+    return value / (1.0 - share), speed / (1.0 - share)
+
+
+def setback(gait: Gait) -> float:
+    """
+    Say how far behind its place in a steady gait the last support stands, to gain speed.
+
+    Parameters
+    ----------
+    gait : Gait
+        The gait.
+
+    Returns
+    -------
+    float
+        Per gain in mean speed [s]; 0 for gaits that do not move as a pendulum.
+    """
+    if gait.pendulum_rate == 0.0:
+        return 0.0
+    begin, end = gait.support_edges[-2:]
+    return (end - begin) / (4.0 * math.sinh(gait.pendulum_rate * (end - begin) / 2.0) ** 2)
+
+
+@lru_cache(maxsize=64)
+def mid_swing_progress(gait: Gait) -> Array:
+    """Return which share of the body's motion is done in the middle of each swing, (m,)."""
+    middles = np.array([(swing.liftoff + swing.touchdown) / 2.0 for swing in gait.swings])
+    if gait.body_progress is None:
+        return middles / gait.cycle_period
+    return smooth_progress(gait.body_progress, middles)[0]
 
 
 def sway_windows(gait: Gait) -> list[tuple[float, float]]:

@@ -420,6 +420,10 @@ class WalkController:
                 self._come_to_rest(current)
                 return None
             cycle = self._generate(step, current.cycle.joint_positions[-1], current.cycle)
+            if cycle.limit and self._gait_for(step) != cycle.gait:
+                # Another order of the legs can do more, but is taken up at rest only.
+                self._come_to_rest(current)
+                return None
             planned = self._with_stop(ScheduledCycle(cycle, current.end, end))
         except GaitError as error:
             self.limit = str(error)
@@ -436,9 +440,7 @@ class WalkController:
         ahead = expected.inverse() @ current.end_pose
         share = (current.end - time) / current.cycle.period
         slip = self._slip
-        return ahead @ BodyMotion(
-            -share * slip.forward, -share * slip.left, -share * slip.turn
-        ).end
+        return ahead @ BodyMotion(-share * slip.forward, -share * slip.left, -share * slip.turn).end
 
     def _come_to_rest(self, current: ScheduledCycle) -> None:
         """Let the stop that follows this cycle happen: it was given out with it."""
@@ -476,7 +478,7 @@ class WalkController:
         return generate_cycle(
             self._robot,
             cycle.gait,
-            BodyMotion.during(cycle.exit, cycle.period / 2.0),
+            BodyMotion.during(cycle.exit, (1.0 - cycle.gait.gathering) * cycle.period),
             start_feet=cycle.end_feet,
             entry=cycle.exit,
             sample_period=self._options.sample_period,
@@ -491,16 +493,14 @@ class WalkController:
         entry = STILL if before is None else self._speed
         motion, exit = step.motion, self._gathered(step.exit, entry, gear)
         if exit is not step.exit:
-            # Less speed at the end: less way on average.
-            lost = BodyMotion.during(_difference(step.exit, exit), gear.period / 2.0)
-            motion = BodyMotion(
-                motion.forward - lost.forward, motion.left - lost.left, motion.turn - lost.turn
-            )
+            # Less speed at the end: less way.
+            lost = BodyMotion.during(step.exit.minus(exit), gear.gathering * gear.period)
+            motion = motion.minus(lost)
         compensated = self._compensation.compensated
         speed = compensated(gear.gait, BodyMotion.during(exit, gear.period)).rate(gear.period)
         cycle = generate_largest_cycle(
             self._robot,
-            gear.gait_for(step.motion),
+            self._gait_for(step) if before is None else before.gait,
             compensated(gear.gait, motion),
             start_feet=None if before is None else before.end_feet,
             entry=STILL if before is None else before.exit,
@@ -512,7 +512,7 @@ class WalkController:
         )
         share = _ratio(cycle.exit, speed)
         self._speed = exit.scaled(share)
-        self._slip = BodyMotion.during(_difference(speed, exit), share * gear.period)
+        self._slip = BodyMotion.during(speed.minus(exit), share * gear.period)
         return cycle
 
     def _check_stop_after(self, cycle: Cycle) -> None:
@@ -523,16 +523,13 @@ class WalkController:
         """Let a dynamic gait gather speed over a few cycles: it would rock otherwise."""
         if gear.gait.is_static or not wanted:
             return wanted
-        more = _difference(wanted, entry)
-        share = gear.largest_share(BodyMotion.during(more, gear.period)) if more else math.inf
-        step = share * _SPEED_STEP
-        if step >= 1.0:
+        way = BodyMotion.during(wanted, gear.period)
+        largest = gear.largest_share(way) * gear.size(way)
+        gain = wanted.minus(entry)
+        size = gear.size(BodyMotion.during(gain, gear.period))
+        if size <= _SPEED_STEP * largest:
             return wanted
-        return Twist2D(
-            entry.forward + step * more.forward,
-            entry.left + step * more.left,
-            entry.turn + step * more.turn,
-        )
+        return entry.plus(gain.scaled(_SPEED_STEP * largest / size))
 
     def _tracking(self, start_joints: Array) -> FootTracking | None:
         """Return S1's law, beginning at the joints' angles, if it is to be used."""
@@ -586,12 +583,8 @@ class WalkController:
         period = gear.period
         motion = BodyMotion.during(twist, period)
         if gear.is_steady:
-            begun = BodyMotion.during(entry, period)
-            motion = BodyMotion(
-                (begun.forward + motion.forward) / 2.0,
-                (begun.left + motion.left) / 2.0,
-                (begun.turn + motion.turn) / 2.0,
-            )
+            share = gear.gathering
+            motion = BodyMotion.during(entry.scaled(1.0 - share).plus(twist.scaled(share)), period)
         target = self._on_course(pose) @ motion.end
         self._course = target
         exit_twist = twist if gear.is_steady else STILL
@@ -610,6 +603,12 @@ class WalkController:
         apart = pose.inverse() @ course
         near = math.hypot(apart.x, apart.y) <= correction
         return course if near and abs(apart.yaw) < math.radians(12.0) else pose
+
+    def _gait_for(self, step: Step) -> Gait:
+        """Choose the order of the legs by where the body goes, not by what is corrected."""
+        gear = self._gear(step)
+        way = BodyMotion.during(step.exit, gear.period) if step.exit else step.motion
+        return gear.gait_for(way)
 
     def _gear(self, step: Step) -> MotionLimits:
         return self._turning if step.is_turn else self._walking
@@ -714,7 +713,10 @@ class WalkController:
         size = math.hypot(planned.x, planned.y, 0.25 * planned.yaw)
         error = planned.inverse() @ done
         missing = math.hypot(error.x, error.y, 0.25 * error.yaw)
-        has_effect = size < 0.1 * self._robot.largest_stride or missing < 0.7 * size
+        if size < 0.1 * self._robot.largest_stride:
+            # Too little to tell, as the first cycle of a gait that gathers speed.
+            return None
+        has_effect = missing < 0.7 * size
         self._cycles_without_effect = 0 if has_effect else self._cycles_without_effect + 1
         if self._cycles_without_effect < _BLOCKED_CYCLES:
             return None
@@ -759,6 +761,8 @@ class WalkController:
         motion = cycle.motion
         if self._steering is None:
             self.limit = ''
+        if cycle.limit:
+            self.limit = f'a cycle was shortened: {cycle.limit}'
         if step.is_turn or not math.hypot(motion.forward, motion.left) > 1e-3:
             self.activity = Activity.TURNING
             self.reason = f'turning by {math.degrees(motion.turn):.1f} degrees'
@@ -785,10 +789,6 @@ class WalkController:
         center = self._robot.center_of_mass(joints)[:2]
         feet = self._robot.neutral_feet[:, :2]
         return float(stability_margin(center, feet, np.ones(4, dtype=bool)))
-
-
-def _difference(a: Twist2D, b: Twist2D) -> Twist2D:
-    return Twist2D(a.forward - b.forward, a.left - b.left, a.turn - b.turn)
 
 
 def _ratio(a: Twist2D, b: Twist2D) -> float:

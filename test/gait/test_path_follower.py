@@ -36,6 +36,7 @@ class Gear:
     turn: float = ROBOT.largest_turn
     is_steady: bool = False
     period: float = 5.0
+    gathering: float = 0.5
 
     def reason(self, motion):
         return 'made up'
@@ -531,7 +532,7 @@ def divided(remaining, entry, largest, is_steady):
     advances, speeds = [], []
     while remaining > 1e-12:
         assert len(advances) < 1000
-        advance, exit = _advance(remaining, entry, largest, is_steady)
+        advance, exit = _advance(remaining, entry, largest, Gear(is_steady=is_steady))
         advances.append(advance)
         speeds.append(exit)
         remaining, entry = remaining - advance, exit

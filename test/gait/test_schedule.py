@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.robot import LEGS, load_robot
 from quad_gait.gait import available_gaits, load_gait
-from quad_gait.schedule import schedule_of, sway_windows
+from quad_gait.schedule import schedule_of, setback, sway_windows
 
 ROBOTS = ('titan_viii', 'cuhk')
 FITTED = {
@@ -102,8 +102,30 @@ def test_entry_and_exit_change_one_speed_at_one_end_and_no_place(gait):
     assert schedule.exit[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert schedule.entry_rate[[0, -1]] == pytest.approx([1.0, 0.0], abs=1e-12)
     assert schedule.exit_rate[[0, -1]] == pytest.approx([0.0, 1.0], abs=1e-12)
-    # One is the other, run through backwards.
-    assert schedule.exit == pytest.approx(-schedule.entry[::-1], abs=1e-12)
+    if gait.is_static:
+        # One is the other, run through backwards.
+        assert schedule.exit == pytest.approx(-schedule.entry[::-1], abs=1e-12)
+
+
+@pytest.mark.parametrize('robot', ROBOTS)
+def test_a_trot_gains_speed_as_a_pendulum_does_that_falls_from_a_support_set_back(robot):
+    gait = load_gait('trot', load_robot(robot))
+    schedule = fine(gait, 400)
+    period, rate = gait.cycle_period, gait.pendulum_rate
+    # From rest to a mean speed of 1: the way in this cycle is a quarter of a period's.
+    assert gait.gathering == pytest.approx(0.25)
+    way = gait.gathering * period
+    pace = schedule.progress_rate[0] * period
+    before = -schedule.progress_rate[0] * way
+    after = pace - schedule.progress_rate[-1] * way
+    body = schedule.progress * way + before * schedule.entry + after * schedule.exit
+    last = schedule.times >= period / 2.0
+    assert body[~last] == pytest.approx(np.zeros((~last).sum()), abs=1e-9)
+    acceleration = np.gradient(np.gradient(body, schedule.times), schedule.times)
+    support = -setback(gait)
+    assert setback(gait) > 0.0
+    inner = np.flatnonzero(last)[3:-3]
+    assert acceleration[inner] == pytest.approx(rate**2 * (body[inner] - support), rel=5e-3)
 
 
 @each_gait
