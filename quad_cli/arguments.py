@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from pathlib import Path
 
 from quad_common.planar_pose import Pose2D
@@ -30,6 +31,40 @@ def pose_argument(text: str) -> Pose2D:
     if not pose.is_finite():
         raise argparse.ArgumentTypeError(f"'{text}' holds a number that is not finite")
     return pose
+
+
+def finite_argument(text: str) -> float:
+    """
+    Read a number that is neither infinite nor nan.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is no such number.
+    """
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
+    return number
+
+
+def with_negative_values(arguments: list[str]) -> list[str]:
+    """
+    Join options with values that begin with a minus sign: ``--start -1,2,0``.
+
+    By itself argparse takes such a value for another option, unless it is a plain number.
+    """
+    joined: list[str] = []
+    for text in arguments:
+        is_value = re.match(r'-[\d.][^=]*,', text) is not None
+        if is_value and joined and re.fullmatch(r'--[\w-]+', joined[-1]):
+            joined[-1] += f'={text}'
+        else:
+            joined.append(text)
+    return joined
 
 
 def map_argument(text: str) -> Path:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import math
 from dataclasses import asdict, dataclass
 
 from rich.console import Console
@@ -37,17 +38,23 @@ class Bar:
 
 def at_most(name: str, value: float | None, unit: str, limit: float) -> Bar:
     """Make a bar that a value must not exceed."""
-    return Bar(name, value, unit, f'<= {limit:g}', value is not None and value <= limit)
+    return _bar(name, value, unit, f'<= {limit:g}', value is not None and value <= limit)
 
 
 def at_least(name: str, value: float | None, unit: str, limit: float) -> Bar:
     """Make a bar that a value must reach."""
-    return Bar(name, value, unit, f'>= {limit:g}', value is not None and value >= limit)
+    return _bar(name, value, unit, f'>= {limit:g}', value is not None and value >= limit)
 
 
 def figure(name: str, value: float | None, unit: str) -> Bar:
     """Make an entry for a value that is only to be known."""
-    return Bar(name, value, unit, '', None)
+    return _bar(name, value, unit, '', None)
+
+
+def _bar(name: str, value: float | None, unit: str, bar: str, holds: bool | None) -> Bar:
+    """Make a bar of Python's own numbers: NumPy's do not go into JSON."""
+    number = None if value is None or not math.isfinite(value) else float(value)
+    return Bar(name, number, unit, bar, None if holds is None else bool(holds))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

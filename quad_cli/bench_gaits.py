@@ -225,8 +225,8 @@ def _circles_of_s2(
         )
     for loop in ('closed', 'open'):
         for k, what in enumerate(('radius', 'steps per lap')):
-            off = 1e2 * worst[f'{loop}, raw'][k]
-            bars.append(figure(f'S2: {what}, {loop} loop, not calibrated', off, '%'))
+            share = worst[f'{loop}, raw'][k]
+            bars.append(figure(f'S2: {what}, {loop} loop, not calibrated', 1e2 * share, '%'))
     return bars
 
 

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.direct_walk import DirectWalk
+from quad_cli.direct_walk import DirectWalk, DoesNotWalk
 from quad_common.errors import ParameterError
+from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot, load_robot
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import Gait, load_gait, turning_gait_for
@@ -64,6 +65,7 @@ class MeasuredMotion:
     spread: float
     """Standard deviation of a cycle's end, about the mean [m]; 1 rad counts as 0.2 m."""
     has_fallen: bool
+    """Mean and spread are then of the cycles before, or nan."""
 
 
 def measure_motion(
@@ -101,9 +103,19 @@ def measure_motion(
         walk.run(0.1)
         controller.set_twist(motion.rate(gait.cycle_period))
         walk.run(30.0 + gait.cycle_period, until=lambda: controller.cycle is not None)
-        ends = [walk.next_cycle_end() for _ in range(_SKIPPED + cycles + 1)][_SKIPPED:]
+        ends: list[Pose2D] = []
+        while len(ends) < _SKIPPED + cycles + 1 and not walk.record.has_fallen:
+            try:
+                ends.append(walk.next_cycle_end())
+            except DoesNotWalk:
+                if not walk.record.has_fallen:
+                    raise
     finally:
         walk.close()
+    ends = ends[_SKIPPED:]
+    if len(ends) < 2:
+        lost = BodyMotion(math.nan, math.nan, math.nan)
+        return MeasuredMotion(lost, math.nan, walk.record.has_fallen)
     parts = np.array([_parts(BodyMotion.reaching(a.inverse() @ b)) for a, b in pairwise(ends)])
     mean = BodyMotion(*parts.mean(axis=0).tolist())
     spread = parts.std(axis=0) * (1.0, 1.0, 0.2)
@@ -168,6 +180,7 @@ def run(arguments: argparse.Namespace) -> int:
     robot = load_robot(arguments.robot)
     gait = load_gait(arguments.gait, robot)
     motions = [_motion(text) for text in arguments.motion or ()] or default_motions(robot, gait)
+    _check_reach(robot, gait, motions)
     path = arguments.output or calibration_file(arguments.robot)
     table = Table('wanted [mm, mm, deg]', 'without', 'with', 'asked')
     found = []
@@ -209,6 +222,22 @@ def default_motions(robot: Robot, gait: Gait) -> list[BodyMotion]:
         for direction in DIRECTIONS
         for share in SHARES
     ]
+
+
+def _check_reach(robot: Robot, gait: Gait, motions: list[BodyMotion]) -> None:
+    """Refuse what the gait cannot do anyway, before anything is walked."""
+    turning_gait = turning_gait_for(gait, robot)
+    for motion in motions:
+        is_turn = not (motion.forward or motion.left)
+        limits = MotionLimits(robot, turning_gait if is_turn else gait)
+        share = limits.largest_share(motion)
+        if share < 1.0:
+            raise ParameterError(
+                'motion',
+                _text(motion),
+                f'no more than {_text(motion.scaled(share))} (mm, mm, degrees) a cycle for the '
+                f'{gait.name} gait: {limits.reason(motion)}',
+            )
 
 
 def _motion(text: str) -> BodyMotion:

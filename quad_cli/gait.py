@@ -12,6 +12,7 @@ from dataclasses import asdict
 from rich.console import Console
 from rich.table import Table
 
+from quad_cli.arguments import finite_argument
 from quad_common.robot import load_robot
 from quad_gait.gait import available_gaits, load_gait
 from quad_gait.gait_check import check_gait
@@ -32,7 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     checking.add_argument('gait', help='name of a gait, or path of a gait file')
     checking.add_argument('--robot', default='titan_viii', help='name, or path of a data file')
     checking.add_argument(
-        '--least-margin', type=float, default=0.0, help='of static gaits, 0 if left out [m]'
+        '--least-margin',
+        type=finite_argument,
+        default=0.0,
+        help='of static gaits, 0 if left out [m]',
     )
     checking.add_argument('--json', action='store_true', help='print one JSON object only')
 

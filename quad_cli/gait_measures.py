@@ -106,7 +106,7 @@ def steady_walk(
     Returns
     -------
     SteadyWalk
-        What was measured.
+        What was measured; ``done`` is nan if there was no time for four cycles.
     """
     controller = make_controller(robot, gait, least_margin=least_margin)
     walk = DirectWalk(robot, controller)

@@ -8,6 +8,7 @@ import argparse
 import importlib
 import sys
 
+from quad_cli.arguments import with_negative_values
 from quad_common.errors import QuadError
 
 COMMANDS = {
@@ -51,7 +52,7 @@ def main(args: list[str] | None = None) -> int:
         )
         module.add_arguments(command)
         command.set_defaults(run=module.run)
-    arguments = parser.parse_args(args)
+    arguments = parser.parse_args(with_negative_values(sys.argv[1:] if args is None else args))
     try:
         code: int = arguments.run(arguments)
         return code

@@ -113,9 +113,11 @@ def _standstill_problem(robot: Robot, gait: Gait, least_margin: float) -> str:
     except GaitError as error:
         return f'stepping on the spot: {error}'
     if gait.is_static and cycle.least_margin < least_margin:
+        # Without the sign of a zero.
+        margin = round(1e3 * cycle.least_margin, 1) + 0.0
         return (
-            f'stepping on the spot the least stability margin is '
-            f'{1e3 * cycle.least_margin:.1f} mm; it must be at least {1e3 * least_margin:.1f} mm: '
+            f'stepping on the spot the least stability margin is {margin:.1f} mm; '
+            f'it must be at least {1e3 * least_margin:.1f} mm: '
             f'the body must sway more, or the swings come in another order'
         )
     return ''

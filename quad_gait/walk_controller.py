@@ -10,6 +10,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -169,6 +170,7 @@ class WalkController:
         self._has_new_plan = False
         self._steering: Steering | None = None
         self._course: Pose2D | None = None
+        self._reason_to_stand = ''
         self._is_to_sit = False
         self._has_fallen = False
         self._last_time = -math.inf
@@ -233,12 +235,14 @@ class WalkController:
         self._pieces = pieces
         self._has_new_plan = True
         self._steering = None
+        self._reason_to_stand = ''
 
     def set_twist(self, twist: Twist2D) -> None:
         """Walk with this velocity until the steering times out; ends the following of a plan."""
         if not self._last_time > -math.inf:
             return
         self._give_up_plan()
+        self._reason_to_stand = ''
         if self._steering is None:
             self._course = None
         self._steering = Steering(twist, self._last_time)
@@ -254,6 +258,7 @@ class WalkController:
         """
         self._give_up_plan()
         self._steering = None
+        self._reason_to_stand = ''
         return 'the robot stops at the end of its gait cycle, on four feet'
 
     def stand(self) -> str:
@@ -381,7 +386,7 @@ class WalkController:
         self._still_since = min(self._still_since, now.time)
         posture = self._robot.initial_joint_angles
         if self._is_to_sit:
-            posture = crouching_joint_angles(self._robot)
+            posture = self._crouching
         if not self._is_in_posture(now.joint_positions, posture):
             if now.time < self._still_since + _STILL_TIME:
                 # It may be in the middle of a cycle that another node began.
@@ -561,7 +566,9 @@ class WalkController:
         steering, self.limit = self._steering, ''
         if self._last_time > steering.time + self._options.twist_timeout:
             self._steering = None
-            self._set_activity(Activity.STANDING, 'the steering has timed out')
+            self._reason_to_stand = 'the steering has timed out'
+            if not entry:
+                self._set_activity(Activity.STANDING, self._reason_to_stand)
             return None
         wanted = steering.twist
         gear = self.gear_for(wanted)
@@ -619,6 +626,10 @@ class WalkController:
         is_turn = bool(twist.turn) and translation <= _PURE_TURN * abs(twist.turn)
         return self._turning if is_turn else self._walking
 
+    @cached_property
+    def _crouching(self) -> Array:
+        return crouching_joint_angles(self._robot)
+
     # Wishes
 
     def _take_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
@@ -663,6 +674,8 @@ class WalkController:
         self._set_activity(activity, reason)
 
     def _why_standing(self) -> str:
+        if self._reason_to_stand:
+            return self._reason_to_stand
         if self._stopped_goal is not None:
             return 'stopped on request; a plan to another goal makes the robot walk again'
         return 'no plan to follow'

@@ -55,6 +55,8 @@ class PotentialField:
         for name in ('repulsion', 'attraction', 'influence', 'goal_distance'):
             if not getattr(self, name) > 0.0:
                 raise ParameterError(name, getattr(self, name), 'positive')
+        if not np.all(np.isfinite(self.goal)):
+            raise ParameterError('goal', self.goal, 'two finite numbers')
 
     def potential(self, point: Array) -> float:
         """
@@ -144,9 +146,17 @@ class PotentialField:
         Raises
         ------
         NoPathFound
-            If the descent comes to rest elsewhere: in a local minimum.
+            If the descent begins within an obstacle, comes to rest elsewhere, in a local
+            minimum, or is too long.
+        ParameterError
+            If a length is not positive.
         """
+        for name, value in (('step', step), ('tolerance', tolerance), ('longest', longest)):
+            if not 0.0 < value < np.inf:
+                raise ParameterError(name, value, 'positive and finite')
         point = np.array(start, dtype=float)
+        if not self.potential(point) < np.inf:
+            raise NoPathFound(start, self.goal, 'the start is within an obstacle')
         points = [point]
         goal = np.array(self.goal, dtype=float)
         for _ in range(int(np.ceil(longest / step))):
@@ -156,21 +166,24 @@ class PotentialField:
             gradient = self.gradient(point)
             size = float(np.hypot(*gradient))
             if size < 1e-6 or self._has_turned_back(points, step):
-                break
+                x, y = point
+                raise NoPathFound(
+                    start,
+                    self.goal,
+                    f'the descent of the potential comes to rest at ({x:.2f}, {y:.2f}) m, '
+                    f'where attraction and repulsion are equal',
+                )
             point = point - step * gradient / size
             points.append(point)
-        x, y = points[-1]
         raise NoPathFound(
-            start,
-            self.goal,
-            f'the descent of the potential comes to rest at ({x:.2f}, {y:.2f}) m, '
-            f'where attraction and repulsion are equal',
+            start, self.goal, f'the descent of the potential is longer than {longest:g} m'
         )
 
     @staticmethod
     def _has_turned_back(points: list[Array], step: float) -> bool:
         """Whether the last steps have led nowhere."""
-        count = 20
+        # An odd number of points: to and fro, an even number of steps leads nowhere.
+        count = 21
         return len(points) > count and float(np.hypot(*(points[-1] - points[-count]))) < step
 
     @staticmethod

@@ -26,24 +26,29 @@ from quad_sim.world import World
 
 
 @contextlib.contextmanager
-def _standard_output_silenced() -> Iterator[None]:
-    """Keep PyBullet's greetings off the standard output, which may be somebody's JSON."""
-    sys.stdout.flush()
+def _silenced() -> Iterator[None]:
+    """Keep PyBullet's greetings off the output, which may be somebody's JSON."""
+    streams = (sys.stdout, sys.stderr)
     with Path(os.devnull).open('wb') as nothing:
-        saved = os.dup(1)
+        for stream in streams:
+            stream.flush()
+        saved = [os.dup(number) for number in (1, 2)]
         try:
-            os.dup2(nothing.fileno(), 1)
+            for number in (1, 2):
+                os.dup2(nothing.fileno(), number)
             yield
         finally:
             # Python and C keep what they print to a pipe or a file until later.
-            sys.stdout.flush()
+            for stream in streams:
+                stream.flush()
             ctypes.CDLL(None).fflush(None)
-            os.dup2(saved, 1)
-            os.close(saved)
+            for number, was in zip((1, 2), saved):
+                os.dup2(was, number)
+                os.close(was)
 
 
 try:
-    with _standard_output_silenced():
+    with _silenced():
         import pybullet
         from pybullet_utils.bullet_client import BulletClient
 except ImportError as error:
@@ -92,7 +97,7 @@ class BulletSimulator:
         self.time_step = time_step
         self._robot = robot
         self._steps = 0
-        with _standard_output_silenced():
+        with _silenced():
             self._bullet: Any = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
         self._bullet.setGravity(0.0, 0.0, -GRAVITY)
         self._bullet.setPhysicsEngineParameter(
@@ -173,7 +178,7 @@ class BulletSimulator:
             joint_velocities=np.array([state[1] for state in states]),
             joint_efforts=np.array([state[3] for state in states]),
             contacts=contacts,
-            has_fallen=tilted or any(contact in self._falls for contact in contacts),
+            has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
         )
 
     def close(self) -> None:

@@ -179,12 +179,12 @@ class SimNode(QuadNode[SimParameters]):
         observation = self._simulation.observe()
         stamp = time_from_seconds(observation.time)
         odometry = odometry_message(observation, p, self._rng.standard_normal(4), stamp)
-        # The joints first: who hears of the pose knows the joints that belong to it.
-        self._joint_states.publish(joint_state_message(observation, self._joint_names, stamp))
         # Its noise is drawn in any case: who listens must not change the run.
         noise = self._rng.standard_normal((2, 3))
+        # Heading, then joints, then pose: who hears of the next knows what belongs to it.
         if self._imu.get_subscription_count() > 0:
             self._imu.publish(imu_message(observation, p, noise, stamp))
+        self._joint_states.publish(joint_state_message(observation, self._joint_names, stamp))
         self._odometry.publish(odometry)
         if self._transforms is not None:
             base = base_transform(odometry)

@@ -17,7 +17,6 @@ from quad_cli.calibrate import (
     default_motions,
     measure_motion,
 )
-from quad_cli.direct_walk import DoesNotWalk
 from quad_cli.main import main
 from quad_common.errors import ParameterError
 from quad_common.robot import load_robot
@@ -209,11 +208,6 @@ def test_what_cannot_be_calibrated_ends_with_code_2_and_no_file(tmp_path, capsys
     assert not path.exists()
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=ParameterError,
-    reason='what is asked of a motion beyond the limits runs away, and the file is refused',
-)
 def test_a_motion_beyond_the_limits_leaves_a_file_that_can_be_read(tmp_path):
     pytest.importorskip('pybullet')
     path = tmp_path / 'slip.yaml'
@@ -221,11 +215,6 @@ def test_a_motion_beyond_the_limits_leaves_a_file_that_can_be_read(tmp_path):
     load_compensation(path)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=DoesNotWalk,
-    reason='after a fall the next end of a cycle is waited for, which raises DoesNotWalk',
-)
 def test_a_robot_that_falls_is_measured_as_fallen():
     pytest.importorskip('pybullet')
     weak = replace(CUHK, effort=0.05 * CUHK.effort)

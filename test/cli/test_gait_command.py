@@ -157,9 +157,6 @@ def test_arguments_that_are_not_understood_end_with_code_2(capsys, arguments):
     assert 'usage: quadwalk ' in capsys.readouterr().err
 
 
-@pytest.mark.xfail(
-    strict=True, reason='no margin is less than nan: every static gait passes, with code 0'
-)
 def test_a_least_margin_that_is_not_finite_is_refused():
     try:
         code = main(['gait', 'check', 'wave', '--least-margin', 'nan'])

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.ros
 INVALID = [
     ('gait_node', {'settle_time': -1}, "'settle_time' is -1; it must be a finite number from 0"),
     ('gait_node', {'settle_time': float('nan')}, "'settle_time' is nan; it must be a finite"),
-    ('gait_node', {'gait': 'gallop'}, "'gait' is 'gallop'; it must be one of crawl,"),
+    ('gait_node', {'gait': 'gallop'}, "'gait' is 'gallop'; it must be one of crab, crawl,"),
     ('gait_node', {'use_sim_time': 'perhaps'}, "'use_sim_time' to 'perhaps'"),
     ('planner_node', {'robot': 'unicorn'}, "there is no robot 'unicorn'; available: "),
     ('planner_node', {'robot': 5}, "'robot' is 5; it must be a text"),

@@ -112,9 +112,6 @@ def test_a_robot_walks_and_turns_as_it_is_steered_and_stops_when_nobody_steers(b
     assert (said['contacts'], said['has_fallen']) == ('', 'False')
 
 
-@pytest.mark.xfail(
-    strict=True, reason='a gait that keeps its speed says so before it has come to rest'
-)
 def test_a_robot_whose_steering_has_timed_out_says_that_it_stands_when_it_does(bench: Bench):
     start_steered(bench, {}, gait='wave')
     with bench.publishing('cmd_vel', twist(forward=0.06)):

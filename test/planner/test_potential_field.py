@@ -205,30 +205,17 @@ def test_factors_and_distances_must_be_positive(name, value):
         PotentialField(GOAL, (), **{name: value})
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=(ZeroDivisionError, ValueError, NoPathFound),
-    reason='descend does not check its step: a bare Python error, or "comes to rest"',
-)
 @pytest.mark.parametrize('step', [0.0, -0.02, math.nan])
 def test_a_step_that_leads_nowhere_is_refused_by_name(step):
     with pytest.raises(ParameterError, match="'step'"):
         OPEN.descend((0.0, 0.0), step=step)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason='the gradient leaves out an obstacle around the point: the descent walks through it',
-)
 def test_a_descent_from_within_an_obstacle_is_refused():
     with pytest.raises(NoPathFound):
         FIELD.descend((PILLAR.x, PILLAR.y + 0.1))
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason='a path that is given up for its length is said to rest in a local minimum',
-)
 def test_a_path_that_is_too_long_is_not_called_a_local_minimum():
     with pytest.raises(NoPathFound) as caught:
         OPEN.descend((0.0, 0.0), longest=1.0)
