@@ -1,6 +1,7 @@
 """The potential field falls towards the goal, and rises towards obstacles nearby."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -174,7 +175,8 @@ def test_a_descent_that_gets_stuck_says_where():
     sentence = str(caught.value)
     assert '\n' not in sentence
     assert 'no path from (0.00, 0.00) m to (4.00, 0.00) m' in sentence
-    assert 'comes to rest at (1.40, 0.00) m' in sentence
+    # To and fro, a step apart.
+    assert re.search(r'comes to rest at \(1\.(38|40), 0\.00\) m', sentence)
     # There attraction and repulsion are equal, but for the length of a step.
     downhill = [HEAD_ON.gradient(np.array([x, 0.0]))[0] for x in (1.38, 1.42)]
     assert downhill[0] < 0.0 < downhill[1]
