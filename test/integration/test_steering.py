@@ -188,5 +188,5 @@ def test_velocities_may_have_stamps_and_end_the_walk_along_a_plan(bench: Bench):
         )
     with bench.publishing('cmd_vel', TwistStamped()):
         bench.wait_for_status('gait_node', 'standing: steered to stand', level=OK)
-    bench.wait_for_status('gait_node', 'standing: stopped on request', level=OK)
+    bench.wait_for_status('gait_node', 'standing: the steering has timed out', level=OK)
     assert_stands_on_four_feet(bench)
