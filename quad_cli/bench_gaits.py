@@ -111,6 +111,16 @@ def _figures_of_s0(quick: bool) -> list[Bar]:
             'mm',
         ),
     ]
+    quarter = math.radians(90.0)
+    in_four = measure_motion(robot, load_gait('turn', robot), BodyMotion(turn=quarter / 4.0), 4)
+    bars.append(
+        at_most(
+            "S0: 90 degrees in the paper's four cycles, off",
+            abs(math.degrees(4.0 * in_four.mean.turn - quarter)),
+            'deg',
+            1.0,
+        )
+    )
     for degrees, cycles in ((45, 2), (-45, 2), (90, 3), (-90, 3)):
         if quick and degrees < 0:
             continue

@@ -18,6 +18,7 @@ from quad_common.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot import load_robot
+from quad_gait.path_follower import TURNINGS
 from quad_planner.parameters import PlannerParameters
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 EXAMPLES = """examples:
   quadwalk demo
   quadwalk demo --map office --start 1.5,1.5,0 --goal 12,8,90deg
+  quadwalk demo --robot cuhk --gait trot --turning arc
   quadwalk demo --map warehouse.yaml --start 0,0,0 --goal 5,3,1.57 --seed 3 --json
 """
 
@@ -44,6 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--seed', type=int, default=0, help="of the sensors' noise")
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
+    parser.add_argument('--gait', default='crawl', help='name of a gait, or path of a gait file')
+    parser.add_argument(
+        '--turning', choices=TURNINGS, default='in_place', help='how it turns at turning points'
+    )
     parser.add_argument(
         '--backend', choices=('bullet', 'kinematic'), default='bullet', help='the simulator'
     )
@@ -70,6 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
         start=arguments.start,
         goal=arguments.goal,
         robot=arguments.robot,
+        gait=arguments.gait,
+        turning=arguments.turning,
         backend=arguments.backend,
         safety_distance=arguments.safety_distance,
         seed=arguments.seed,

@@ -43,6 +43,8 @@ class WalkOptions:
     robot: str = 'titan_viii'
     method: str = 'mesh'
     gait: str = 'crawl'
+    turning: str = 'in_place'
+    """How the plan is followed; see gait_node."""
     backend: str = 'bullet'
     safety_distance: float | None = None
     """The planner's default if None [m]."""
@@ -94,7 +96,7 @@ def walk(
             gui=options.gui,
         )
         nodes.start('planner_node', **planner)
-        nodes.start('gait_node', robot=options.robot, gait=options.gait)
+        nodes.start('gait_node', robot=options.robot, gait=options.gait, turning=options.turning)
         if options.recording is None:
             with WalkObserver(options.goal) as observer:
                 return _watch(observer, nodes, on_progress)
