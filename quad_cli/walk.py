@@ -25,6 +25,9 @@ PLAN_TIMEOUT = 15.0
 STALL_TIMEOUT = 20.0
 """For simulated time to advance at all [s]."""
 
+_PATIENCE = 30.0
+"""For a robot that has given up to go on after all, with a new plan [s], simulated."""
+
 _WORST_SPEED = 0.004
 """A robot slower than this over its whole path gets nowhere [m/s]."""
 
@@ -116,7 +119,7 @@ def _watch(
     record = observer.record
     observer.give_goal()
     began = advanced = time.monotonic()
-    seen, start_time = observer.time, observer.time
+    seen = start_time = moved = observer.time
     while not record.has_arrived and not record.problem:
         observer.listen(0.1)
         nodes.check()
@@ -124,6 +127,11 @@ def _watch(
         now = time.monotonic()
         if observer.time > seen:
             seen, advanced = observer.time, now
+        if observer.activity not in ('blocked', 'stopped'):
+            moved = seen
+        elif seen - moved > _PATIENCE:
+            record.problem = observer.statuses['gait_node'][1]
+            break
         record.wall_time = now - began
         record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
     return record
