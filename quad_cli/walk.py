@@ -127,7 +127,7 @@ def _watch(
         now = time.monotonic()
         if observer.time > seen:
             seen, advanced = observer.time, now
-        if observer.activity not in ('blocked', 'stopped'):
+        if observer.activity not in ('blocked', 'stopped', 'fallen'):
             moved = seen
         elif seen - moved > _PATIENCE:
             record.problem = observer.statuses['gait_node'][1]
