@@ -89,6 +89,7 @@ setup(
     # The lower bounds are what Ubuntu 24.04 has, so a ROS 2 Jazzy installation satisfies them.
     install_requires=[
         'numpy>=1.26',
+        'numba>=0.58',
         'scipy>=1.11',
         'opencv-python-headless>=4.6',
         'pillow>=9.1',

@@ -20,6 +20,7 @@ from quad_planner.planner import METHODS, make_planner
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
   quadwalk plan --map warehouse.yaml --start 0,0,0 --goal 5,3,0 --json
+  quadwalk plan --method shortest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
 """
 
 
@@ -31,6 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--start', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
     parser.add_argument('--goal', type=pose_argument, required=True, help='x,y,yaw')
     parser.add_argument('--method', choices=sorted(METHODS), default='mesh')
+    parser.add_argument(
+        '--any-angle', action='store_true', help="let paths of 'shortest' have any direction"
+    )
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
     parser.add_argument(
         '--safety-distance',
@@ -47,7 +51,12 @@ def run(arguments: argparse.Namespace) -> int:
     robot = load_robot(arguments.robot)
     grid = load_map(arguments.map or sample_map())
     clearance = robot.footprint_radius + arguments.safety_distance
-    planner = make_planner(arguments.method, mesh_size=robot.mesh_size, clearance_radius=clearance)
+    planner = make_planner(
+        arguments.method,
+        mesh_size=robot.mesh_size,
+        clearance_radius=clearance,
+        any_angle=arguments.any_angle,
+    )
     began = time.perf_counter()
     planner.set_map(grid)
     prepared = time.perf_counter()

@@ -18,33 +18,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from quad_common.errors import (
-    GoalOccupied,
-    GoalOutsideMap,
-    InvalidPose,
-    NoPathFound,
-    ParameterError,
-    StartOccupied,
-    StartOutsideMap,
-)
+from quad_common.errors import NoPathFound, ParameterError
 from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.dijkstra import shortest_path
-from quad_planner.inflation import (
-    Mask,
-    Points,
-    blocked_cells,
-    clearance,
-    inflate,
-    points_allowed,
-    segment_clearance,
-    segments_allowed,
-)
+from quad_planner.inflation import Mask, Points, points_allowed, segments_allowed
+from quad_planner.safety_map import SafetyMap, check_lengths
 
 MAX_CROSSINGS = 2**20
 """The finest mesh that is laid over a map."""
@@ -80,15 +62,9 @@ def _cost(length: float) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class PreparedMesh:
+class PreparedMesh(SafetyMap):
     """A map made ready for any number of searches; `MeshPlanner.prepare` makes it."""
 
-    grid: OccupancyGrid
-    """The map."""
-    blocked: Mask
-    """Shape (height, width): where the obstacles are."""
-    forbidden: Mask
-    """Shape (height, width): where the robot's centre must not be."""
     spacing: float
     """Width of the mesh [cells]."""
     candidates: Mask
@@ -108,20 +84,6 @@ class PreparedMesh:
         return tuple(
             tuple(move for k, move in enumerate(every) if exits >> k & 1) for exits in range(256)
         )
-
-    @cached_property
-    def areas(self) -> NDArray[np.int32]:
-        """Return the number of the connected free area of each cell, 0 if forbidden."""
-        image = (~self.forbidden).astype(np.uint8)
-        return np.asarray(cv2.connectedComponents(image, connectivity=8)[1], dtype=np.int32)
-
-    def area_of(self, point: Points) -> int:
-        """Return the number of the free area nearest to a point in cell coordinates."""
-        rows, columns = np.nonzero(self.areas)
-        if rows.size == 0:
-            return 0
-        nearest = np.argmin((columns + 0.5 - point[0]) ** 2 + (rows + 0.5 - point[1]) ** 2)
-        return int(self.areas[rows[nearest], columns[nearest]])
 
     def crossing(self, number: int) -> Points:
         """Return where a crossing is, in cell coordinates, shape (2,)."""
@@ -173,14 +135,11 @@ class MeshPlanner:
 
     def __post_init__(self) -> None:
         """Check the lengths."""
-        for name in ('mesh_size', 'clearance_radius', 'connection_radius'):
+        for name in ('mesh_size', 'connection_radius'):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise ParameterError(name, value, 'a finite length above 0 m')
-        if not (math.isfinite(self.start_tolerance) and self.start_tolerance >= 0.0):
-            raise ParameterError(
-                'start_tolerance', self.start_tolerance, 'a finite length of at least 0 m'
-            )
+        check_lengths(self.clearance_radius, self.start_tolerance)
 
     def prepare(self, grid: OccupancyGrid) -> PreparedMesh:
         """
@@ -209,13 +168,10 @@ class MeshPlanner:
             raise ParameterError(
                 'mesh_size', self.mesh_size, f'above {least:.3f} m on a map of this size'
             )
-        forbidden = inflate(
-            grid,
-            self.clearance_radius,
-            occupied_threshold=self.occupied_threshold,
-            unknown_is_free=self.unknown_is_free,
+        safety = SafetyMap.of(
+            grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
         )
-        allowed = ~forbidden
+        allowed = ~safety.forbidden
         lines = [spacing * np.arange(n, dtype=np.float64) for n in (columns, rows)]
         candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))
         exits = np.zeros((rows, columns), dtype=np.uint8)
@@ -230,12 +186,15 @@ class MeshPlanner:
                 free = segments_allowed(allowed, starts, np.array([float(dc), float(dr)]) * spacing)
                 exits[r_[free], c_[free]] |= 1 << k
                 exits[r_[free] + dr, c_[free] + dc] |= 1 << (k + 4)
-        blocked = blocked_cells(
+        return PreparedMesh(
             grid,
-            occupied_threshold=self.occupied_threshold,
-            unknown_is_free=self.unknown_is_free,
+            self.clearance_radius,
+            safety.blocked,
+            safety.forbidden,
+            spacing,
+            candidates,
+            exits.tobytes(),
         )
-        return PreparedMesh(grid, blocked, forbidden, spacing, candidates, exits.tobytes())
 
     def plan(self, prepared: PreparedMesh | OccupancyGrid, start: Pose2D, goal: Pose2D) -> Plan:
         """
@@ -272,7 +231,7 @@ class MeshPlanner:
         """
         mesh = prepared if isinstance(prepared, PreparedMesh) else self.prepare(prepared)
         grid = mesh.grid
-        leave_at = self._check_ends(mesh, start, goal)
+        leave_at = mesh.check_ends(start, goal, self.start_tolerance)
         if start.distance_to(goal) < SAME_PLACE:
             return Plan((goal,))
 
@@ -281,7 +240,7 @@ class MeshPlanner:
         reach = (self.connection_radius or 2.0 * self.mesh_size) / grid.resolution
         starts = self._connections(mesh, s, reach, leave_at)
         goals = self._connections(mesh, g, reach, radius)
-        direct = np.linalg.norm(g - s) <= reach and _fits(mesh.blocked, s, g, leave_at)
+        direct = np.linalg.norm(g - s) <= reach and mesh.fits(s, g, leave_at)
 
         heading, final = (_bearing(p.yaw - grid.origin.yaw) for p in (start, goal))
         moves, exits = mesh.moves, mesh.exits
@@ -317,61 +276,22 @@ class MeshPlanner:
         inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
         return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
 
-    def _check_ends(self, mesh: PreparedMesh, start: Pose2D, goal: Pose2D) -> float:
-        """Check both poses, and return the clearance to keep on leaving the start [cells]."""
-        grid = mesh.grid
-        for what, pose in (('start', start), ('goal', goal)):
-            if not pose.is_finite():
-                reason = f'({pose.x}, {pose.y}, {pose.yaw}) must be three finite numbers'
-                raise InvalidPose(what, reason)
-        if not grid.contains(start.x, start.y):
-            raise StartOutsideMap(start.x, start.y, grid.bounds())
-        if not grid.contains(goal.x, goal.y):
-            raise GoalOutsideMap(goal.x, goal.y, grid.bounds())
-        radius = self.clearance_radius / grid.resolution
-        keeps = []
-        for pose, tolerance, error in (
-            (start, self.start_tolerance / grid.resolution, StartOccupied),
-            (goal, 0.0, GoalOccupied),
-        ):
-            point = grid.world_to_map(np.array([pose.x, pose.y]))
-            keep = min(segment_clearance(mesh.blocked, point, point, radius), radius)
-            # However large the tolerance, nobody starts inside an obstacle.
-            if keep <= 0.0 or keep < (radius - tolerance) * (1.0 - 1e-9):
-                far = clearance(
-                    grid,
-                    pose.x,
-                    pose.y,
-                    occupied_threshold=self.occupied_threshold,
-                    unknown_is_free=self.unknown_is_free,
-                )
-                raise error(pose.x, pose.y, far, self.clearance_radius)
-            keeps.append(keep)
-        return keeps[0]
-
     def _connections(
         self, mesh: PreparedMesh, point: Points, reach: float, keep: float
     ) -> dict[int, Points]:
         """Return the candidates that are straight ahead of a point, and where they are."""
         near = {u: mesh.crossing(u) for u in mesh.candidates_near(point, reach)}
-        return {u: p for u, p in near.items() if _fits(mesh.blocked, point, p, keep)}
+        return {u: p for u, p in near.items() if mesh.fits(point, p, keep)}
 
     def _why_not(
         self, mesh: PreparedMesh, s: Points, g: Points, leaves: bool, arrives: bool
     ) -> str:
-        if mesh.area_of(s) != mesh.area_of(g):
-            return (
-                "the start's free area and the goal's are not connected for a robot that "
-                f'needs {self.clearance_radius:.2f} m'
-            )
+        apart = mesh.not_connected(s, g)
+        if apart is not None:
+            return apart
         coarse = f'the mesh of {self.mesh_size:.2f} m may be too coarse for this passage'
         if not leaves:
             return f'no mesh crossing is reachable from the start; {coarse}'
         if not arrives:
             return f'the goal is reachable from no mesh crossing; {coarse}'
         return f'both are in one free area, but no way over the mesh connects them; {coarse}'
-
-
-def _fits(blocked: Mask, a: Points, b: Points, keep: float) -> bool:
-    """Return whether a segment stays `keep` [cells] away from every blocked cell."""
-    return segment_clearance(blocked, a, b, keep) >= keep * (1.0 - 1e-9)

@@ -13,7 +13,12 @@ class PlannerParameters:
 
     robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
     method: str = parameter(
-        'mesh', 'How paths are searched: turning points on a mesh (S0).', choices=('mesh',)
+        'mesh',
+        'How paths are searched: turning points on a mesh (S0), or the shortest way over cells.',
+        choices=('mesh', 'shortest'),
+    )
+    any_angle: bool = parameter(
+        False, "Whether paths of 'shortest' may have any direction, not only eight."
     )
     safety_distance: float = parameter(
         0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0

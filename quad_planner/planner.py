@@ -8,6 +8,7 @@ goal, `plan` does the rest. To add a method, add its class to `METHODS`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from typing import Any, Generic, Protocol, TypeVar
 
 from quad_common.errors import InvalidPlanner, PlannerError
@@ -15,6 +16,7 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.mesh_planner import MeshPlanner
+from quad_planner.shortest_planner import ShortestPlanner
 
 Prepared = TypeVar('Prepared')
 
@@ -29,7 +31,10 @@ class PlanningMethod(Protocol[Prepared]):
         """Plan on a prepared map; raise `PlannerError` if there is no plan."""
 
 
-METHODS: Mapping[str, Callable[..., PlanningMethod[Any]]] = {'mesh': MeshPlanner}
+METHODS: Mapping[str, Callable[..., PlanningMethod[Any]]] = {
+    'mesh': MeshPlanner,
+    'shortest': ShortestPlanner,
+}
 """The planning methods by name."""
 
 
@@ -101,7 +106,8 @@ def make_planner(method: str, **options: Any) -> Planner[Any]:
     method : str
         A key of `METHODS`.
     **options
-        The fields of the method's class, for example `mesh_size` of `MeshPlanner`.
+        The fields of the methods' classes, for example `mesh_size` of `MeshPlanner`; those
+        of other methods are left aside.
 
     Returns
     -------
@@ -117,4 +123,12 @@ def make_planner(method: str, **options: Any) -> Planner[Any]:
     """
     if method not in METHODS:
         raise InvalidPlanner(method, METHODS)
-    return Planner(METHODS[method](**options))
+    taken = {name: value for name, value in options.items() if name in _options(METHODS[method])}
+    unknown = set(options) - set().union(*map(_options, METHODS.values()))
+    if unknown:
+        raise TypeError(f'no planning method has the options {sorted(unknown)}')
+    return Planner(METHODS[method](**taken))
+
+
+def _options(method: Any) -> set[str]:
+    return {field.name for field in fields(method)}

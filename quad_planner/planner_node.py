@@ -40,6 +40,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._planner = make_planner(
             p.method,
             mesh_size=robot.mesh_size,
+            any_angle=p.any_angle,
             clearance_radius=robot.footprint_radius + p.safety_distance,
             start_tolerance=p.safety_distance,
             occupied_threshold=p.occupied_threshold,

@@ -27,6 +27,7 @@ LIBRARIES = {
     'PIL': ('python3-pil', 'pillow'),
     'cv2': ('python3-opencv', 'opencv-python-headless'),
     'matplotlib': ('python3-matplotlib', 'matplotlib'),
+    'numba': ('python3-numba', 'numba'),
     'numpy': ('python3-numpy', 'numpy'),
     'pybullet': ('python3-pybullet-pip', 'pybullet'),
     'pybullet_data': ('python3-pybullet-pip', 'pybullet'),
@@ -202,7 +203,7 @@ def test_every_data_file_of_a_package_is_installed(metadata):
         patterns = metadata['package_data'][''] + metadata['package_data'].get(package, [])
         for path in folder.rglob('*'):
             name = path.relative_to(folder).as_posix()
-            if path.is_file() and path.suffix not in ('.py', '.pyc'):
+            if path.is_file() and path.suffix != '.py' and '__pycache__' not in path.parts:
                 matching = [pattern for pattern in patterns if fnmatch.fnmatch(name, pattern)]
                 assert matching, f'package_data in setup.py lacks {package}/{name}'
 

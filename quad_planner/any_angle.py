@@ -1,0 +1,179 @@
+"""
+Shortest paths at any angle: taut, from corner to corner of the forbidden zone.
+
+A shortest path turns only where the forbidden zone has a convex corner. A* over these
+corners, from which the others are seen, finds it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_planner.compiled import compiled
+from quad_planner.inflation import Mask, Points
+
+Floats = NDArray[np.float64]
+
+_EPSILON = 1e-9
+"""Segments that come so near to a cell only touch it [cells]."""
+
+
+def convex_corners(allowed: Mask) -> Points:
+    """
+    Find where the forbidden zone has convex corners, within the map.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Corners of cells, x and y in cell coordinates.
+    """
+    forbidden = ~allowed
+    a, b = forbidden[:-1, :-1], forbidden[:-1, 1:]
+    c, d = forbidden[1:, :-1], forbidden[1:, 1:]
+    count = a.astype(np.int8) + b + c + d
+    # Two cells that touch in this corner only are two corners in one.
+    rows, columns = np.nonzero((count == 1) | ((count == 2) & (a == d)))
+    return np.column_stack((columns, rows)).astype(np.float64) + 1.0
+
+
+def taut_path(
+    allowed: Mask,
+    corners: Points,
+    start: Points,
+    goal: Points,
+    bound: float,
+    check_time: Callable[[], None] = lambda: None,
+) -> Points | None:
+    """
+    Find a shortest path at any angle.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells; their edges are allowed too.
+    corners : ndarray, shape (n, 2)
+        From :func:`convex_corners`.
+    start, goal : ndarray, shape (2,)
+        In allowed cells [cells].
+    bound : float
+        Length of a path that is known: longer ones are not looked at [cells].
+    check_time : callable
+        Called again and again; raises to end the search.
+
+    Returns
+    -------
+    ndarray, shape (m, 2) or None
+        From the start over the corners where it turns to the goal; None if there is none
+        within the bound.
+    """
+    bound = bound * (1.0 + 1e-9) + 1e-9
+    # No corner outside this ellipse is on a path that is short enough.
+    left = np.hypot(*(corners - goal).T)
+    near = np.hypot(*(corners - start).T) + left <= bound
+    points = np.vstack((start, goal, corners[near]))
+    left = np.concatenate(([np.hypot(*(goal - start)), 0.0], left[near]))
+    lengths = np.full(len(points), np.inf)
+    lengths[0] = 0.0
+    parents = np.zeros(len(points), dtype=np.int64)
+    is_done = np.zeros(len(points), dtype=np.bool_)
+    heap = [(float(left[0]), 0)]
+    while heap:
+        _, at = heapq.heappop(heap)
+        if is_done[at]:
+            continue
+        is_done[at] = True
+        if at == 1:
+            way = [1]
+            while way[-1] != 0:
+                way.append(int(parents[way[-1]]))
+            return points[way[::-1]]
+        check_time()
+        for seen in _expand(allowed, points, left, lengths, parents, is_done, at, bound).tolist():
+            heapq.heappush(heap, (float(lengths[seen] + left[seen]), seen))
+    return None
+
+
+@compiled
+def _expand(
+    allowed: Mask,
+    points: Floats,
+    left: Floats,
+    lengths: Floats,
+    parents: NDArray[np.int64],
+    is_done: Mask,
+    at: int,
+    bound: float,
+) -> NDArray[np.int64]:
+    """Go on from a point to all that it sees; return those that are now nearer."""
+    nearer = np.empty(len(points), dtype=np.int64)
+    count = 0
+    x, y = points[at, 0], points[at, 1]
+    for k in range(1, len(points)):
+        if is_done[k]:
+            continue
+        length = lengths[at] + np.hypot(points[k, 0] - x, points[k, 1] - y)
+        if length >= lengths[k] or length + left[k] > bound:
+            continue
+        if sees(allowed, x, y, points[k, 0], points[k, 1]):
+            lengths[k] = length
+            parents[k] = at
+            nearer[count] = k
+            count += 1
+    return nearer[:count]
+
+
+@compiled
+def sees(allowed: Mask, x0: float, y0: float, x1: float, y1: float) -> bool:
+    """
+    Return whether a segment stays within allowed cells and their edges.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+    x0, y0, x1, y1 : float
+        Ends of the segment, on the map [cells].
+
+    Returns
+    -------
+    bool
+        Whether every point of it is in an allowed cell or on the edge of one.
+    """
+    height, width = allowed.shape
+    if y1 < y0:
+        x0, y0, x1, y1 = x1, y1, x0, y0
+    slope = (x1 - x0) / (y1 - y0) if y1 > y0 else 0.0
+    first = min(int(np.floor(y0 + _EPSILON)), height - 1)
+    last = max(int(np.ceil(y1 - _EPSILON)) - 1, first)
+    for row in range(first, last + 1):
+        # The part of the segment in this row of cells.
+        if y1 - y0 > _EPSILON:
+            begin = x0 + (max(y0, float(row)) - y0) * slope
+            end = x0 + (min(y1, row + 1.0) - y0) * slope
+        else:
+            begin, end = x0, x1
+        low, high = min(begin, end), max(begin, end)
+        left = int(np.floor(low + _EPSILON))
+        right = max(int(np.ceil(high - _EPSILON)) - 1, left)
+        for column in range(left, right + 1):
+            if column < width and allowed[row, column]:
+                continue
+            # Along the line between two cells either of them will do.
+            beside = False
+            if high - low <= _EPSILON and abs(low - np.round(low)) <= _EPSILON:
+                other = int(np.round(low)) - 1 if column == int(np.round(low)) else column
+                beside = 0 <= other < width and allowed[row, other]
+            if y1 - y0 <= _EPSILON and abs(y0 - np.round(y0)) <= _EPSILON and row > 0:
+                beside = beside or (column < width and allowed[row - 1, column])
+            if not beside:
+                return False
+    return True

@@ -1,0 +1,284 @@
+"""
+The shortest path over the cells of the map, or at any angle.
+
+Over cells: straight and diagonal steps from centre to centre, no corner cut, exact
+(:mod:`quad_planner.jump_points`). At any angle: taut around the safety boundary
+(:mod:`quad_planner.any_angle`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import NoPathFound, PlannerTimedOut
+from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_planner.any_angle import convex_corners, taut_path
+from quad_planner.bit_grid import BitGrid
+from quad_planner.inflation import Mask, Points
+from quad_planner.jump_points import CellPath, JumpPointSearch
+from quad_planner.mesh_planner import SAME_PLACE
+from quad_planner.safety_map import SafetyMap, check_lengths
+
+_NEARBY = 12.0
+"""So far from start and goal a free cell is looked for [cells]."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedCells(SafetyMap):
+    """A map made ready for any number of searches; `ShortestPlanner.prepare` makes it."""
+
+    search: JumpPointSearch
+    """Over the allowed cells."""
+
+    @cached_property
+    def corners(self) -> Points:
+        """Where a path at any angle may turn, shape (n, 2) [cells]."""
+        return convex_corners(~self.forbidden)
+
+    def joints(self, point: Points, keep: float) -> list[tuple[int, int]]:
+        """
+        List the allowed cells by which a point may join the cells, the nearest first.
+
+        Parameters
+        ----------
+        point : ndarray, shape (2,)
+            [cells]
+        keep : float
+            Clearance on the way to a cell's centre [cells].
+
+        Returns
+        -------
+        list of tuple of int
+            x and y; the point's own cell alone if it is allowed.
+        """
+        height, width = self.forbidden.shape
+        x, y = (min(int(v), n - 1) for v, n in zip(np.floor(point), (width, height)))
+        if not self.forbidden[y, x]:
+            return [(x, y)]
+        low = np.maximum(np.floor(point - _NEARBY), 0).astype(int)
+        high = np.ceil(point + _NEARBY).astype(int)
+        rows, columns = np.nonzero(~self.forbidden[low[1] : high[1], low[0] : high[0]])
+        cells = np.column_stack((columns, rows)) + low
+        apart = np.hypot(*(cells + 0.5 - point).T)
+        for k in np.argsort(apart, kind='stable'):
+            if apart[k] > _NEARBY:
+                break
+            if self.fits(point, cells[k] + 0.5, keep):
+                return [(int(cells[k, 0]), int(cells[k, 1]))]
+        return []
+
+
+@dataclass(frozen=True)
+class ShortestPlanner:
+    """
+    Plan the shortest way, whatever turns it takes.
+
+    Raises
+    ------
+    ParameterError
+        If a length is not finite, or not above zero where it must be.
+    """
+
+    clearance_radius: float
+    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
+    any_angle: bool = False
+    """Whether the path may have any direction, not only those of the cells."""
+    start_tolerance: float = 0.10
+    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
+    occupied_threshold: int = OCCUPIED_THRESHOLD
+    """Cells of at least this value are obstacles."""
+    unknown_is_free: bool = False
+    """Whether cells of which nothing is known are free."""
+    time_limit: float | None = None
+    """How long a search may take; needs a clock [s]."""
+    clock: Callable[[], float] | None = None
+    """Returns the time, for example `time.monotonic` [s]."""
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_lengths(self.clearance_radius, self.start_tolerance)
+
+    def prepare(self, grid: OccupancyGrid) -> PreparedCells:
+        """
+        Inflate a map and make its cells ready.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map.
+
+        Returns
+        -------
+        PreparedCells
+            What `plan` needs of the map, for any number of plans.
+        """
+        safety = SafetyMap.of(
+            grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
+        )
+        search = JumpPointSearch(BitGrid.of(~safety.forbidden))
+        return PreparedCells(grid, self.clearance_radius, safety.blocked, safety.forbidden, search)
+
+    def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
+        """
+        Find the shortest plan.
+
+        A start that is inside the safety boundary by no more than `start_tolerance` may
+        be left on a segment that comes no nearer to an obstacle than the start is.
+
+        Parameters
+        ----------
+        prepared : PreparedCells
+            The map, from `prepare`.
+        start, goal : Pose2D
+            In the world [m, m, rad].
+
+        Returns
+        -------
+        Plan
+            The turning points; a single pose, the goal's, where start and goal are less
+            than `SAME_PLACE` apart.
+
+        Raises
+        ------
+        InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
+            As :meth:`SafetyMap.check_ends`.
+        NoPathFound
+            If no way over the cells connects them.
+        PlannerTimedOut
+            If the search took longer than `time_limit`.
+        """
+        grid = prepared.grid
+        leave_at = prepared.check_ends(start, goal, self.start_tolerance)
+        if start.distance_to(goal) < SAME_PLACE:
+            return Plan((goal,))
+        check_time = self._timer()
+        s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
+        radius = self.clearance_radius / grid.resolution
+        first, last = prepared.joints(s, leave_at), prepared.joints(g, radius)
+        path = prepared.search.path(first[0], last[0]) if first and last else None
+        if path is None:
+            why = prepared.not_connected(s, g) or 'no allowed cell is near to one of them'
+            raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
+        check_time()
+        between = self._between(prepared, path, s, g, leave_at, check_time)
+        inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
+        return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
+
+    def _between(
+        self,
+        prepared: PreparedCells,
+        path: CellPath,
+        s: Points,
+        g: Points,
+        leave_at: float,
+        check_time: Callable[[], None],
+    ) -> Points:
+        """Return the turning points between start and goal, shape (n, 2) [cells]."""
+        allowed = ~prepared.forbidden
+        centres: Points = turns_saved(path.cells, allowed) + np.float64(0.5)
+        over_cells = self._joined(prepared, s, centres, g, leave_at)
+        if not self.any_angle:
+            return over_cells[1:-1]
+        first = s if _is_in(s, allowed) else centres[0]
+        last = g if _is_in(g, allowed) else centres[-1]
+        bound = _length(np.vstack((first, centres, last)))
+        taut = taut_path(allowed, prepared.corners, first, last, bound, check_time)
+        if taut is None:
+            return over_cells[1:-1]
+        straight = self._joined(prepared, s, taut, g, leave_at)
+        # Only where start or goal is not in an allowed cell the other may be shorter.
+        return min(straight, over_cells, key=_length)[1:-1]
+
+    def _joined(
+        self, prepared: PreparedCells, s: Points, between: Points, g: Points, leave_at: float
+    ) -> Points:
+        """Join start and goal to a way, past its first and last point where there is room."""
+        points = [s, *between, g]
+        for at, keep in ((1, leave_at), (-2, self.clearance_radius / prepared.grid.resolution)):
+            if len(points) > 2 and prepared.fits(points[at - 1], points[at + 1], keep):
+                del points[at]
+        return np.array(points)
+
+    def _timer(self) -> Callable[[], None]:
+        """Return what raises when the time is over."""
+        clock, limit = self.clock, self.time_limit
+        if clock is None or limit is None:
+            return lambda: None
+        began = clock()
+
+        def check() -> None:
+            if clock() - began > limit:
+                raise PlannerTimedOut(limit)
+
+        return check
+
+
+def _is_in(point: Points, allowed: Mask) -> bool:
+    height, width = allowed.shape
+    x, y = min(math.floor(point[0]), width - 1), min(math.floor(point[1]), height - 1)
+    return bool(allowed[y, x])
+
+
+def _length(points: Points) -> float:
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def turns_saved(cells: NDArray[np.int64], allowed: Mask) -> NDArray[np.int64]:
+    """
+    Walk each leg of a path straight or diagonal first, so that there are few turns.
+
+    Parameters
+    ----------
+    cells : ndarray, shape (n, 2)
+        Where a shortest path begins, turns and ends.
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        As short, with no more turns.
+    """
+    kept = list(map(tuple, cells.tolist()))
+    at = 0
+    # Three pieces a, b, a become two: the middle one is moved to the end, or to the front.
+    while at + 3 < len(kept):
+        p0, p1, p2, p3 = (np.array(p) for p in kept[at : at + 4])
+        if (np.sign(p1 - p0) == np.sign(p3 - p2)).all():
+            for middle in (p0 + (p2 - p1), p1 + (p3 - p2)):
+                if _is_free(p0, middle, allowed) and _is_free(middle, p3, allowed):
+                    kept[at + 1 : at + 3] = [tuple(middle.tolist())]
+                    at = max(at - 2, -1)
+                    break
+        at += 1
+    return _without_straights(np.array(kept))
+
+
+def _is_free(a: NDArray[np.int64], b: NDArray[np.int64], allowed: Mask) -> bool:
+    """Return whether one may step from cell to cell along a straight or a diagonal."""
+    steps = int(np.abs(b - a).max())
+    step = np.sign(b - a)
+    on_way = a + np.arange(steps + 1)[:, None] * step
+    x, y = on_way.T
+    if not allowed[y, x].all():
+        return False
+    if not step.all():
+        return True
+    return bool(allowed[y[:-1], x[1:]].all() and allowed[y[1:], x[:-1]].all())
+
+
+def _without_straights(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Leave out places where the path goes straight on."""
+    if len(cells) < 3:
+        return cells
+    directions = np.sign(np.diff(cells, axis=0))
+    turns = (directions[1:] != directions[:-1]).any(axis=1)
+    return cells[np.concatenate(([True], turns, [True]))]

@@ -1,0 +1,41 @@
+"""Free cells as bits: what goes in comes out, and scans find the next one that is set."""
+
+import numpy as np
+import pytest
+
+from quad_planner.bit_grid import BitGrid, first_bit, is_set, last_bit, next_set, previous_set
+
+
+@pytest.mark.parametrize('place', range(64))
+def test_the_first_and_last_bit_of_a_word_are_found(place):
+    rng = np.random.default_rng(place)
+    bit = np.uint64(1 << place)
+    noise = int(rng.integers(0, 2**63))
+    above = np.uint64(noise & ~((2 << place) - 1))
+    below = np.uint64(noise & ((1 << place) - 1))
+    assert first_bit(bit) == last_bit(bit) == place
+    assert first_bit(bit | above) == place
+    assert last_bit(bit | below) == place
+
+
+@pytest.mark.parametrize(('height', 'width'), [(1, 1), (3, 62), (5, 63), (64, 64), (70, 130)])
+def test_rows_and_columns_hold_the_mask_within_a_wall(height, width):
+    free = np.random.default_rng(width).random((height, width)) < 0.5
+    grid = BitGrid.of(free)
+    assert (grid.width, grid.height) == (width, height)
+    assert len(grid.rows) == height + 2
+    assert len(grid.columns) == width + 2
+    walled = np.pad(free, 1)
+    for y in range(height + 2):
+        for x in range(width + 2):
+            assert is_set(grid.rows, y, x) == is_set(grid.columns, x, y) == walled[y, x]
+
+
+def test_scans_find_the_next_and_the_previous_that_is_set():
+    places = np.array([0, 1, 62, 63, 64, 200, 255])
+    line = np.zeros(256, dtype=np.uint8)
+    line[places] = 1
+    lines = np.packbits(line[None], axis=1, bitorder='little').view(np.uint64)
+    for at in range(255):
+        assert next_set(lines, 0, at) == places[places > at].min()
+        assert previous_set(lines, 0, at + 1) == places[places < at + 1].max()
