@@ -58,14 +58,130 @@ class BitGrid:
             The same as bits.
         """
         height, width = free.shape
-        return cls(width, height, _packed(free), _packed(free.T))
+        rows = packed(np.ascontiguousarray(free), 1)
+        return cls(width, height, rows, _transposed(rows, width + 2))
 
 
-def _packed(free: Mask) -> Bits:
-    height, width = free.shape
-    padded = np.zeros((height + 2, (width + 2 + 63) // 64 * 64), dtype=np.uint8)
-    padded[1:-1, 1 : width + 1] = free
-    return np.packbits(padded, axis=1, bitorder='little').view(np.uint64)
+@compiled
+def packed(mask: Mask, wall: int) -> Bits:
+    """
+    Pack a mask, with a wall of cells that are not set around it.
+
+    Parameters
+    ----------
+    mask : ndarray of bool, shape (m, n)
+        What is set.
+    wall : int
+        Width of the wall [cells].
+
+    Returns
+    -------
+    ndarray of uint64, shape (m + 2 wall, ceil((n + 2 wall) / 64))
+        Bit x + wall of row y + wall is cell (x, y).
+    """
+    height, width = mask.shape
+    rows = np.zeros((height + 2 * wall, (width + 2 * wall + 63) // 64), dtype=np.uint64)
+    for y in range(height):
+        for at in range(rows.shape[1]):
+            first = at * 64 - wall
+            word = np.uint64(0)
+            for x in range(max(first, 0), min(first + 64, width)):
+                word |= np.uint64(mask[y, x]) << np.uint64(x - first)
+            rows[y + wall, at] = word
+    return rows
+
+
+@compiled
+def unpacked(rows: Bits, width: int) -> Mask:
+    """Unpack rows that have no wall, shape (m, n), into a mask of shape (m, width)."""
+    mask = np.empty((rows.shape[0], width), dtype=np.bool_)
+    for y in range(rows.shape[0]):
+        for x in range(width):
+            mask[y, x] = (rows[y, x >> 6] >> np.uint64(x & 63)) & _ONE
+    return mask
+
+
+@compiled
+def _transposed(rows: Bits, width: int) -> Bits:
+    """Return the columns as lines, in blocks of 64 by 64 (Hacker's Delight, sec. 7-3)."""
+    columns = np.zeros((width, (rows.shape[0] + 63) // 64), dtype=np.uint64)
+    block = np.empty(64, dtype=np.uint64)
+    for down in range(columns.shape[1]):
+        for across in range(rows.shape[1]):
+            seen = np.uint64(0)
+            for k in range(64):
+                y = 64 * down + k
+                block[k] = rows[y, across] if y < rows.shape[0] else np.uint64(0)
+                seen |= block[k]
+            if seen == 0:
+                continue
+            step = 32
+            mask = np.uint64(0x00000000FFFFFFFF)
+            while step > 0:
+                k = 0
+                while k < 64:
+                    swap = ((block[k] >> np.uint64(step)) ^ block[k + step]) & mask
+                    block[k] ^= swap << np.uint64(step)
+                    block[k + step] ^= swap
+                    k = (k + step + 1) & ~step
+                step >>= 1
+                mask ^= mask << np.uint64(step)
+            for k in range(min(64, width - 64 * across)):
+                columns[64 * across + k, down] = block[k]
+    return columns
+
+
+@compiled
+def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
+    """
+    Set every cell that is near one that is set.
+
+    Parameters
+    ----------
+    rows : ndarray of uint64, shape (m, n)
+        What is set.
+    reaches : ndarray of int, shape (k,)
+        How far to either side, in a row that is 0, 1, ... k - 1 rows off, falling [cells].
+
+    Returns
+    -------
+    ndarray of uint64, shape (m, n)
+        The same and what is near. Bits beyond the width may be set.
+    """
+    height, words = rows.shape
+    result = np.zeros_like(rows)
+    wide = np.empty(words, dtype=np.uint64)
+    for y in range(height):
+        is_empty = True
+        for at in range(words):
+            is_empty = is_empty and rows[y, at] == 0
+        if is_empty:
+            continue
+        # From the narrowest to the widest: each goes on from the one before.
+        wide[:] = rows[y]
+        reached = 0
+        for off in range(len(reaches) - 1, -1, -1):
+            while reached < reaches[off]:
+                step = min(reached + 1, reaches[off] - reached, 63)
+                _spread(wide, step)
+                reached += step
+            for row in (y - off, y + off):
+                if 0 <= row < height:
+                    for at in range(words):
+                        result[row, at] |= wide[at]
+    return result
+
+
+@compiled
+def _spread(line: Bits, step: int) -> None:
+    """Set each bit that is a step to either side of one that is set, step < 64."""
+    up, down = np.uint64(step), np.uint64(64 - step)
+    before = np.uint64(0)
+    for at in range(len(line)):
+        word = line[at]
+        after = line[at + 1] if at + 1 < len(line) else np.uint64(0)
+        line[at] = word | (word << up) | (before >> down) | (word >> up) | (after << down)
+        before = word
 
 
 @compiled

@@ -26,7 +26,6 @@ DIAGONAL = 3363
 _DX = np.array([1, 1, 0, -1, -1, -1, 0, 1])
 _DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
 
-_NOT_YET = np.iinfo(np.int64).max
 _NO_PATH = -1
 _HEAP_FULL = -2
 
@@ -102,7 +101,8 @@ class JumpPointSearch:
         self._stops_east, self._stops_west = (_stops(grid.rows, way) for way in (True, False))
         self._stops_north, self._stops_south = (_stops(grid.columns, way) for way in (True, False))
         size = (grid.height + 2) * (grid.width + 2)
-        self._lengths = np.full(size, _NOT_YET, dtype=np.int64)
+        # Plus one, and 0 for cells that were not reached: zeros cost nothing until touched.
+        self._lengths = np.zeros(size, dtype=np.int64)
         self._arrivals = np.zeros(size, dtype=np.uint8)
         self._parents = np.empty(size, dtype=np.int32)
         self._touched = np.empty(1024, dtype=np.int32)
@@ -154,7 +154,7 @@ class JumpPointSearch:
             if length >= 0:
                 cells = _cells(self._parents, width, ends[0], ends[1])
             # Only what was touched is cleared: a search looks at few cells of a large map.
-            self._lengths[self._touched[:touched]] = _NOT_YET
+            self._lengths[self._touched[:touched]] = 0
             if length != _HEAP_FULL:
                 break
             size = 4 * len(self._heap)
@@ -297,7 +297,7 @@ def _search(
     ``_NO_PATH`` or ``_HEAP_FULL``, and how many cells were touched.
     """
     goal_y, goal_x = goal // width, goal % width
-    lengths[start] = 0
+    lengths[start] = 1
     arrivals[start] = 0
     parents[start] = start
     touched[0] = start
@@ -311,7 +311,7 @@ def _search(
         key = int(keys[0])
         count = _pop(keys, heap, count)
         y, x = cell // width, cell % width
-        length = int(lengths[cell])
+        length = int(lengths[cell]) - 1
         if key > length + _octile(x, y, goal_x, goal_y):
             continue
         if cell == goal:
@@ -359,17 +359,17 @@ def _search(
                             hits += 1
                 for hit in range(hits):
                     target, total = int(found[hit]), int(found_at[hit])
-                    known = int(lengths[target])
-                    if total > known:
+                    known = int(lengths[target]) - 1
+                    if 0 <= known < total:
                         continue
                     bit = np.uint8(1 << int(found_by[hit]))
-                    if total < known:
-                        if known == _NOT_YET:
+                    if known != total:
+                        if known < 0:
                             if touch_count == len(touched):
                                 return _HEAP_FULL, touch_count
                             touched[touch_count] = target
                             touch_count += 1
-                        lengths[target] = total
+                        lengths[target] = total + 1
                         arrivals[target] = bit
                         parents[target] = cell
                     elif arrivals[target] & bit or arrivals[target] == 0:

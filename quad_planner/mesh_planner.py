@@ -171,7 +171,7 @@ class MeshPlanner:
         safety = SafetyMap.of(
             grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
         )
-        allowed = ~safety.forbidden
+        allowed = safety.allowed
         lines = [spacing * np.arange(n, dtype=np.float64) for n in (columns, rows)]
         candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))
         exits = np.zeros((rows, columns), dtype=np.uint8)

@@ -73,9 +73,14 @@ class SafetyMap:
         return cls(grid, clearance_radius, blocked, forbidden)
 
     @cached_property
+    def allowed(self) -> Mask:
+        """Return where the robot's centre may be, shape (height, width)."""
+        return ~self.forbidden
+
+    @cached_property
     def areas(self) -> NDArray[np.int32]:
         """Return the number of the connected free area of each cell, 0 if forbidden."""
-        image = (~self.forbidden).astype(np.uint8)
+        image = self.allowed.astype(np.uint8)
         return np.asarray(cv2.connectedComponents(image, connectivity=8)[1], dtype=np.int32)
 
     def area_of(self, point: Points) -> int:

@@ -20,12 +20,15 @@ from quad_common.errors import NoPathFound, PlannerTimedOut
 from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_planner.any_angle import convex_corners, taut_path
+from quad_planner.any_angle import convex_corners, sees, taut_path
 from quad_planner.bit_grid import BitGrid
 from quad_planner.inflation import Mask, Points
 from quad_planner.jump_points import CellPath, JumpPointSearch
 from quad_planner.mesh_planner import SAME_PLACE
 from quad_planner.safety_map import SafetyMap, check_lengths
+
+_FAR = 50.0
+"""A strayed robot joins no way farther off [cells]."""
 
 _NEARBY = 12.0
 """So far from start and goal a free cell is looked for [cells]."""
@@ -41,7 +44,14 @@ class PreparedCells(SafetyMap):
     @cached_property
     def corners(self) -> Points:
         """Where a path at any angle may turn, shape (n, 2) [cells]."""
-        return convex_corners(~self.forbidden)
+        return convex_corners(self.allowed)
+
+    def leads(self, a: Points, b: Points, keep: float) -> bool:
+        """Return whether one may go straight from one point to another, all in cells."""
+        if _is_in(a, self.allowed) and _is_in(b, self.allowed):
+            return sees(self.allowed, *a, *b)
+        # A robot that strayed: an exact look, which takes its time, at what is near.
+        return float(np.hypot(*(b - a))) <= _FAR and self.fits(a, b, keep)
 
     def joints(self, point: Points, keep: float) -> list[tuple[int, int]]:
         """
@@ -123,7 +133,7 @@ class ShortestPlanner:
         safety = SafetyMap.of(
             grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
         )
-        search = JumpPointSearch(BitGrid.of(~safety.forbidden))
+        search = JumpPointSearch(BitGrid.of(safety.allowed))
         return PreparedCells(grid, self.clearance_radius, safety.blocked, safety.forbidden, search)
 
     def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
@@ -182,7 +192,7 @@ class ShortestPlanner:
         check_time: Callable[[], None],
     ) -> Points:
         """Return the turning points between start and goal, shape (n, 2) [cells]."""
-        allowed = ~prepared.forbidden
+        allowed = prepared.allowed
         centres: Points = turns_saved(path.cells, allowed) + np.float64(0.5)
         over_cells = self._joined(prepared, s, centres, g, leave_at)
         if not self.any_angle:
@@ -203,7 +213,7 @@ class ShortestPlanner:
         """Join start and goal to a way, past its first and last point where there is room."""
         points = [s, *between, g]
         for at, keep in ((1, leave_at), (-2, self.clearance_radius / prepared.grid.resolution)):
-            if len(points) > 2 and prepared.fits(points[at - 1], points[at + 1], keep):
+            if len(points) > 2 and prepared.leads(points[at - 1], points[at + 1], keep):
                 del points[at]
         return np.array(points)
 
