@@ -13,7 +13,11 @@ from dataclasses import asdict, dataclass
 from rich.console import Console
 from rich.table import Table
 
-BENCHMARKS = {'walk': 'quad_cli.bench_walk', 'gaits': 'quad_cli.bench_gaits'}
+BENCHMARKS = {
+    'walk': 'quad_cli.bench_walk',
+    'gaits': 'quad_cli.bench_gaits',
+    'planner': 'quad_cli.bench_planner',
+}
 """The module of each benchmark."""
 
 EXAMPLES = """examples:

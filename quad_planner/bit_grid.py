@@ -58,47 +58,47 @@ class BitGrid:
             The same as bits.
         """
         height, width = free.shape
-        rows = packed(np.ascontiguousarray(free), 1)
+        rows = _walled(packed(free), width)
         return cls(width, height, rows, _transposed(rows, width + 2))
 
 
-@compiled
-def packed(mask: Mask, wall: int) -> Bits:
+def packed(mask: Mask) -> Bits:
     """
-    Pack a mask, with a wall of cells that are not set around it.
+    Pack a mask.
 
     Parameters
     ----------
     mask : ndarray of bool, shape (m, n)
         What is set.
-    wall : int
-        Width of the wall [cells].
 
     Returns
     -------
-    ndarray of uint64, shape (m + 2 wall, ceil((n + 2 wall) / 64))
-        Bit x + wall of row y + wall is cell (x, y).
+    ndarray of uint64, shape (m, ceil(n / 64))
+        Bit x of row y is cell (x, y).
     """
     height, width = mask.shape
-    rows = np.zeros((height + 2 * wall, (width + 2 * wall + 63) // 64), dtype=np.uint64)
-    for y in range(height):
-        for at in range(rows.shape[1]):
-            first = at * 64 - wall
-            word = np.uint64(0)
-            for x in range(max(first, 0), min(first + 64, width)):
-                word |= np.uint64(mask[y, x]) << np.uint64(x - first)
-            rows[y + wall, at] = word
-    return rows
+    words = np.zeros((height, (width + 63) // 64), dtype=np.uint64)
+    words.view(np.uint8)[:, : (width + 7) // 8] = np.packbits(mask, axis=1, bitorder='little')
+    return words
+
+
+def unpacked(rows: Bits, width: int) -> Mask:
+    """Unpack rows, shape (m, n), into a mask of shape (m, width)."""
+    bytes_ = np.ascontiguousarray(rows).view(np.uint8)
+    return np.unpackbits(bytes_, axis=1, count=width, bitorder='little').view(np.bool_)
 
 
 @compiled
-def unpacked(rows: Bits, width: int) -> Mask:
-    """Unpack rows that have no wall, shape (m, n), into a mask of shape (m, width)."""
-    mask = np.empty((rows.shape[0], width), dtype=np.bool_)
+def _walled(rows: Bits, width: int) -> Bits:
+    """Move rows of a width one cell up and right, into a wall."""
+    walled = np.zeros((rows.shape[0] + 2, (width + 2 + 63) // 64), dtype=np.uint64)
     for y in range(rows.shape[0]):
-        for x in range(width):
-            mask[y, x] = (rows[y, x >> 6] >> np.uint64(x & 63)) & _ONE
-    return mask
+        before = np.uint64(0)
+        for at in range(walled.shape[1]):
+            word = rows[y, at] if at < rows.shape[1] else np.uint64(0)
+            walled[y + 1, at] = (word << _ONE) | (before >> _LAST)
+            before = word
+    return walled
 
 
 @compiled

@@ -89,10 +89,29 @@ def inflate(
     blocked = blocked_cells(
         grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
     )
-    reaches = _reaches(radius / grid.resolution * (1.0 - _SLACK))
+    return grown(blocked, radius / grid.resolution)
+
+
+def grown(blocked: Mask, radius: float) -> Mask:
+    """
+    Find the cells that are too near to blocked ones, as :func:`inflate` does.
+
+    Parameters
+    ----------
+    blocked : ndarray of bool, shape (height, width)
+        The blocked cells.
+    radius : float
+        Least distance between squares, finite, >= 0 [cells].
+
+    Returns
+    -------
+    ndarray of bool, shape (height, width)
+        The blocked cells, and those that are nearer.
+    """
+    reaches = _reaches(radius * (1.0 - _SLACK))
     if len(reaches) == 0:
         return blocked
-    return unpacked(dilated(packed(blocked, 0), reaches), grid.width)
+    return unpacked(dilated(packed(blocked), reaches), blocked.shape[1])
 
 
 def _reaches(radius: float) -> NDArray[np.int64]:

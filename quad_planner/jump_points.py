@@ -102,7 +102,7 @@ class JumpPointSearch:
         self._stops_north, self._stops_south = (_stops(grid.columns, way) for way in (True, False))
         size = (grid.height + 2) * (grid.width + 2)
         # Plus one, and 0 for cells that were not reached: zeros cost nothing until touched.
-        self._lengths = np.zeros(size, dtype=np.int64)
+        self._lengths = np.zeros(size, dtype=np.int32)
         self._arrivals = np.zeros(size, dtype=np.uint8)
         self._parents = np.empty(size, dtype=np.int32)
         self._touched = np.empty(1024, dtype=np.int32)
@@ -283,7 +283,7 @@ def _search(
     width: int,
     start: int,
     goal: int,
-    lengths: Cells,
+    lengths: NDArray[np.int32],
     arrivals: NDArray[np.uint8],
     parents: NDArray[np.int32],
     touched: NDArray[np.int32],

@@ -24,7 +24,7 @@ from quad_common.errors import (
 )
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_planner.inflation import Mask, Points, blocked_cells, inflate, segment_clearance
+from quad_planner.inflation import Mask, Points, blocked_cells, grown, segment_clearance
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +61,10 @@ class SafetyMap:
         SafetyMap
             The map and its zones.
         """
-        forbidden = inflate(
-            grid,
-            clearance_radius,
-            occupied_threshold=occupied_threshold,
-            unknown_is_free=unknown_is_free,
-        )
         blocked = blocked_cells(
             grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
         )
+        forbidden = grown(blocked, clearance_radius / grid.resolution)
         return cls(grid, clearance_radius, blocked, forbidden)
 
     @cached_property
@@ -85,6 +80,10 @@ class SafetyMap:
 
     def area_of(self, point: Points) -> int:
         """Return the number of the free area nearest to a point in cell coordinates."""
+        height, width = self.areas.shape
+        x, y = (min(max(int(v), 0), n - 1) for v, n in zip(np.floor(point), (width, height)))
+        if self.areas[y, x]:
+            return int(self.areas[y, x])
         rows, columns = np.nonzero(self.areas)
         if rows.size == 0:
             return 0

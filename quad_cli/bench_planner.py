@@ -1,0 +1,186 @@
+"""
+``quadwalk bench planner``: shortest paths on large maps, beside other libraries.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.planner_peers import available_peers
+from quad_common.errors import PlannerError
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_planner.shortest_planner import ShortestPlanner
+
+Mask = NDArray[np.bool_]
+
+_RADIUS = 8.0
+"""That the robot keeps from occupied cells [cells]."""
+_RESOLUTION = 0.05
+"""[m]"""
+
+_FIRST_PLAN = """
+import time
+began = time.perf_counter()
+import numpy as np
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_planner.shortest_planner import ShortestPlanner
+planner = ShortestPlanner(0.4)
+grid = OccupancyGrid(np.zeros((100, 100), dtype=np.int8), 0.05, Pose2D(0.0, 0.0, 0.0))
+planner.plan(planner.prepare(grid), Pose2D(1.0, 1.0, 0.0), Pose2D(4.0, 4.0, 0.0))
+print(time.perf_counter() - began)
+"""
+
+
+def streets(size: int, seed: int) -> Mask:
+    """Draw blocks of houses between streets of several widths, with yards and gaps."""
+    rng = np.random.default_rng(seed)
+    occupied = np.zeros((size, size), dtype=np.bool_)
+    corners = np.cumsum(rng.integers(90, 180, 2 * size // 100))
+    edges = [0, *corners[corners < size - 40].tolist(), size]
+    for top, bottom in pairwise(edges):
+        for left, right in pairwise(edges):
+            if rng.random() < 0.12:
+                continue
+            gap = rng.integers(10, 30, 4)
+            occupied[top + gap[0] : bottom - gap[1], left + gap[2] : right - gap[3]] = True
+            if rng.random() < 0.5:
+                rows = slice(top + 45, bottom - 45)
+                # A yard, open to the right.
+                occupied[rows, left + 40 : right] = False
+    return occupied
+
+
+def noise(size: int, seed: int) -> Mask:
+    """Scatter small boxes: the bad case of jump point search."""
+    rng = np.random.default_rng(seed)
+    occupied = np.zeros((size, size), dtype=np.bool_)
+    for _ in range(size * size // 2500):
+        y, x = rng.integers(0, size - 4, 2)
+        occupied[y : y + rng.integers(1, 5), x : x + rng.integers(1, 5)] = True
+    return occupied
+
+
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+    """
+    Time whole requests: inflation, search and turning points, from the occupied cells.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress and tables go.
+    quick : bool
+        Smaller maps, fewer requests.
+    seed : int
+        Of the maps and of what is drawn on them.
+
+    Returns
+    -------
+    tuple
+        The bars, and details for JSON.
+    """
+    sizes = (512,) if quick else (1024, 4096)
+    requests = 4 if quick else 8
+    bars: list[Bar] = []
+    table = Table('map', 'who', 'median [ms]', 'times as long', 'mean length, of ours')
+    noted = []
+    for kind, make in (('streets', streets), ('noise', noise)):
+        for size in sizes:
+            occupied = make(size, seed)
+            name = f'{kind} {size}'
+            ours, peers = _compare(occupied, requests if size < 4096 else 3, seed, size >= 4096)
+            table.add_row(name, 'quadwalk, shortest', f'{1e3 * ours:.2f}', '', '')
+            for peer, (seconds, length) in peers.items():
+                ratio = seconds / ours
+                table.add_row(
+                    name, peer, f'{1e3 * seconds:.1f}', f'{ratio:.0f}', f'{100.0 * length:.1f} %'
+                )
+                noted.append({'map': name, 'peer': peer, 'ratio': ratio, 'length': length})
+                bars.append(_bar(f'{name}: {peer}', ratio, peer, kind))
+            bars.append(figure(f'{name}: a whole request', 1e3 * ours, 'ms'))
+            console.print(f'{name}: done')
+    console.print(table)
+    starts = [_time_first_plan() for _ in range(2)]
+    bars.append(at_most('from a start of Python to the first plan', min(starts), 's', 1.5))
+    return bars, {'quick': quick, 'seed': seed, 'ratios': noted}
+
+
+def _bar(name: str, ratio: float, peer: str, kind: str) -> Bar:
+    """Make a bar where there is one: on maps with structure, and without."""
+    least = {'pyastar2d': 30.0, 'scipy': 200.0} if kind == 'streets' else {}
+    for library, times in least.items():
+        if library in peer:
+            return at_least(name, ratio, 'x as long', times)
+    return figure(name, ratio, 'x as long')
+
+
+def _compare(
+    occupied: Mask, requests: int, seed: int, is_large: bool
+) -> tuple[float, dict[str, tuple[float, float]]]:
+    """Time ourselves and the peers on the same requests: medians, and lengths of ours."""
+    planner = ShortestPlanner(_RADIUS * _RESOLUTION, start_tolerance=0.0)
+    cells = np.where(occupied, 100, 0).astype(np.int8)
+    grid = OccupancyGrid(cells, _RESOLUTION, Pose2D(0.0, 0.0, 0.0))
+    # Two cells farther off, for peers that measure from centre to centre.
+    wide = ShortestPlanner((_RADIUS + 2.0) * _RESOLUTION).prepare(grid)
+    free = np.argwhere(wide.allowed)[:, ::-1]
+    rng = np.random.default_rng(seed)
+    pairs: list[tuple[tuple[int, int], tuple[int, int]]] = []
+    lengths: list[float] = []
+    times: list[float] = []
+    while len(pairs) < requests:
+        start, goal = (tuple(map(int, free[k])) for k in rng.integers(0, len(free), 2))
+        poses = [
+            Pose2D((x + 0.5) * _RESOLUTION, (y + 0.5) * _RESOLUTION, 0.0) for x, y in (start, goal)
+        ]
+        try:
+            took, plan = _timed(lambda: planner.plan(planner.prepare(grid), *poses))  # noqa: B023
+        except PlannerError:
+            continue
+        pairs.append(((start[0], start[1]), (goal[0], goal[1])))
+        lengths.append(plan.length / _RESOLUTION)
+        times.append(took)
+    peers = {}
+    for name, peer in available_peers().items():
+        if is_large and not ('scipy' in name or 'pyastar2d' in name):
+            continue
+        few = pairs[:1] if is_large and 'scipy' in name else pairs
+        taken, ratios = [], []
+        for (start, goal), length in zip(few, lengths):
+            took, found = _timed(lambda: peer(occupied, _RADIUS, start, goal))  # noqa: B023
+            taken.append(took)
+            ratios.append(found / length)
+        peers[name] = (float(np.median(taken)), float(np.mean(ratios)))
+    # The first of ours may have been compiled.
+    return float(np.median(times[1:])), peers
+
+
+def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
+    began = time.perf_counter()
+    result = work()
+    return time.perf_counter() - began, result
+
+
+def _time_first_plan() -> float:
+    """Start Python anew, and time all up to its first plan [s]."""
+    result = subprocess.run(
+        [sys.executable, '-c', _FIRST_PLAN],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=Path(__file__).parents[1],
+    )
+    return float(result.stdout)
