@@ -34,8 +34,8 @@ EXTRAS = {
     'lint': ['ruff>=0.6', 'mypy>=1.10', 'types-PyYAML'],
 }
 EXTRAS['all'] = [requirement for extra in EXTRAS.values() for requirement in extra]
-# What "quadwalk bench gaits" compares with, if it is there: neither in "all" nor locked.
-EXTRAS['bench'] = ['ikpy>=3.4']
+# What "quadwalk bench" compares with, if it is there: neither in "all" nor locked.
+EXTRAS['bench'] = ['ikpy>=3.4', 'pyastar2d>=1.1', 'scikit-image>=0.22', 'tcod>=16']
 
 
 def version() -> str:

@@ -23,6 +23,8 @@ BENCHMARKS = {
 EXAMPLES = """examples:
   quadwalk bench walk --quick
   quadwalk bench walk --json > walk.json
+  quadwalk bench gaits
+  quadwalk bench planner --quick
 """
 
 

@@ -22,6 +22,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle import convex_corners, sees, taut_path
 from quad_planner.bit_grid import BitGrid
+from quad_planner.compiled import compiled
 from quad_planner.inflation import Mask, Points
 from quad_planner.jump_points import CellPath, JumpPointSearch
 from quad_planner.mesh_planner import SAME_PLACE
@@ -257,32 +258,37 @@ def turns_saved(cells: NDArray[np.int64], allowed: Mask) -> NDArray[np.int64]:
     ndarray, shape (m, 2)
         As short, with no more turns.
     """
-    kept = list(map(tuple, cells.tolist()))
+    kept: list[tuple[int, int]] = [(x, y) for x, y in cells.tolist()]
     at = 0
     # Three pieces a, b, a become two: the middle one is moved to the end, or to the front.
     while at + 3 < len(kept):
-        p0, p1, p2, p3 = (np.array(p) for p in kept[at : at + 4])
-        if (np.sign(p1 - p0) == np.sign(p3 - p2)).all():
-            for middle in (p0 + (p2 - p1), p1 + (p3 - p2)):
-                if _is_free(p0, middle, allowed) and _is_free(middle, p3, allowed):
-                    kept[at + 1 : at + 3] = [tuple(middle.tolist())]
+        (x0, y0), (x1, y1), (x2, y2), (x3, y3) = kept[at : at + 4]
+        if _direction(x1 - x0, y1 - y0) == _direction(x3 - x2, y3 - y2):
+            for x, y in ((x0 + x2 - x1, y0 + y2 - y1), (x1 + x3 - x2, y1 + y3 - y2)):
+                if _is_free(x0, y0, x, y, allowed) and _is_free(x, y, x3, y3, allowed):
+                    kept[at + 1 : at + 3] = [(x, y)]
                     at = max(at - 2, -1)
                     break
         at += 1
     return _without_straights(np.array(kept))
 
 
-def _is_free(a: NDArray[np.int64], b: NDArray[np.int64], allowed: Mask) -> bool:
+def _direction(x: int, y: int) -> tuple[int, int]:
+    return (x > 0) - (x < 0), (y > 0) - (y < 0)
+
+
+@compiled
+def _is_free(x: int, y: int, to_x: int, to_y: int, allowed: Mask) -> bool:
     """Return whether one may step from cell to cell along a straight or a diagonal."""
-    steps = int(np.abs(b - a).max())
-    step = np.sign(b - a)
-    on_way = a + np.arange(steps + 1)[:, None] * step
-    x, y = on_way.T
-    if not allowed[y, x].all():
+    dx, dy = np.sign(to_x - x), np.sign(to_y - y)
+    if not allowed[y, x]:
         return False
-    if not step.all():
-        return True
-    return bool(allowed[y[:-1], x[1:]].all() and allowed[y[1:], x[:-1]].all())
+    while x != to_x or y != to_y:
+        if not (allowed[y + dy, x + dx] and allowed[y, x + dx] and allowed[y + dy, x]):
+            return False
+        x += dx
+        y += dy
+    return True
 
 
 def _without_straights(cells: NDArray[np.int64]) -> NDArray[np.int64]:

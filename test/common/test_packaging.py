@@ -39,7 +39,12 @@ LIBRARIES = {
 }
 
 # Imported only where they are installed, for comparison; rosdep does not know them.
-COMPARED_WITH = {'ikpy': 'ikpy'}
+COMPARED_WITH = {
+    'ikpy': 'ikpy',
+    'pyastar2d': 'pyastar2d',
+    'skimage': 'scikit-image',
+    'tcod': 'tcod',
+}
 
 
 @pytest.fixture(scope='module')
