@@ -1,7 +1,7 @@
 """
 Planning: from a map, a start and a goal to the turning points of a walk.
 
-S0 section 3: obstacles get a boundary at the safety distance, a mesh as wide as the
-robot needs for its turns is laid over the map, and Dijkstra's algorithm finds the
-shortest way over it.
+Obstacles get a boundary at the safety distance (S0 section 3). Within what is left the
+shortest way is found: over a mesh as wide as the robot needs for its turns, by Dijkstra's
+algorithm, over the cells of the map, or at any angle.
 """
