@@ -33,6 +33,9 @@ _PRCTL: Any = getattr(ctypes.CDLL(None), 'prctl', None) if sys.platform == 'linu
 
 _PR_SET_PDEATHSIG = 1
 
+_SHORT_WAIT = 0.05
+"""Between two looks whether a node has ended [s]."""
+
 _FIRST_LOCK_PORT = 32768
 
 _PARTICIPANTS = 32
@@ -133,6 +136,7 @@ class NodeProcess:
     ) -> None:
         self.name = name
         self._log = log
+        self._is_interrupted = False
         arguments = [part for key, value in parameters.items() for part in ('-p', _set(key, value))]
         if namespace:
             arguments += ['-r', f'__ns:=/{namespace.strip("/")}']
@@ -171,13 +175,21 @@ class NodeProcess:
 
     def stop(self, timeout: float = 5.0) -> int:
         """Interrupt it, as Ctrl-C would, and wait; return its exit code."""
-        if self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
+        self.interrupt()
+        # In short waits: the time for which the whole machine stood still does not count.
+        for _ in range(max(1, round(timeout / _SHORT_WAIT))):
             try:
-                self._process.wait(timeout)
+                return self._process.wait(_SHORT_WAIT)
             except subprocess.TimeoutExpired:
-                self.kill()
+                continue
+        self.kill()
         return self._process.returncode
+
+    def interrupt(self) -> None:
+        """Interrupt it, as Ctrl-C would, once: a second time would disturb its end."""
+        if not self._is_interrupted and self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+        self._is_interrupted = True
 
 
 class NodeProcesses:

@@ -380,7 +380,7 @@ class Bench:
     def _end_nodes(self) -> None:
         """Interrupt all nodes at once; each must end well and leave nothing behind."""
         for name in self._alive:
-            os.kill(self.processes[name].pid, signal.SIGINT)
+            self.processes[name].interrupt()
         for name in self._alive:
             code = self.processes[name].stop(WALL_TIMEOUT)
             assert code == 0, f'{name} ended with {code}:\n{self.processes[name].log_tail(40)}'
