@@ -129,11 +129,10 @@ def _watch(
             seen, advanced = observer.time, now
         if observer.activity not in ('blocked', 'stopped', 'fallen'):
             moved = seen
-        elif seen - moved > _PATIENCE:
-            record.problem = observer.statuses['gait_node'][1]
-            break
         record.wall_time = now - began
         record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
+        if not record.problem and seen - moved > _PATIENCE:
+            record.problem = observer.statuses['gait_node'][1]
     return record
 
 
