@@ -26,13 +26,10 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.dijkstra import shortest_path
 from quad_planner.inflation import Mask, Points, points_allowed, segments_allowed
-from quad_planner.safety_map import SafetyMap, check_lengths
+from quad_planner.safety_map import SAME_PLACE, SafetyMap, check_lengths
 
 MAX_CROSSINGS = 2**20
 """The finest mesh that is laid over a map."""
-
-SAME_PLACE = 1e-3
-"""Start and goal nearer than this are one place: the robot only turns [m]."""
 
 # A cost is one whole number: length in micrometres times _MICROMETRE, plus the number of
 # turns. Whole numbers add without rounding, so equal lengths are equal and turns decide.

@@ -26,6 +26,9 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.inflation import Mask, Points, blocked_cells, grown, segment_clearance
 
+SAME_PLACE = 1e-3
+"""Start and goal nearer than this are one place: the robot only turns [m]."""
+
 
 @dataclass(frozen=True, eq=False)
 class SafetyMap:

@@ -25,8 +25,7 @@ from quad_planner.bit_grid import BitGrid
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Mask, Points
 from quad_planner.jump_points import CellPath, JumpPointSearch
-from quad_planner.mesh_planner import SAME_PLACE
-from quad_planner.safety_map import SafetyMap, check_lengths
+from quad_planner.safety_map import SAME_PLACE, SafetyMap, check_lengths
 
 _FAR = 50.0
 """A strayed robot joins no way farther off [cells]."""
