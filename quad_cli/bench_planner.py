@@ -38,7 +38,7 @@ import numpy as np
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.shortest_planner import ShortestPlanner
-planner = ShortestPlanner(0.4)
+planner = ShortestPlanner(clearance_radius=0.4)
 grid = OccupancyGrid(np.zeros((100, 100), dtype=np.int8), 0.05, Pose2D(0.0, 0.0, 0.0))
 planner.plan(planner.prepare(grid), Pose2D(1.0, 1.0, 0.0), Pose2D(4.0, 4.0, 0.0))
 print(time.perf_counter() - began)
@@ -131,11 +131,11 @@ def _compare(
     occupied: Mask, requests: int, seed: int, is_large: bool
 ) -> tuple[float, dict[str, tuple[float, float]]]:
     """Time ourselves and the peers on the same requests: medians, and lengths of ours."""
-    planner = ShortestPlanner(_RADIUS * _RESOLUTION, start_tolerance=0.0)
+    planner = ShortestPlanner(clearance_radius=_RADIUS * _RESOLUTION, start_tolerance=0.0)
     cells = np.where(occupied, 100, 0).astype(np.int8)
     grid = OccupancyGrid(cells, _RESOLUTION, Pose2D(0.0, 0.0, 0.0))
     # Two cells farther off, for peers that measure from centre to centre.
-    wide = ShortestPlanner((_RADIUS + 2.0) * _RESOLUTION).prepare(grid)
+    wide = ShortestPlanner(clearance_radius=(_RADIUS + 2.0) * _RESOLUTION).prepare(grid)
     free = np.argwhere(wide.allowed)[:, ::-1]
     rng = np.random.default_rng(seed)
     pairs: list[tuple[tuple[int, int], tuple[int, int]]] = []

@@ -14,19 +14,20 @@ every turn on the spot costs gait cycles.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from quad_common.errors import NoPathFound, ParameterError
-from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.dijkstra import shortest_path
 from quad_planner.inflation import Mask, Points, points_allowed, segments_allowed
-from quad_planner.safety_map import SAME_PLACE, SafetyMap, check_lengths
+from quad_planner.planner_options import PlannerOptions
+from quad_planner.safety_map import SAME_PLACE, SafetyMap
 
 MAX_CROSSINGS = 2**20
 """The finest mesh that is laid over a map."""
@@ -100,7 +101,7 @@ class PreparedMesh(SafetyMap):
 
 
 @dataclass(frozen=True)
-class MeshPlanner:
+class MeshPlanner(PlannerOptions):
     """
     Plan over a mesh of turning points.
 
@@ -112,23 +113,11 @@ class MeshPlanner:
 
     mesh_size: float
     """Width of the mesh, delta = 2n + S_max (S0 eq. 5), > 0 [m]; 0.628 for TITAN-VIII."""
-    clearance_radius: float
-    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
     connection_radius: float | None = None
     """
     Longest segment that joins start or goal to the mesh, or to each other [m]; twice the
     mesh size if None.
     """
-    start_tolerance: float = 0.10
-    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
-    occupied_threshold: int = OCCUPIED_THRESHOLD
-    """Cells of at least this value are obstacles."""
-    unknown_is_free: bool = False
-    """Whether cells of which nothing is known are free."""
-    time_limit: float | None = None
-    """How long a search may take; needs a clock [s]."""
-    clock: Callable[[], float] | None = None
-    """Returns the time, for example `time.monotonic` [s]."""
 
     def __post_init__(self) -> None:
         """Check the lengths."""
@@ -136,7 +125,7 @@ class MeshPlanner:
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise ParameterError(name, value, 'a finite length above 0 m')
-        check_lengths(self.clearance_radius, self.start_tolerance)
+        super().__post_init__()
 
     def prepare(self, grid: OccupancyGrid) -> PreparedMesh:
         """
@@ -165,9 +154,7 @@ class MeshPlanner:
             raise ParameterError(
                 'mesh_size', self.mesh_size, f'above {least:.3f} m on a map of this size'
             )
-        safety = SafetyMap.of(
-            grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
-        )
+        safety = self.safety_map(grid)
         allowed = safety.allowed
         lines = [spacing * np.arange(n, dtype=np.float64) for n in (columns, rows)]
         candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))

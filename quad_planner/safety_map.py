@@ -6,7 +6,6 @@ What every planning method begins with.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,7 +17,6 @@ from quad_common.errors import (
     GoalOccupied,
     GoalOutsideMap,
     InvalidPose,
-    ParameterError,
     StartOccupied,
     StartOutsideMap,
 )
@@ -154,11 +152,3 @@ class SafetyMap:
             "the start's free area and the goal's are not connected for a robot that "
             f'needs {self.clearance_radius:.2f} m'
         )
-
-
-def check_lengths(clearance_radius: float, start_tolerance: float) -> None:
-    """Raise a ParameterError if a planner's lengths are not valid."""
-    if not (math.isfinite(clearance_radius) and clearance_radius > 0.0):
-        raise ParameterError('clearance_radius', clearance_radius, 'a finite length above 0 m')
-    if not (math.isfinite(start_tolerance) and start_tolerance >= 0.0):
-        raise ParameterError('start_tolerance', start_tolerance, 'a finite length of at least 0 m')

@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import NoPathFound, PlannerTimedOut
-from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_common.errors import NoPathFound
+from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle import convex_corners, sees, taut_path
@@ -25,7 +25,8 @@ from quad_planner.bit_grid import BitGrid
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Mask, Points
 from quad_planner.jump_points import CellPath, JumpPointSearch
-from quad_planner.safety_map import SAME_PLACE, SafetyMap, check_lengths
+from quad_planner.planner_options import PlannerOptions
+from quad_planner.safety_map import SAME_PLACE, SafetyMap
 
 _FAR = 50.0
 """A strayed robot joins no way farther off [cells]."""
@@ -87,34 +88,11 @@ class PreparedCells(SafetyMap):
 
 
 @dataclass(frozen=True)
-class ShortestPlanner:
-    """
-    Plan the shortest way, whatever turns it takes.
+class ShortestPlanner(PlannerOptions):
+    """Plan the shortest way, whatever turns it takes."""
 
-    Raises
-    ------
-    ParameterError
-        If a length is not finite, or not above zero where it must be.
-    """
-
-    clearance_radius: float
-    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
     any_angle: bool = False
     """Whether the path may have any direction, not only those of the cells."""
-    start_tolerance: float = 0.10
-    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
-    occupied_threshold: int = OCCUPIED_THRESHOLD
-    """Cells of at least this value are obstacles."""
-    unknown_is_free: bool = False
-    """Whether cells of which nothing is known are free."""
-    time_limit: float | None = None
-    """How long a search may take; needs a clock [s]."""
-    clock: Callable[[], float] | None = None
-    """Returns the time, for example `time.monotonic` [s]."""
-
-    def __post_init__(self) -> None:
-        """Check the lengths."""
-        check_lengths(self.clearance_radius, self.start_tolerance)
 
     def prepare(self, grid: OccupancyGrid) -> PreparedCells:
         """
@@ -130,9 +108,7 @@ class ShortestPlanner:
         PreparedCells
             What `plan` needs of the map, for any number of plans.
         """
-        safety = SafetyMap.of(
-            grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
-        )
+        safety = self.safety_map(grid)
         search = JumpPointSearch(BitGrid.of(safety.allowed))
         return PreparedCells(grid, self.clearance_radius, safety.blocked, safety.forbidden, search)
 
@@ -169,7 +145,7 @@ class ShortestPlanner:
         leave_at = prepared.check_ends(start, goal, self.start_tolerance)
         if start.distance_to(goal) < SAME_PLACE:
             return Plan((goal,))
-        check_time = self._timer()
+        check_time = self.timer()
         s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
         radius = self.clearance_radius / grid.resolution
         first, last = prepared.joints(s, leave_at), prepared.joints(g, radius)
@@ -216,19 +192,6 @@ class ShortestPlanner:
             if len(points) > 2 and prepared.leads(points[at - 1], points[at + 1], keep):
                 del points[at]
         return np.array(points)
-
-    def _timer(self) -> Callable[[], None]:
-        """Return what raises when the time is over."""
-        clock, limit = self.clock, self.time_limit
-        if clock is None or limit is None:
-            return lambda: None
-        began = clock()
-
-        def check() -> None:
-            if clock() - began > limit:
-                raise PlannerTimedOut(limit)
-
-        return check
 
 
 def _is_in(point: Points, allowed: Mask) -> bool:

@@ -103,7 +103,9 @@ def test_every_point_of_every_segment_keeps_the_distance_from_every_obstacle():
     plans = 0
     for _ in range(25):
         grid = random_grid(rng, origin=Pose2D(*rng.uniform(-5.0, 5.0, 3)))
-        planner = MeshPlanner(rng.uniform(0.2, 0.8), rng.uniform(0.05, 0.5), start_tolerance=0.0)
+        planner = MeshPlanner(
+            rng.uniform(0.2, 0.8), clearance_radius=rng.uniform(0.05, 0.5), start_tolerance=0.0
+        )
         for _, _, plan in random_plans(rng, planner, grid, 12):
             assert least_clearance(grid, plan) >= planner.clearance_radius - 1e-6
             plans += 1
@@ -113,7 +115,7 @@ def test_every_point_of_every_segment_keeps_the_distance_from_every_obstacle():
 def test_a_plan_goes_from_the_start_to_the_goal_pose():
     rng = np.random.default_rng(12)
     grid = random_grid(rng)
-    for start, goal, plan in random_plans(rng, MeshPlanner(0.5, 0.2), grid, 40):
+    for start, goal, plan in random_plans(rng, MeshPlanner(0.5, clearance_radius=0.2), grid, 40):
         assert plan.poses[0].distance_to(start) == 0.0
         assert plan.poses[-1] == goal
         assert plan.length >= start.distance_to(goal) - 1e-9
@@ -122,7 +124,7 @@ def test_a_plan_goes_from_the_start_to_the_goal_pose():
 def test_pose_k_faces_along_segment_k():
     rng = np.random.default_rng(13)
     grid = random_grid(rng, origin=Pose2D(1.0, 2.0, 0.5))
-    for _, _, plan in random_plans(rng, MeshPlanner(0.5, 0.2), grid, 40):
+    for _, _, plan in random_plans(rng, MeshPlanner(0.5, clearance_radius=0.2), grid, 40):
         for here, there in pairwise(plan.poses):
             assert here.yaw == pytest.approx(here.heading_to(there))
 
@@ -130,7 +132,7 @@ def test_pose_k_faces_along_segment_k():
 def test_no_turning_point_can_be_dropped():
     rng = np.random.default_rng(14)
     grid = random_grid(rng)
-    for _, _, plan in random_plans(rng, MeshPlanner(0.5, 0.2), grid, 60):
+    for _, _, plan in random_plans(rng, MeshPlanner(0.5, clearance_radius=0.2), grid, 60):
         steps = np.diff(plan.corners, axis=0)
         lengths = np.linalg.norm(steps, axis=1)
         assert lengths.min() > 1e-6
@@ -141,7 +143,7 @@ def test_no_turning_point_can_be_dropped():
 def test_turning_points_are_crossings_of_the_mesh():
     rng = np.random.default_rng(15)
     grid = random_grid(rng, origin=Pose2D(-1.0, 0.5, 0.9))
-    for _, _, plan in random_plans(rng, MeshPlanner(0.5, 0.2), grid, 40):
+    for _, _, plan in random_plans(rng, MeshPlanner(0.5, clearance_radius=0.2), grid, 40):
         lines = grid.world_to_map(plan.corners[1:-1]) * grid.resolution / 0.5
         assert lines == pytest.approx(np.round(lines), abs=1e-9)
 
@@ -202,7 +204,9 @@ def test_length_and_turns_are_the_least_of_the_whole_mesh():
     mesh, solved = 6, 0
     for _ in range(12):
         grid = random_grid(rng, 36, 48, boxes=7)
-        planner = MeshPlanner(0.6, 0.15, connection_radius=1e-6, start_tolerance=0.0)
+        planner = MeshPlanner(
+            0.6, clearance_radius=0.15, connection_radius=1e-6, start_tolerance=0.0
+        )
         prepared = planner.prepare(grid)
         crossings = np.argwhere(prepared.candidates)
         for _ in range(3):
@@ -232,7 +236,7 @@ def test_a_mirrored_map_has_a_mirrored_path_of_equal_length_and_turns():
     for _ in range(10):
         grid = random_grid(rng)
         mirrored = grid_of(grid.cells[:, ::-1])
-        planner = MeshPlanner(0.6, 0.15)
+        planner = MeshPlanner(0.6, clearance_radius=0.15)
         for start, goal, plan in random_plans(rng, planner, grid, 8):
             start_, goal_ = (Pose2D(width - p.x, p.y, math.pi - p.yaw) for p in (start, goal))
             plan_ = planner.plan(mirrored, start_, goal_)
@@ -243,7 +247,7 @@ def test_a_mirrored_map_has_a_mirrored_path_of_equal_length_and_turns():
 def test_where_one_path_is_the_best_the_mirrored_map_has_its_mirror_image():
     cells = np.zeros((60, 60), np.int8)
     cells[:42, 28:32] = 100
-    planner = MeshPlanner(0.6, 0.5)
+    planner = MeshPlanner(0.6, clearance_radius=0.5)
     plan = planner.plan(grid_of(cells), Pose2D(1.2, 1.8, 0.0), Pose2D(4.8, 1.2, 0.0))
     plan_ = planner.plan(grid_of(cells[:, ::-1]), Pose2D(4.8, 1.8, 0.0), Pose2D(1.2, 1.2, 0.0))
     assert len(plan.poses) > 3
@@ -257,7 +261,7 @@ def test_a_map_with_a_moved_and_turned_origin_has_a_moved_and_turned_plan():
     grid = random_grid(rng)
     origin = Pose2D(1.3, -2.1, 0.7)
     turned = grid_of(grid.cells, origin=origin)
-    planner = MeshPlanner(0.5, 0.2)
+    planner = MeshPlanner(0.5, clearance_radius=0.2)
     for start, goal, plan in random_plans(rng, planner, grid, 30):
         plan_ = planner.plan(turned, origin @ start, origin @ goal)
         assert len(plan_.poses) == len(plan.poses)
@@ -270,13 +274,13 @@ def test_a_map_with_a_moved_and_turned_origin_has_a_moved_and_turned_plan():
 def test_a_prepared_map_gives_the_same_plan_as_a_bare_one():
     rng = np.random.default_rng(19)
     grid = random_grid(rng)
-    planner = MeshPlanner(0.5, 0.2)
+    planner = MeshPlanner(0.5, clearance_radius=0.2)
     for start, goal, plan in random_plans(rng, planner, grid, 10):
         assert planner.plan(grid, start, goal) == plan
 
 
 def test_a_near_goal_is_walked_to_straight():
-    plan = MeshPlanner(0.6, 0.3).plan(
+    plan = MeshPlanner(0.6, clearance_radius=0.3).plan(
         grid_of(np.zeros((40, 40))), Pose2D(1.0, 1.0, 2.0), Pose2D(1.7, 1.9, 1.0)
     )
     assert len(plan.poses) == 2
@@ -285,7 +289,7 @@ def test_a_near_goal_is_walked_to_straight():
 
 def test_equal_lengths_are_walked_with_the_fewest_turns():
     # Ten crossings along and four diagonally: one turn between them does.
-    planner = MeshPlanner(0.6, 0.1, connection_radius=1e-6)
+    planner = MeshPlanner(0.6, clearance_radius=0.1, connection_radius=1e-6)
     grid = grid_of(np.zeros((60, 120)))
     plan = planner.plan(grid, Pose2D(0.6, 0.6, 0.0), Pose2D(9.0, 3.0, math.pi / 4))
     assert plan.corners.tolist() == pytest.approx(np.array([[0.6, 0.6], [6.6, 0.6], [9.0, 3.0]]))
@@ -296,7 +300,7 @@ def test_equal_lengths_are_walked_with_the_fewest_turns():
     [(0.0, math.pi / 2, (6.6, 0.6)), (math.pi / 2, 0.0, (3.0, 3.0))],
 )
 def test_the_headings_at_start_and_goal_count_as_turns(start_yaw, goal_yaw, corner):
-    planner = MeshPlanner(0.6, 0.1, connection_radius=1e-6)
+    planner = MeshPlanner(0.6, clearance_radius=0.1, connection_radius=1e-6)
     grid = grid_of(np.zeros((60, 120)))
     plan = planner.plan(grid, Pose2D(0.6, 0.6, start_yaw), Pose2D(9.0, 3.0, goal_yaw))
     assert plan.corners[1:-1].tolist() == [pytest.approx(corner)]
@@ -305,7 +309,7 @@ def test_the_headings_at_start_and_goal_count_as_turns(start_yaw, goal_yaw, corn
 @pytest.mark.parametrize('origin', [UPRIGHT, Pose2D(2.0, 1.0, 0.7)])
 @pytest.mark.parametrize('side', [1.0, -1.0])
 def test_of_two_ways_to_the_mesh_the_one_ahead_is_taken(origin, side):
-    planner = MeshPlanner(0.6, 0.1, connection_radius=0.35)
+    planner = MeshPlanner(0.6, clearance_radius=0.1, connection_radius=0.35)
     grid = grid_of(np.zeros((60, 120)), origin=origin)
     start = origin @ Pose2D(0.6, 0.9, side * math.pi / 2)
     goal = origin @ Pose2D(6.0, 0.9, 0.0)
@@ -320,7 +324,9 @@ def test_a_corridor_in_which_one_row_of_cells_is_allowed_is_walked_through():
     cells[:, :8] = cells[:, -8:] = 0
     grid = grid_of(cells)
     assert (~inflate(grid, 0.1))[:, 30].sum() == 1
-    plan = MeshPlanner(0.35, 0.1).plan(grid, Pose2D(0.3, 0.3, 0.0), Pose2D(5.7, 0.3, 0.0))
+    plan = MeshPlanner(0.35, clearance_radius=0.1).plan(
+        grid, Pose2D(0.3, 0.3, 0.0), Pose2D(5.7, 0.3, 0.0)
+    )
     assert least_clearance(grid, plan) >= 0.1 - 1e-9
 
 
@@ -329,7 +335,9 @@ def test_a_corridor_in_which_one_row_of_cells_is_allowed_is_walked_through():
 
 def test_who_is_there_already_only_turns():
     goal = Pose2D(2.0004, 2.0, 1.0)
-    plan = MeshPlanner(0.6, 0.3).plan(grid_of(np.zeros((40, 40))), Pose2D(2.0, 2.0, 0.0), goal)
+    plan = MeshPlanner(0.6, clearance_radius=0.3).plan(
+        grid_of(np.zeros((40, 40))), Pose2D(2.0, 2.0, 0.0), goal
+    )
     assert plan == Plan((goal,))
     assert plan.length == 0.0
 
@@ -342,7 +350,7 @@ def walled():
 
 
 def test_a_robot_that_strayed_over_the_boundary_leaves_it_without_going_nearer():
-    planner = MeshPlanner(0.6, 0.5, start_tolerance=0.1)
+    planner = MeshPlanner(0.6, clearance_radius=0.5, start_tolerance=0.1)
     start, goal = Pose2D(2.57, 2.2, 0.0), Pose2D(0.9, 0.7, 0.0)
     plan = planner.plan(walled(), start, goal)
     first = Plan(plan.poses[:2])
@@ -351,25 +359,29 @@ def test_a_robot_that_strayed_over_the_boundary_leaves_it_without_going_nearer()
 
 
 def test_a_robot_that_strayed_further_may_not_start():
-    planner = MeshPlanner(0.6, 0.5, start_tolerance=0.1)
+    planner = MeshPlanner(0.6, clearance_radius=0.5, start_tolerance=0.1)
     sentence = r'start \(2.63, 2.20\) m is 0.37 m from the nearest .* the robot needs 0.50 m'
     with pytest.raises(StartOccupied, match=sentence):
         planner.plan(walled(), Pose2D(2.63, 2.2, 0.0), Pose2D(0.9, 0.7, 0.0))
 
 
 def test_no_tolerance_lets_a_robot_start_inside_an_obstacle():
-    planner = MeshPlanner(0.6, 0.05, start_tolerance=1.0)
+    planner = MeshPlanner(0.6, clearance_radius=0.05, start_tolerance=1.0)
     with pytest.raises(StartOccupied, match=r'is 0\.00 m from the nearest'):
         planner.plan(walled(), Pose2D(3.05, 2.2, 0.0), Pose2D(0.9, 0.7, 0.0))
 
 
 def test_the_goal_has_no_tolerance():
     with pytest.raises(GoalOccupied, match=r'goal \(2.57, 2.20\) m is 0.43 m .* needs 0.50 m'):
-        MeshPlanner(0.6, 0.5).plan(walled(), Pose2D(0.9, 0.7, 0.0), Pose2D(2.57, 2.2, 0.0))
+        MeshPlanner(0.6, clearance_radius=0.5).plan(
+            walled(), Pose2D(0.9, 0.7, 0.0), Pose2D(2.57, 2.2, 0.0)
+        )
 
 
 def test_a_goal_exactly_at_the_clearance_is_reached():
-    plan = MeshPlanner(0.6, 0.5).plan(walled(), Pose2D(0.9, 0.7, 0.0), Pose2D(2.5, 2.2, 0.0))
+    plan = MeshPlanner(0.6, clearance_radius=0.5).plan(
+        walled(), Pose2D(0.9, 0.7, 0.0), Pose2D(2.5, 2.2, 0.0)
+    )
     assert plan.poses[-1] == Pose2D(2.5, 2.2, 0.0)
 
 
@@ -377,18 +389,18 @@ def test_a_start_or_goal_beside_the_map_is_outside():
     inside, outside = Pose2D(1.0, 1.0, 0.0), Pose2D(6.2, 1.0, 0.0)
     spans = r'\(6.20, 1.00\) m is outside the map, which spans x 0.00 to 6.00 m'
     with pytest.raises(StartOutsideMap, match=f'start {spans}'):
-        MeshPlanner(0.6, 0.5).plan(walled(), outside, inside)
+        MeshPlanner(0.6, clearance_radius=0.5).plan(walled(), outside, inside)
     with pytest.raises(GoalOutsideMap, match=f'goal {spans}'):
-        MeshPlanner(0.6, 0.5).plan(walled(), inside, outside)
+        MeshPlanner(0.6, clearance_radius=0.5).plan(walled(), inside, outside)
 
 
 @pytest.mark.parametrize('number', [math.nan, math.inf])
 def test_a_pose_that_is_not_finite_is_no_pose(number):
     pose = Pose2D(1.0, 1.0, 0.0)
     with pytest.raises(InvalidPose, match=r'the start is not a pose: .* three finite numbers'):
-        MeshPlanner(0.6, 0.5).plan(walled(), Pose2D(number, 1.0, 0.0), pose)
+        MeshPlanner(0.6, clearance_radius=0.5).plan(walled(), Pose2D(number, 1.0, 0.0), pose)
     with pytest.raises(InvalidPose, match='the goal is not a pose'):
-        MeshPlanner(0.6, 0.5).plan(walled(), pose, Pose2D(1.0, 1.0, number))
+        MeshPlanner(0.6, clearance_radius=0.5).plan(walled(), pose, Pose2D(1.0, 1.0, number))
 
 
 # ---------------------------------------------------------------- no path
@@ -396,7 +408,9 @@ def test_a_pose_that_is_not_finite_is_no_pose(number):
 
 def test_a_wall_between_start_and_goal_is_named_as_the_reason():
     with pytest.raises(NoPathFound, match=r'are not connected for a robot that needs 0.50 m'):
-        MeshPlanner(0.6, 0.5).plan(walled(), Pose2D(1.0, 1.0, 0.0), Pose2D(5.0, 1.0, 0.0))
+        MeshPlanner(0.6, clearance_radius=0.5).plan(
+            walled(), Pose2D(1.0, 1.0, 0.0), Pose2D(5.0, 1.0, 0.0)
+        )
 
 
 def pocket():
@@ -408,7 +422,7 @@ def pocket():
 
 
 def test_a_mesh_too_coarse_at_the_start_or_the_goal_is_named_as_the_reason():
-    planner = MeshPlanner(0.9, 0.2, connection_radius=0.5)
+    planner = MeshPlanner(0.9, clearance_radius=0.2, connection_radius=0.5)
     niche, hall = Pose2D(2.05, 1.0, 0.0), Pose2D(4.5, 4.5, 0.0)
     coarse = r'the mesh of 0\.90 m may be too coarse for this passage'
     leaves = rf'no mesh crossing is reachable from the start; {coarse}'
@@ -417,7 +431,7 @@ def test_a_mesh_too_coarse_at_the_start_or_the_goal_is_named_as_the_reason():
         planner.plan(pocket(), niche, hall)
     with pytest.raises(NoPathFound, match=arrives):
         planner.plan(pocket(), hall, niche)
-    assert MeshPlanner(0.2, 0.2, connection_radius=0.5).plan(pocket(), niche, hall)
+    assert MeshPlanner(0.2, clearance_radius=0.2, connection_radius=0.5).plan(pocket(), niche, hall)
 
 
 def test_a_mesh_too_coarse_for_a_passage_is_named_as_the_reason():
@@ -426,13 +440,15 @@ def test_a_mesh_too_coarse_for_a_passage_is_named_as_the_reason():
     cells[22:27, 27:33] = 0
     start, goal = Pose2D(0.9, 0.9, 0.0), Pose2D(5.1, 0.9, 0.0)
     with pytest.raises(NoPathFound, match=r'no way over the mesh connects them; the mesh of 0\.90'):
-        MeshPlanner(0.9, 0.2).plan(grid_of(cells), start, goal)
-    assert MeshPlanner(0.35, 0.2).plan(grid_of(cells), start, goal)
+        MeshPlanner(0.9, clearance_radius=0.2).plan(grid_of(cells), start, goal)
+    assert MeshPlanner(0.35, clearance_radius=0.2).plan(grid_of(cells), start, goal)
 
 
 def test_a_search_stops_at_its_time_limit():
     ticks = iter(range(10**6))
-    planner = MeshPlanner(0.1, 0.2, time_limit=0.5, clock=lambda: float(next(ticks)))
+    planner = MeshPlanner(
+        0.1, clearance_radius=0.2, time_limit=0.5, clock=lambda: float(next(ticks))
+    )
     with pytest.raises(PlannerTimedOut, match=r'limit of 0\.50 s'):
         planner.plan(grid_of(np.zeros((60, 60))), Pose2D(1.0, 1.0, 0.0), Pose2D(5.0, 5.0, 0.0))
 
@@ -458,7 +474,7 @@ def test_a_length_that_is_none_is_refused(options):
 
 def test_a_mesh_that_would_be_too_fine_for_the_map_is_refused():
     with pytest.raises(ParameterError, match=r"'mesh_size' is 0.001; it must be above 0.004 m"):
-        MeshPlanner(0.001, 0.5).prepare(grid_of(np.zeros((40, 40))))
+        MeshPlanner(0.001, clearance_radius=0.5).prepare(grid_of(np.zeros((40, 40))))
 
 
 def test_an_unknown_method_is_refused_with_the_known_ones():
@@ -502,7 +518,9 @@ def test_a_plan_leaves_out_what_is_no_turn():
 )
 def test_the_sample_maps_are_walked_with_several_turns(name, start, goal):
     grid = load_map(ROOT / 'maps' / f'{name}.yaml')
-    plan = MeshPlanner(0.628, 0.55).plan(grid, Pose2D(*start, 0.0), Pose2D(*goal, 0.0))
+    plan = MeshPlanner(0.628, clearance_radius=0.55).plan(
+        grid, Pose2D(*start, 0.0), Pose2D(*goal, 0.0)
+    )
     assert len(plan.poses) >= 5
     assert least_clearance(grid, plan) >= 0.55 - 1e-9
 
@@ -512,7 +530,7 @@ def test_the_sample_maps_are_walked_with_several_turns(name, start, goal):
 def test_maps_that_others_made_are_walked(name):
     rng = np.random.default_rng(20)
     grid = load_map(SHARED / f'{name}.yaml')
-    planner = MeshPlanner(0.628, 0.5, start_tolerance=0.0)
+    planner = MeshPlanner(0.628, clearance_radius=0.5, start_tolerance=0.0)
     plans = [plan for _, _, plan in random_plans(rng, planner, grid, 12)]
     assert len(plans) >= 3
     assert all(least_clearance(grid, plan) >= 0.5 - 1e-6 for plan in plans)

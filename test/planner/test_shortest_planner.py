@@ -54,7 +54,7 @@ def test_plans_keep_clear_all_along_and_any_angle_is_never_longer(seed):
     grid = random_floor(rng)
     radius = float(rng.choice([0.6, 1.2, 2.3])) * grid.resolution
     planners = [
-        ShortestPlanner(radius, any_angle=any_angle, start_tolerance=0.5 * radius)
+        ShortestPlanner(clearance_radius=radius, any_angle=any_angle, start_tolerance=0.5 * radius)
         for any_angle in (False, True)
     ]
     prepared = [planner.prepare(grid) for planner in planners]
@@ -90,7 +90,7 @@ def test_where_nothing_is_in_the_way_the_robot_walks_straight(any_angle):
 def test_around_a_wall_the_way_over_cells_is_eight_directional_and_shortest():
     # A wall from below, 10 cells high: from its left to its right over its top.
     grid = floor(21, 20, 1.0, boxes=[(10, 0, 1, 10)])
-    planner = ShortestPlanner(0.4)
+    planner = ShortestPlanner(clearance_radius=0.4)
     plan = planner.plan(planner.prepare(grid), Pose2D(5.5, 4.5, 0.0), Pose2D(15.5, 4.5, 0.0))
     # One cell round the wall is forbidden: to its left by seven up and three across, four
     # over its top, for no corner is cut, and down again.
@@ -99,7 +99,7 @@ def test_around_a_wall_the_way_over_cells_is_eight_directional_and_shortest():
     straight = (steps.max(axis=1) - steps.min(axis=1)).sum()
     assert straight + math.sqrt(2.0) * diagonal == pytest.approx(length(plan))
     assert (straight, diagonal) == (12.0, 6.0)
-    taut = ShortestPlanner(0.4, any_angle=True)
+    taut = ShortestPlanner(clearance_radius=0.4, any_angle=True)
     plan = taut.plan(taut.prepare(grid), Pose2D(5.5, 4.5, 0.0), Pose2D(15.5, 4.5, 0.0))
     assert plan.corners == pytest.approx(
         np.array([[5.5, 4.5], [9.0, 11.0], [12.0, 11.0], [15.5, 4.5]])
@@ -131,7 +131,7 @@ def test_turns_are_saved_where_a_leg_can_be_moved():
     ],
 )
 def test_ends_that_will_not_do_are_refused_by_name(any_angle, start, goal, error):
-    planner = ShortestPlanner(0.2, any_angle=any_angle)
+    planner = ShortestPlanner(clearance_radius=0.2, any_angle=any_angle)
     prepared = planner.prepare(floor(boxes=[(20, 10, 2, 2)]))
     with pytest.raises(error):
         planner.plan(prepared, Pose2D(*start, 0.0), Pose2D(*goal, 0.0))
@@ -139,7 +139,7 @@ def test_ends_that_will_not_do_are_refused_by_name(any_angle, start, goal, error
 
 @BOTH
 def test_two_rooms_without_a_door_are_told_as_not_connected(any_angle):
-    planner = ShortestPlanner(0.2, any_angle=any_angle)
+    planner = ShortestPlanner(clearance_radius=0.2, any_angle=any_angle)
     prepared = planner.prepare(floor(boxes=[(20, 0, 1, 30)]))
     with pytest.raises(NoPathFound, match='not connected for a robot that needs'):
         planner.plan(prepared, Pose2D(1.0, 1.0, 0.0), Pose2D(3.0, 1.0, 0.0))
@@ -147,7 +147,7 @@ def test_two_rooms_without_a_door_are_told_as_not_connected(any_angle):
 
 @BOTH
 def test_a_robot_that_strayed_into_the_boundary_is_led_out_of_it(any_angle):
-    planner = ShortestPlanner(0.3, any_angle=any_angle, start_tolerance=0.1)
+    planner = ShortestPlanner(clearance_radius=0.3, any_angle=any_angle, start_tolerance=0.1)
     prepared = planner.prepare(floor(boxes=[(0, 0, 40, 3)]))
     start = Pose2D(1.0, 0.55, 0.0)
     plan = planner.plan(prepared, start, Pose2D(3.0, 1.5, 0.0))
@@ -162,7 +162,7 @@ def test_a_robot_that_strayed_into_the_boundary_is_led_out_of_it(any_angle):
 def test_the_time_limit_ends_a_search(any_angle):
     ticks = count()
     planner = ShortestPlanner(
-        0.2, any_angle=any_angle, time_limit=0.5, clock=lambda: float(next(ticks))
+        clearance_radius=0.2, any_angle=any_angle, time_limit=0.5, clock=lambda: float(next(ticks))
     )
     prepared = planner.prepare(floor(boxes=[(20, 0, 1, 20)]))
     with pytest.raises(PlannerTimedOut, match='within the limit'):
@@ -171,7 +171,7 @@ def test_the_time_limit_ends_a_search(any_angle):
 
 @BOTH
 def test_start_and_goal_in_one_place_are_a_turn(any_angle):
-    planner = ShortestPlanner(0.2, any_angle=any_angle)
+    planner = ShortestPlanner(clearance_radius=0.2, any_angle=any_angle)
     goal = Pose2D(1.0, 1.0, 2.0)
     assert planner.plan(planner.prepare(floor()), Pose2D(1.0, 1.0, 0.0), goal).poses == (goal,)
 
@@ -179,9 +179,9 @@ def test_start_and_goal_in_one_place_are_a_turn(any_angle):
 @pytest.mark.parametrize('radius', [0.0, -1.0, math.nan, math.inf])
 def test_lengths_must_be_sound(radius):
     with pytest.raises(ParameterError, match='clearance_radius'):
-        ShortestPlanner(radius)
+        ShortestPlanner(clearance_radius=radius)
     with pytest.raises(ParameterError, match='start_tolerance'):
-        ShortestPlanner(0.2, start_tolerance=math.nan)
+        ShortestPlanner(clearance_radius=0.2, start_tolerance=math.nan)
 
 
 def test_options_of_other_methods_are_left_aside_and_unknown_ones_refused():

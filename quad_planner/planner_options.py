@@ -1,0 +1,72 @@
+"""
+What every planning method can be told, and what follows from it for a map and a search.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from quad_common.errors import ParameterError, PlannerTimedOut
+from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.safety_map import SafetyMap
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannerOptions:
+    """
+    The options that planning methods share.
+
+    Raises
+    ------
+    ParameterError
+        If a length is not finite, or not above zero where it must be.
+    """
+
+    clearance_radius: float
+    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
+    start_tolerance: float = 0.10
+    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
+    occupied_threshold: int = OCCUPIED_THRESHOLD
+    """Cells of at least this value are obstacles."""
+    unknown_is_free: bool = False
+    """Whether cells of which nothing is known are free."""
+    time_limit: float | None = None
+    """How long a search may take; needs a clock [s]."""
+    clock: Callable[[], float] | None = None
+    """Returns the time, for example `time.monotonic` [s]."""
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        radius, tolerance = self.clearance_radius, self.start_tolerance
+        if not (math.isfinite(radius) and radius > 0.0):
+            raise ParameterError('clearance_radius', radius, 'a finite length above 0 m')
+        if not (math.isfinite(tolerance) and tolerance >= 0.0):
+            raise ParameterError('start_tolerance', tolerance, 'a finite length of at least 0 m')
+
+    def safety_map(self, grid: OccupancyGrid) -> SafetyMap:
+        """Return a map with the zone that the robot's centre must keep out of."""
+        return SafetyMap.of(
+            grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
+        )
+
+    def timer(self) -> Callable[[], None]:
+        """
+        Begin to measure the time of a search.
+
+        Returns
+        -------
+        callable
+            To be called again and again; raises PlannerTimedOut when the time is over.
+        """
+        clock, limit = self.clock, self.time_limit
+        if clock is None or limit is None:
+            return lambda: None
+        began = clock()
+
+        def check() -> None:
+            if clock() - began > limit:
+                raise PlannerTimedOut(limit)
+
+        return check
