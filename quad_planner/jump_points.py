@@ -68,7 +68,8 @@ def _pruned_directions() -> NDArray[np.uint8]:
     return table
 
 
-_ONWARD = _pruned_directions()
+ONWARD = _pruned_directions()
+"""Where a shortest path goes on, by arrivals and free neighbours; shape (256, 256)."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ class JumpPointSearch:
                 self._stops_west,
                 self._stops_north,
                 self._stops_south,
-                _ONWARD,
+                ONWARD,
                 width,
                 ends[0],
                 ends[1],
