@@ -1,9 +1,9 @@
 """
-Free cells as bits: 64 cells in one word, by rows and by columns.
+Cells as bits: 64 of them in one word.
 
-A wall one cell wide surrounds the map, so that a scan along a row or a column always
-meets its end. Cell (x, y) of the map is bit x + 1 of row y + 1, and bit y + 1 of column
-x + 1.
+A `BitMask` is any mask. A `BitGrid` holds where one may be, by rows and by columns: a wall
+one cell wide surrounds the map, so that a scan along a row or a column always meets its
+end.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ Mask = NDArray[np.bool_]
 _ONE = np.uint64(1)
 _LAST = np.uint64(63)
 _ALL = ~np.uint64(0)
+_GATHER = np.uint64(0x0102040810204080)
 
 # A word with a single bit, times this, has the bit's place in its upper six bits.
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
@@ -30,8 +31,64 @@ for _place in range(64):
 
 
 @dataclass(frozen=True, eq=False)
+class BitMask:
+    """A mask, n words of 64 cells to a row."""
+
+    words: Bits
+    """Shape (height, n): bit x of row y is cell (x, y); beyond the width anything may be."""
+    width: int
+    """Of the mask [cells]."""
+
+    @classmethod
+    def of(cls, mask: Mask) -> BitMask:
+        """Pack a mask of shape (height, width)."""
+        height, width = mask.shape
+        words = np.zeros((height, (width + 63) // 64), dtype=np.uint64)
+        words.view(np.uint8)[:, : (width + 7) // 8] = np.packbits(mask, axis=1, bitorder='little')
+        return cls(words, width)
+
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return len(self.words)
+
+    def unpacked(self) -> Mask:
+        """Return the mask, shape (height, width)."""
+        return self.window(0, 0, self.width, self.height)
+
+    def window(self, left: int, bottom: int, right: int, top: int) -> Mask:
+        """
+        Return a part of the mask.
+
+        Parameters
+        ----------
+        left, bottom, right, top : int
+            From column `left` up to, but without, column `right`; rows likewise. Within
+            the mask.
+
+        Returns
+        -------
+        ndarray of bool, shape (top - bottom, right - left)
+            The part.
+        """
+        first = left // 64
+        words = np.ascontiguousarray(self.words[bottom:top, first : (right + 63) // 64])
+        bits = np.unpackbits(words.view(np.uint8), axis=1, bitorder='little')
+        return bits[:, left - 64 * first : right - 64 * first].view(np.bool_)
+
+    def __getitem__(self, cell: tuple[int, int]) -> bool:
+        """Return whether the cell of a row and a column is set."""
+        row, column = cell
+        return bool(int(self.words[row, column >> 6]) >> (column & 63) & 1)
+
+
+@dataclass(frozen=True, eq=False)
 class BitGrid:
-    """The free cells of a map, n words of 64 cells to a line."""
+    """
+    The free cells of a map, n words of 64 cells to a line.
+
+    Cell (x, y) is bit x + 1 of row y + 1, and bit y + 1 of column x + 1.
+    """
 
     width: int
     """Of the map [cells]."""
@@ -57,78 +114,116 @@ class BitGrid:
         BitGrid
             The same as bits.
         """
-        height, width = free.shape
-        rows = _walled(packed(free), width)
-        return cls(width, height, rows, _transposed(rows, width + 2))
+        return cls.outside(BitMask.of(~free))
+
+    @classmethod
+    def outside(cls, forbidden: BitMask) -> BitGrid:
+        """
+        Take what is not forbidden.
+
+        Parameters
+        ----------
+        forbidden : BitMask
+            Where one may not be.
+
+        Returns
+        -------
+        BitGrid
+            The other cells.
+        """
+        rows = _free_rows(forbidden.words, forbidden.width)
+        columns = _transposed(rows, forbidden.width + 2)
+        return cls(forbidden.width, forbidden.height, rows, columns)
 
 
-def packed(mask: Mask) -> Bits:
+@compiled
+def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     """
-    Pack a mask.
+    Set the bits of the cells whose value is outside of a range.
 
     Parameters
     ----------
-    mask : ndarray of bool, shape (m, n)
-        What is set.
+    cells : ndarray of int8, shape (m, n)
+        Any values.
+    least, most : int
+        The range, both ends included.
 
     Returns
     -------
     ndarray of uint64, shape (m, ceil(n / 64))
         Bit x of row y is cell (x, y).
     """
-    height, width = mask.shape
-    words = np.zeros((height, (width + 63) // 64), dtype=np.uint64)
-    words.view(np.uint8)[:, : (width + 7) // 8] = np.packbits(mask, axis=1, bitorder='little')
+    height, width = cells.shape
+    words = np.empty((height, (width + 63) // 64), dtype=np.uint64)
+    low, high = np.int8(least), np.int8(most)
+    # A row as bytes 0 and 1: the compiler makes 64 of them at a time.
+    row = np.zeros(64 * words.shape[1], dtype=np.uint8)
+    eights = row.view(np.uint64)
+    for y in range(height):
+        for x in range(width):
+            row[x] = (cells[y, x] < low) | (cells[y, x] > high)
+        for at in range(words.shape[1]):
+            word = np.uint64(0)
+            for k in range(8):
+                # The product has the lowest bits of eight bytes side by side at its top.
+                eight = (eights[8 * at + k] * _GATHER) >> np.uint64(56)
+                word |= eight << np.uint64(8 * k)
+            words[y, at] = word
     return words
 
 
-def unpacked(rows: Bits, width: int) -> Mask:
-    """Unpack rows, shape (m, n), into a mask of shape (m, width)."""
-    bytes_ = np.ascontiguousarray(rows).view(np.uint8)
-    return np.unpackbits(bytes_, axis=1, count=width, bitorder='little').view(np.bool_)
-
-
 @compiled
-def _walled(rows: Bits, width: int) -> Bits:
-    """Move rows of a width one cell up and right, into a wall."""
-    walled = np.zeros((rows.shape[0] + 2, (width + 2 + 63) // 64), dtype=np.uint64)
-    for y in range(rows.shape[0]):
+def _free_rows(forbidden: Bits, width: int) -> Bits:
+    """Return the cells of a width that are not set, one cell up and right, in a wall."""
+    height, words = forbidden.shape
+    rows = np.zeros((height + 2, (width + 2 + 63) // 64), dtype=np.uint64)
+    in_last = _ALL >> np.uint64(64 * words - width)
+    for y in range(height):
         before = np.uint64(0)
-        for at in range(walled.shape[1]):
-            word = rows[y, at] if at < rows.shape[1] else np.uint64(0)
-            walled[y + 1, at] = (word << _ONE) | (before >> _LAST)
-            before = word
-    return walled
+        for at in range(words):
+            free = ~forbidden[y, at]
+            if at == words - 1:
+                free &= in_last
+            rows[y + 1, at] = (free << _ONE) | (before >> _LAST)
+            before = free
+        if words < rows.shape[1]:
+            rows[y + 1, words] = before >> _LAST
+    return rows
 
 
 @compiled
 def _transposed(rows: Bits, width: int) -> Bits:
-    """Return the columns as lines, in blocks of 64 by 64 (Hacker's Delight, sec. 7-3)."""
-    columns = np.zeros((width, (rows.shape[0] + 63) // 64), dtype=np.uint64)
+    """Return the columns as lines, in blocks of 64 by 64."""
+    height = rows.shape[0]
+    columns = np.zeros((width, (height + 63) // 64), dtype=np.uint64)
     block = np.empty(64, dtype=np.uint64)
-    for down in range(columns.shape[1]):
-        for across in range(rows.shape[1]):
+    for across in range(rows.shape[1]):
+        for down in range(columns.shape[1]):
             seen = np.uint64(0)
             for k in range(64):
                 y = 64 * down + k
-                block[k] = rows[y, across] if y < rows.shape[0] else np.uint64(0)
+                block[k] = rows[y, across] if y < height else np.uint64(0)
                 seen |= block[k]
             if seen == 0:
                 continue
-            step = 32
-            mask = np.uint64(0x00000000FFFFFFFF)
-            while step > 0:
-                k = 0
-                while k < 64:
-                    swap = ((block[k] >> np.uint64(step)) ^ block[k + step]) & mask
-                    block[k] ^= swap << np.uint64(step)
-                    block[k + step] ^= swap
-                    k = (k + step + 1) & ~step
-                step >>= 1
-                mask ^= mask << np.uint64(step)
+            _transpose_block(block)
             for k in range(min(64, width - 64 * across)):
                 columns[64 * across + k, down] = block[k]
     return columns
+
+
+@compiled
+def _transpose_block(block: Bits) -> None:
+    """Swap the rows and columns of 64 words in place (Hacker's Delight, sec. 7-3)."""
+    mask = np.uint64(0x00000000FFFFFFFF)
+    for step in (32, 16, 8, 4, 2, 1):
+        shift = np.uint64(step)
+        for first in range(0, 64, 2 * step):
+            for k in range(first, first + step):
+                swap = ((block[k] >> shift) ^ block[k + step]) & mask
+                block[k] ^= swap << shift
+                block[k + step] ^= swap
+        mask ^= mask << np.uint64(step >> 1)
 
 
 @compiled

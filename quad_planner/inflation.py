@@ -23,14 +23,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from quad_common.errors import ParameterError
-from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
-from quad_planner.bit_grid import dilated, packed, unpacked
+from quad_common.occupancy_grid import FREE, OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.bit_grid import BitMask, dilated, packed_cells
 
 Mask = NDArray[np.bool_]
 Points = NDArray[np.float64]
 
 _SLACK = 1e-6
 """Relative slack of the inflation radius, for a radius that is a whole number of cells."""
+
+_LOOK_FIRST = 32.0
+"""The nearest obstacle is looked for so far off first, then farther [cells]."""
 
 _EPSILON = 1e-6
 """A point so near to a cell's edge counts as on it [cells]."""
@@ -41,10 +44,12 @@ def blocked_cells(
     *,
     occupied_threshold: int = OCCUPIED_THRESHOLD,
     unknown_is_free: bool = False,
-) -> Mask:
+) -> BitMask:
     """Return where the robot must not be near: occupied cells, and by default unknown ones."""
-    blocked = grid.occupied(occupied_threshold)
-    return blocked if unknown_is_free else blocked | grid.unknown()
+    info = np.iinfo(np.int8)
+    least = info.min if unknown_is_free else FREE
+    most = min(max(occupied_threshold - 1, info.min), info.max)
+    return BitMask(packed_cells(np.ascontiguousarray(grid.cells), least, most), grid.width)
 
 
 def inflate(
@@ -89,29 +94,29 @@ def inflate(
     blocked = blocked_cells(
         grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
     )
-    return grown(blocked, radius / grid.resolution)
+    return grown(blocked, radius / grid.resolution).unpacked()
 
 
-def grown(blocked: Mask, radius: float) -> Mask:
+def grown(blocked: BitMask, radius: float) -> BitMask:
     """
     Find the cells that are too near to blocked ones, as :func:`inflate` does.
 
     Parameters
     ----------
-    blocked : ndarray of bool, shape (height, width)
+    blocked : BitMask
         The blocked cells.
     radius : float
         Least distance between squares, finite, >= 0 [cells].
 
     Returns
     -------
-    ndarray of bool, shape (height, width)
+    BitMask
         The blocked cells, and those that are nearer.
     """
     reaches = _reaches(radius * (1.0 - _SLACK))
     if len(reaches) == 0:
         return blocked
-    return unpacked(dilated(packed(blocked), reaches), blocked.shape[1])
+    return BitMask(dilated(blocked.words, reaches), blocked.width)
 
 
 def _reaches(radius: float) -> NDArray[np.int64]:
@@ -235,14 +240,14 @@ def clearance(
 
 
 def segment_clearance(
-    blocked: Mask, start: ArrayLike, end: ArrayLike, within: float = math.inf
+    blocked: Mask | BitMask, start: ArrayLike, end: ArrayLike, within: float = math.inf
 ) -> float:
     """
     Measure how far a segment is from the nearest blocked cell, in cells.
 
     Parameters
     ----------
-    blocked : ndarray of bool, shape (height, width)
+    blocked : ndarray of bool, shape (height, width), or BitMask
         The blocked cells.
     start, end : array_like, shape (2,)
         Ends of the segment in cell coordinates; equal for a point.
@@ -255,16 +260,30 @@ def segment_clearance(
         Least distance between the segment and a blocked cell's square, 0 if they touch;
         infinite if there is no blocked cell in reach [cells].
     """
+    mask = blocked if isinstance(blocked, BitMask) else BitMask.of(blocked)
     a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    size = np.array(blocked.shape[::-1])
-    reach = min(within, float(size.sum()) + float(np.abs(a).sum()))
-    lowest = np.clip(np.floor(np.minimum(a, b) - reach), 0, size).astype(int)
-    highest = np.clip(np.ceil(np.maximum(a, b) + reach), 0, size).astype(int)
-    rows, columns = np.nonzero(blocked[lowest[1] : highest[1], lowest[0] : highest[0]])
-    if rows.size == 0:
-        return math.inf
-    centres = np.column_stack((columns, rows)) + lowest + 0.5
+    farthest = min(within, mask.width + mask.height + float(np.abs(a).sum()))
+    reach = min(_LOOK_FIRST, farthest)
+    while True:
+        apart = _least_distance(_set_near(mask, a, b, reach), a, b)
+        if apart <= reach or reach >= farthest:
+            return apart
+        reach = min(4.0 * reach, farthest)
 
+
+def _set_near(mask: BitMask, a: Points, b: Points, reach: float) -> Points:
+    """Return the centres of cells that are set, at least those in reach of a segment."""
+    size = (mask.width, mask.height)
+    left, bottom = (min(max(math.floor(min(p, q) - reach), 0), n) for p, q, n in zip(a, b, size))
+    right, top = (min(max(math.ceil(max(p, q) + reach), 0), n) for p, q, n in zip(a, b, size))
+    rows, columns = np.nonzero(mask.window(left, bottom, right, top))
+    return np.column_stack((columns + (left + 0.5), rows + (bottom + 0.5)))
+
+
+def _least_distance(centres: Points, a: Points, b: Points) -> float:
+    """Return how far a segment is from the nearest of some squares; infinite without any."""
+    if len(centres) == 0:
+        return math.inf
     # A segment and a square are apart if an axis separates them: x, y, or the normal of
     # the segment.
     ab = b - a

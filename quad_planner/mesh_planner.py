@@ -173,8 +173,8 @@ class MeshPlanner(PlannerOptions):
         return PreparedMesh(
             grid,
             self.clearance_radius,
-            safety.blocked,
-            safety.forbidden,
+            safety.blocked_bits,
+            safety.forbidden_bits,
             spacing,
             candidates,
             exits.tobytes(),

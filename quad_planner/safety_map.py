@@ -22,6 +22,7 @@ from quad_common.errors import (
 )
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.bit_grid import BitMask
 from quad_planner.inflation import Mask, Points, blocked_cells, grown, segment_clearance
 
 SAME_PLACE = 1e-3
@@ -30,16 +31,20 @@ SAME_PLACE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class SafetyMap:
-    """A map with the zone that the robot's centre must keep out of."""
+    """
+    A map with the zone that the robot's centre must keep out of.
+
+    The zones are kept as bits; as masks they are made when they are asked for.
+    """
 
     grid: OccupancyGrid
     """The map."""
     clearance_radius: float
     """Distance that the robot's centre keeps from every obstacle [m]."""
-    blocked: Mask
-    """Shape (height, width): where the obstacles are."""
-    forbidden: Mask
-    """Shape (height, width): where the robot's centre must not be."""
+    blocked_bits: BitMask
+    """Where the obstacles are."""
+    forbidden_bits: BitMask
+    """Where the robot's centre must not be."""
 
     @classmethod
     def of(
@@ -69,6 +74,16 @@ class SafetyMap:
         return cls(grid, clearance_radius, blocked, forbidden)
 
     @cached_property
+    def blocked(self) -> Mask:
+        """Return where the obstacles are, shape (height, width)."""
+        return self.blocked_bits.unpacked()
+
+    @cached_property
+    def forbidden(self) -> Mask:
+        """Return where the robot's centre must not be, shape (height, width)."""
+        return self.forbidden_bits.unpacked()
+
+    @cached_property
     def allowed(self) -> Mask:
         """Return where the robot's centre may be, shape (height, width)."""
         return ~self.forbidden
@@ -93,7 +108,7 @@ class SafetyMap:
 
     def fits(self, a: Points, b: Points, keep: float) -> bool:
         """Return whether a segment stays `keep` away from every blocked cell, all in cells."""
-        return segment_clearance(self.blocked, a, b, keep) >= keep * (1.0 - 1e-9)
+        return segment_clearance(self.blocked_bits, a, b, keep) >= keep * (1.0 - 1e-9)
 
     def check_ends(self, start: Pose2D, goal: Pose2D, start_tolerance: float) -> float:
         """
@@ -136,11 +151,10 @@ class SafetyMap:
             (goal, 0.0, GoalOccupied),
         ):
             point = grid.world_to_map(np.array([pose.x, pose.y]))
-            keep = min(segment_clearance(self.blocked, point, point, radius), radius)
+            keep = min(segment_clearance(self.blocked_bits, point, point, radius), radius)
             # However large the tolerance, nobody starts inside an obstacle.
             if keep <= 0.0 or keep < (radius - tolerance) * (1.0 - 1e-9):
-                far = segment_clearance(self.blocked, point, point) * grid.resolution
-                raise error(pose.x, pose.y, far, self.clearance_radius)
+                raise error(pose.x, pose.y, keep * grid.resolution, self.clearance_radius)
             keeps.append(keep)
         return keeps[0]
 

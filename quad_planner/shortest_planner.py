@@ -109,8 +109,10 @@ class ShortestPlanner(PlannerOptions):
             What `plan` needs of the map, for any number of plans.
         """
         safety = self.safety_map(grid)
-        search = JumpPointSearch(BitGrid.of(safety.allowed))
-        return PreparedCells(grid, self.clearance_radius, safety.blocked, safety.forbidden, search)
+        search = JumpPointSearch(BitGrid.outside(safety.forbidden_bits))
+        return PreparedCells(
+            grid, self.clearance_radius, safety.blocked_bits, safety.forbidden_bits, search
+        )
 
     def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
         """

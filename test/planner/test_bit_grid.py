@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from quad_planner.bit_grid import BitGrid, first_bit, is_set, last_bit, next_set, previous_set
+from quad_planner.bit_grid import (
+    BitGrid,
+    BitMask,
+    first_bit,
+    is_set,
+    last_bit,
+    next_set,
+    packed_cells,
+    previous_set,
+)
 
 
 @pytest.mark.parametrize('place', range(64))
@@ -29,6 +38,40 @@ def test_rows_and_columns_hold_the_mask_within_a_wall(height, width):
     for y in range(height + 2):
         for x in range(width + 2):
             assert is_set(grid.rows, y, x) == is_set(grid.columns, x, y) == walled[y, x]
+
+
+@pytest.mark.parametrize(('height', 'width'), [(1, 1), (3, 63), (5, 64), (7, 65), (70, 130)])
+def test_a_packed_mask_gives_back_any_part_of_it(height, width):
+    rng = np.random.default_rng(width)
+    mask = rng.random((height, width)) < 0.5
+    bits = BitMask.of(mask)
+    assert (bits.width, bits.height) == (width, height)
+    assert (bits.unpacked() == mask).all()
+    for row, column in np.ndindex(mask.shape):
+        assert bits[row, column] == mask[row, column]
+    for _ in range(60):
+        left, right = np.sort(rng.integers(0, width + 1, 2))
+        bottom, top = np.sort(rng.integers(0, height + 1, 2))
+        part = bits.window(left, bottom, right, top)
+        assert part.shape == (top - bottom, right - left)
+        assert (part == mask[bottom:top, left:right]).all()
+
+
+@pytest.mark.parametrize(('least', 'most'), [(0, 64), (-128, 64), (-1, 127), (5, 5), (0, -1)])
+def test_cells_outside_of_a_range_are_packed(least, most):
+    rng = np.random.default_rng(1)
+    for width in (1, 8, 63, 64, 65, 200):
+        cells = rng.integers(-1, 101, (3, width)).astype(np.int8)
+        bits = BitMask(packed_cells(cells, least, most), width)
+        assert (bits.unpacked() == ((cells < least) | (cells > most))).all()
+
+
+def test_what_is_beyond_the_width_of_a_packed_mask_is_not_seen():
+    bits = BitMask(np.full((3, 2), 2**64 - 1, dtype=np.uint64), 70)
+    assert bits.unpacked().shape == (3, 70)
+    assert not BitGrid.outside(bits).rows.any()
+    nothing = BitMask(np.uint64([[0, 2**64 - 2**6]]), 70)
+    assert BitGrid.outside(nothing).rows[1].tolist() == [2**64 - 2, 2**7 - 1]
 
 
 def test_scans_find_the_next_and_the_previous_that_is_set():

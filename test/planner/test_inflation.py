@@ -73,6 +73,16 @@ def test_unknown_is_an_obstacle_unless_it_is_said_to_be_free():
     assert not inflate(grid, 0.05, unknown_is_free=True).any()
 
 
+@pytest.mark.parametrize('threshold', [-500, -1, 0, 1, 65, 100, 101, 500])
+@pytest.mark.parametrize('unknown_is_free', [False, True])
+def test_any_threshold_does_what_it_says(threshold, unknown_is_free):
+    cells = np.arange(-1, 101, dtype=np.int8).reshape(2, 51)[::-1]
+    grid = OccupancyGrid(cells, 0.1, ORIGIN)
+    options = {'occupied_threshold': threshold, 'unknown_is_free': unknown_is_free}
+    blocked = (cells >= threshold) | ((cells == -1) & (not unknown_is_free))
+    assert (inflate(grid, 0.0, **options) == blocked).all()
+
+
 def test_the_outside_of_the_map_is_no_obstacle():
     assert not inflate(OccupancyGrid(np.zeros((5, 5), np.int8), 0.1, ORIGIN), 10.0).any()
 
@@ -111,6 +121,18 @@ def test_clearance_of_a_segment_is_the_least_of_its_points():
         assert sampled - exact <= np.linalg.norm(b - a) / 2000
         near = segment_clearance(blocked, a, b, within=3.0)
         assert near == pytest.approx(exact) or (near > 3.0 and exact > 3.0)
+
+
+def test_an_obstacle_far_off_is_found_too():
+    blocked = np.zeros((900, 700), dtype=bool)
+    point = np.array([7.0, 7.0])
+    for x, y in ((699, 0), (0, 899), (300, 7)):
+        blocked[y, x] = True
+        expected = square_distances(point[None], blocked)[0]
+        assert segment_clearance(blocked, point, point) == pytest.approx(expected)
+    # From outside of the map as well.
+    assert segment_clearance(blocked, (-50.0, 7.5), (-50.0, 7.5)) == 350.0
+    assert segment_clearance(blocked, (-50.0, 7.5), (-50.0, 7.5), within=40.0) > 40.0
 
 
 def test_a_segment_is_allowed_if_and_only_if_all_its_points_are():
