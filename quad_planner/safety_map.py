@@ -6,6 +6,7 @@ What every planning method begins with.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,11 +23,18 @@ from quad_common.errors import (
 )
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask
 from quad_planner.inflation import Mask, Points, blocked_cells, grown, segment_clearance
 
 SAME_PLACE = 1e-3
 """Start and goal nearer than this are one place: the robot only turns [m]."""
+
+_FAR = 50.0
+"""A strayed robot joins no way farther off [cells]."""
+
+_NEARBY = 12.0
+"""So far from start and goal a free cell is looked for [cells]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +117,51 @@ class SafetyMap:
     def fits(self, a: Points, b: Points, keep: float) -> bool:
         """Return whether a segment stays `keep` away from every blocked cell, all in cells."""
         return segment_clearance(self.blocked_bits, a, b, keep) >= keep * (1.0 - 1e-9)
+
+    def is_allowed(self, point: Points) -> bool:
+        """Return whether a point on the map lies in an allowed cell [cells]."""
+        height, width = self.allowed.shape
+        x, y = min(math.floor(point[0]), width - 1), min(math.floor(point[1]), height - 1)
+        return bool(self.allowed[y, x])
+
+    def leads(self, a: Points, b: Points, keep: float) -> bool:
+        """Return whether one may go straight from one point to another, all in cells."""
+        if self.is_allowed(a) and self.is_allowed(b):
+            return sees(self.allowed, *a, *b)
+        # A robot that strayed: an exact look, which takes its time, at what is near.
+        return float(np.hypot(*(b - a))) <= _FAR and self.fits(a, b, keep)
+
+    def joints(self, point: Points, keep: float) -> list[tuple[int, int]]:
+        """
+        List the allowed cells by which a point may join the cells, the nearest first.
+
+        Parameters
+        ----------
+        point : ndarray, shape (2,)
+            [cells]
+        keep : float
+            Clearance on the way to a cell's centre [cells].
+
+        Returns
+        -------
+        list of tuple of int
+            x and y; the point's own cell alone if it is allowed.
+        """
+        height, width = self.forbidden.shape
+        x, y = (min(int(v), n - 1) for v, n in zip(np.floor(point), (width, height)))
+        if not self.forbidden[y, x]:
+            return [(x, y)]
+        low = np.maximum(np.floor(point - _NEARBY), 0).astype(int)
+        high = np.ceil(point + _NEARBY).astype(int)
+        rows, columns = np.nonzero(~self.forbidden[low[1] : high[1], low[0] : high[0]])
+        cells = np.column_stack((columns, rows)) + low
+        apart = np.hypot(*(cells + 0.5 - point).T)
+        for k in np.argsort(apart, kind='stable'):
+            if apart[k] > _NEARBY:
+                break
+            if self.fits(point, cells[k] + 0.5, keep):
+                return [(int(cells[k, 0]), int(cells[k, 1]))]
+        return []
 
     def check_ends(self, start: Pose2D, goal: Pose2D, start_tolerance: float) -> float:
         """

@@ -8,7 +8,6 @@ Over cells: straight and diagonal steps from centre to centre, no corner cut, ex
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,19 +19,13 @@ from quad_common.errors import NoPathFound
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_planner.any_angle import convex_corners, sees, taut_path
+from quad_planner.any_angle import convex_corners, taut_path
 from quad_planner.bit_grid import BitGrid
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Mask, Points
 from quad_planner.jump_points import CellPath, JumpPointSearch
 from quad_planner.planner_options import PlannerOptions
 from quad_planner.safety_map import SAME_PLACE, SafetyMap
-
-_FAR = 50.0
-"""A strayed robot joins no way farther off [cells]."""
-
-_NEARBY = 12.0
-"""So far from start and goal a free cell is looked for [cells]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,45 +39,6 @@ class PreparedCells(SafetyMap):
     def corners(self) -> Points:
         """Where a path at any angle may turn, shape (n, 2) [cells]."""
         return convex_corners(self.allowed)
-
-    def leads(self, a: Points, b: Points, keep: float) -> bool:
-        """Return whether one may go straight from one point to another, all in cells."""
-        if _is_in(a, self.allowed) and _is_in(b, self.allowed):
-            return sees(self.allowed, *a, *b)
-        # A robot that strayed: an exact look, which takes its time, at what is near.
-        return float(np.hypot(*(b - a))) <= _FAR and self.fits(a, b, keep)
-
-    def joints(self, point: Points, keep: float) -> list[tuple[int, int]]:
-        """
-        List the allowed cells by which a point may join the cells, the nearest first.
-
-        Parameters
-        ----------
-        point : ndarray, shape (2,)
-            [cells]
-        keep : float
-            Clearance on the way to a cell's centre [cells].
-
-        Returns
-        -------
-        list of tuple of int
-            x and y; the point's own cell alone if it is allowed.
-        """
-        height, width = self.forbidden.shape
-        x, y = (min(int(v), n - 1) for v, n in zip(np.floor(point), (width, height)))
-        if not self.forbidden[y, x]:
-            return [(x, y)]
-        low = np.maximum(np.floor(point - _NEARBY), 0).astype(int)
-        high = np.ceil(point + _NEARBY).astype(int)
-        rows, columns = np.nonzero(~self.forbidden[low[1] : high[1], low[0] : high[0]])
-        cells = np.column_stack((columns, rows)) + low
-        apart = np.hypot(*(cells + 0.5 - point).T)
-        for k in np.argsort(apart, kind='stable'):
-            if apart[k] > _NEARBY:
-                break
-            if self.fits(point, cells[k] + 0.5, keep):
-                return [(int(cells[k, 0]), int(cells[k, 1]))]
-        return []
 
 
 @dataclass(frozen=True)
@@ -175,8 +129,8 @@ class ShortestPlanner(PlannerOptions):
         over_cells = self._joined(prepared, s, centres, g, leave_at)
         if not self.any_angle:
             return over_cells[1:-1]
-        first = s if _is_in(s, allowed) else centres[0]
-        last = g if _is_in(g, allowed) else centres[-1]
+        first = s if prepared.is_allowed(s) else centres[0]
+        last = g if prepared.is_allowed(g) else centres[-1]
         bound = _length(np.vstack((first, centres, last)))
         taut = taut_path(allowed, prepared.corners, first, last, bound, check_time)
         if taut is None:
@@ -194,12 +148,6 @@ class ShortestPlanner(PlannerOptions):
             if len(points) > 2 and prepared.leads(points[at - 1], points[at + 1], keep):
                 del points[at]
         return np.array(points)
-
-
-def _is_in(point: Points, allowed: Mask) -> bool:
-    height, width = allowed.shape
-    x, y = min(math.floor(point[0]), width - 1), min(math.floor(point[1]), height - 1)
-    return bool(allowed[y, x])
 
 
 def _length(points: Points) -> float:
