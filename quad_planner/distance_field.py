@@ -19,6 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
+from quad_planner.bucket_queue import (
+    bucket_queue,
+    has_room,
+    is_empty,
+    next_bucket,
+    pop,
+    push,
+    with_room,
+)
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Mask
 from quad_planner.jump_points import DIAGONAL, ONWARD, STRAIGHT
@@ -40,15 +49,10 @@ _WINDOW = 64 * STRAIGHT
 """A run that is longer goes on when it is its turn: beyond, others may be shorter."""
 _BUCKET = 12
 """Binary logarithm of the width of a bucket of the queue."""
-_BUCKETS = 128
-"""A power of 2; all of them hold more than a window and a step."""
 _MOST_PUSHES = 4 + 4 * (2 * (_WINDOW // DIAGONAL + 2) + 1)
 """By one expansion."""
 _EXPANSIONS = 4096
 """Between two calls of `check`."""
-
-# What is kept of a search between two calls, in one array.
-_BUCKET_NOW, _WAITING, _USED, _FREE = range(4)
 
 
 def distance_field(
@@ -94,16 +98,12 @@ def distance_field(
 def _search(words: Integers, start: int, check: Callable[[], None]) -> None:
     """Reach every cell; `start` is the place of a cell in `words`."""
     flat = words.reshape(-1)
-    heads = np.full(_BUCKETS, -1, dtype=np.int64)
-    # Entries of the queue: cell, the upper part of its word, the next of the same bucket.
-    entries = np.empty((4096, 3), dtype=np.int64)
-    state = np.array([0, 0, 0, -1], dtype=np.int64)
+    queue = bucket_queue((_WINDOW + DIAGONAL >> _BUCKET) + 1)
     flat[start] &= _KEPT
-    _push(heads, entries, state, start, 0, 0)
-    while state[_WAITING] > 0:
-        if state[_USED] + _MOST_PUSHES > len(entries):
-            entries = np.concatenate((entries, np.empty_like(entries)))
-        _expand(flat, words.shape[1], ONWARD, heads, entries, state, _EXPANSIONS)
+    push(*queue, start, 0, 0)
+    while not is_empty(queue.state):
+        queue = with_room(queue, _MOST_PUSHES)
+        _expand(flat, words.shape[1], ONWARD, *queue, _EXPANSIONS)
         check()
 
 
@@ -141,39 +141,6 @@ def _keep_lengths(words: Integers) -> None:
 
 
 @compiled
-def _push(
-    heads: Integers, entries: Integers, state: Integers, cell: int, key: int, length: int
-) -> None:
-    """Let a cell wait; there is room."""
-    entry = state[_FREE]
-    if entry >= 0:
-        state[_FREE] = entries[entry, 2]
-    else:
-        entry = state[_USED]
-        state[_USED] += 1
-    bucket = (length >> _BUCKET) & (_BUCKETS - 1)
-    entries[entry, 0] = cell
-    entries[entry, 1] = key
-    entries[entry, 2] = heads[bucket]
-    heads[bucket] = entry
-    state[_WAITING] += 1
-
-
-@compiled
-def _pop(heads: Integers, entries: Integers, state: Integers) -> int:
-    """Take an entry of the first bucket that has one, and return its place."""
-    while heads[state[_BUCKET_NOW] & (_BUCKETS - 1)] < 0:
-        state[_BUCKET_NOW] += 1
-    bucket = state[_BUCKET_NOW] & (_BUCKETS - 1)
-    entry = heads[bucket]
-    heads[bucket] = entries[entry, 2]
-    entries[entry, 2] = state[_FREE]
-    state[_FREE] = entry
-    state[_WAITING] -= 1
-    return int(entry)
-
-
-@compiled
 def _expand(
     words: Integers,
     width: int,
@@ -190,39 +157,42 @@ def _expand(
     """
     offsets = np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, 1 - width])
     for _ in range(most):
-        if state[_WAITING] == 0 or state[_USED] + _MOST_PUSHES > len(entries):
+        if is_empty(state) or not has_room(entries, state, _MOST_PUSHES):
             return
-        entry = _pop(heads, entries, state)
-        cell, key = entries[entry, 0], entries[entry, 1]
+        limit = (next_bucket(heads, state) << _BUCKET) + _WINDOW
+        cell, key = pop(heads, entries, state)
         word = words[cell]
         if word >> _ARRIVALS != key:
             # A shorter way was found, or another as short: that one waits too.
             continue
         length = word >> _LENGTH
-        limit = (state[_BUCKET_NOW] << _BUCKET) + _WINDOW
         directions = onward[(word >> _ARRIVALS) & 255, (word >> _AROUND) & 255]
         for k in range(0, 8, 2):
             if directions >> k & 1:
                 end = _run(words, onward, cell, length, k, offsets[k], limit)
-                if end >= 0:
-                    key = words[end] >> _ARRIVALS
-                    _push(heads, entries, state, end, key, key >> (_LENGTH - _ARRIVALS))
+                _wait(words, heads, entries, state, end)
             if directions >> (k + 1) & 1:
                 at, done = cell, length
                 # Diagonally, and straight to both sides from every cell.
-                while done <= limit and words[at] >> (4 + k // 2) & 1:
+                while words[at] >> (4 + k // 2) & 1:
                     at += offsets[k + 1]
                     done += DIAGONAL
                     if not _reach(words, at, done, k + 1):
                         break
                     if done > limit:
-                        _push(heads, entries, state, at, words[at] >> _ARRIVALS, done)
+                        _wait(words, heads, entries, state, at)
                         break
                     for side in (k, (k + 2) & 7):
                         end = _run(words, onward, at, done, side, offsets[side], limit)
-                        if end >= 0:
-                            key = words[end] >> _ARRIVALS
-                            _push(heads, entries, state, end, key, key >> (_LENGTH - _ARRIVALS))
+                        _wait(words, heads, entries, state, end)
+
+
+@compiled
+def _wait(words: Integers, heads: Integers, entries: Integers, state: Integers, cell: int) -> None:
+    """Let a cell wait, if it is one."""
+    if cell >= 0:
+        word = words[cell]
+        push(heads, entries, state, cell, word >> _ARRIVALS, word >> (_LENGTH + _BUCKET))
 
 
 @compiled
