@@ -160,6 +160,41 @@ class NoPathFound(PlannerError):
         )
 
 
+class DescentStuck(NoPathFound):
+    """
+    The descent of a potential came to rest elsewhere than at the goal.
+
+    Parameters
+    ----------
+    start, goal, place : sequence of float
+        Where the descent began, should have ended and came to rest: x and y [m].
+    kind : str
+        What kind of critical point this is, with its article.
+    eigenvalues : sequence of float
+        Of the potential's Hessian there, the smaller one first [1/m^2].
+    """
+
+    def __init__(
+        self,
+        start: Sequence[float],
+        goal: Sequence[float],
+        place: Sequence[float],
+        kind: str,
+        eigenvalues: Sequence[float],
+    ) -> None:
+        self.place = (float(place[0]), float(place[1]))
+        self.kind = kind
+        self.eigenvalues = (float(eigenvalues[0]), float(eigenvalues[1]))
+        low, high = self.eigenvalues
+        super().__init__(
+            start,
+            goal,
+            f'the descent of the potential comes to rest at ({place[0]:.2f}, {place[1]:.2f}) m, '
+            f'{kind}: attraction and repulsion are equal there '
+            f"(the Hessian's eigenvalues are {low:.3g} and {high:.3g})",
+        )
+
+
 class GaitError(QuadError):
     """A gait cycle cannot be generated."""
 

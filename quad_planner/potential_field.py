@@ -1,5 +1,7 @@
 """
 S1's potential functions: attraction to the goal, repulsion from round obstacles.
+
+On maps they are in :mod:`quad_planner.map_potential`.
 """
 
 from __future__ import annotations
@@ -10,9 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import NoPathFound, ParameterError
+from quad_common.errors import DescentStuck, NoPathFound, ParameterError
 
 Array = NDArray[np.float64]
+
+_FLAT = 1e-6
+"""An eigenvalue is 0 if it is less than this part of the other, or of 1 / m^2."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +119,39 @@ class PotentialField:
                 gradient = gradient + push * outward
         return gradient
 
+    def hessian(self, point: Array) -> Array:
+        """
+        Return the second derivatives of U at a point outside the obstacles.
+
+        Parameters
+        ----------
+        point : ndarray, shape (2,)
+            [m]
+
+        Returns
+        -------
+        ndarray, shape (2, 2)
+            Symmetric [1/m^2].
+        """
+        from_goal = point - self.goal
+        away = float(np.hypot(*from_goal))
+        hessian: Array = self.attraction * np.eye(2)
+        if away > self.goal_distance:
+            ray = from_goal / away
+            hessian = (self.goal_distance / away) * (hessian - self.attraction * np.outer(ray, ray))
+        eta, reach = self.repulsion, self.influence
+        for obstacle in self.obstacles:
+            distance = self._distance(point, obstacle)
+            if 0.0 < distance <= reach:
+                outward = point - (obstacle.x, obstacle.y)
+                from_centre = float(np.hypot(*outward))
+                along = np.outer(outward, outward) / from_centre**2
+                # Derivatives of S1 eq. 3 by the distance, whose own Hessian is the circle's.
+                slope = eta * (1.0 / reach - 1.0 / distance) / distance**2
+                bend = eta * (3.0 / distance - 2.0 / reach) / distance**3
+                hessian = hessian + bend * along + slope / from_centre * (np.eye(2) - along)
+        return hessian
+
     def descend(
         self,
         start: tuple[float, float],
@@ -145,9 +183,10 @@ class PotentialField:
 
         Raises
         ------
+        DescentStuck
+            If the descent comes to rest elsewhere; it says where, and why.
         NoPathFound
-            If the descent begins within an obstacle, comes to rest elsewhere, in a local
-            minimum, or is too long.
+            If the descent begins within an obstacle, or is too long.
         ParameterError
             If a length is not positive.
         """
@@ -166,13 +205,8 @@ class PotentialField:
             gradient = self.gradient(point)
             size = float(np.hypot(*gradient))
             if size < 1e-6 or self._has_turned_back(points, step):
-                x, y = point
-                raise NoPathFound(
-                    start,
-                    self.goal,
-                    f'the descent of the potential comes to rest at ({x:.2f}, {y:.2f}) m, '
-                    f'where attraction and repulsion are equal',
-                )
+                kind, eigenvalues = critical_point(self.hessian(point))
+                raise DescentStuck(start, self.goal, (point[0], point[1]), kind, eigenvalues)
             point = point - step * gradient / size
             points.append(point)
         raise NoPathFound(
@@ -189,3 +223,79 @@ class PotentialField:
     @staticmethod
     def _distance(point: Array, obstacle: RoundObstacle) -> float:
         return float(np.hypot(point[0] - obstacle.x, point[1] - obstacle.y)) - obstacle.radius
+
+
+def critical_point(hessian: Array) -> tuple[str, tuple[float, float]]:
+    """
+    Tell the kind of a critical point (S1 part II.C).
+
+    Parameters
+    ----------
+    hessian : ndarray, shape (2, 2)
+        Symmetric.
+
+    Returns
+    -------
+    kind : str
+        With its article.
+    eigenvalues : tuple of float
+        The smaller one first.
+    """
+    low, high = (float(value) for value in np.linalg.eigvalsh(hessian))
+    flat = _FLAT * max(abs(low), abs(high), 1.0)
+    if min(abs(low), abs(high)) <= flat:
+        kind = 'a degenerate critical point'
+    elif low > 0.0:
+        kind = 'a local minimum'
+    elif high < 0.0:
+        kind = 'a local maximum'
+    else:
+        kind = 'a saddle point'
+    return kind, (low, high)
+
+
+def steps_along(points: Array, length: float) -> tuple[Array, Array]:
+    """
+    Cut a path into steps of one length, with a heading each (S1 part IV.A).
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 2)
+        The path, n >= 1 [m].
+    length : float
+        S1's r: how far a step's end is from its beginning, > 0 [m].
+
+    Returns
+    -------
+    ends : ndarray, shape (m + 1, 2)
+        Where the steps begin and end; the last step is shorter [m].
+    headings : ndarray, shape (m,)
+        S1's beta, from the x axis counterclockwise [rad].
+
+    Raises
+    ------
+    ParameterError
+        If the length is not positive.
+    """
+    if not 0.0 < length < np.inf:
+        raise ParameterError('length', length, 'positive and finite')
+    path = np.asarray(points, dtype=float)
+    ends = [path[0]]
+    at, k = path[0], 1
+    while k < len(path):
+        # The first point of the path that is a step away, along this piece of it.
+        a, b = path[k - 1] - at, path[k] - at
+        if np.hypot(*b) < length * (1.0 - 1e-12):
+            k += 1
+            continue
+        piece = b - a
+        square = max(float(piece @ piece), 1e-300)
+        middle = -float(a @ piece) / square
+        half = np.sqrt(max(middle**2 - (float(a @ a) - length**2) / square, 0.0))
+        at = at + a + min(middle + half, 1.0) * piece
+        ends.append(at)
+    if np.hypot(*(path[-1] - at)) > 1e-9 * length:
+        ends.append(path[-1])
+    cut = np.array(ends)
+    steps = np.diff(cut, axis=0)
+    return cut, np.arctan2(steps[:, 1], steps[:, 0])

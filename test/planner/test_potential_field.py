@@ -6,8 +6,13 @@ import re
 import numpy as np
 import pytest
 
-from quad_common.errors import NoPathFound, ParameterError
-from quad_planner.potential_field import PotentialField, RoundObstacle
+from quad_common.errors import DescentStuck, NoPathFound, ParameterError
+from quad_planner.potential_field import (
+    PotentialField,
+    RoundObstacle,
+    critical_point,
+    steps_along,
+)
 
 GOAL = (3.0, 2.0)
 PILLAR = RoundObstacle(1.5, 1.2, 0.3)
@@ -222,3 +227,87 @@ def test_a_path_that_is_too_long_is_not_called_a_local_minimum():
     with pytest.raises(NoPathFound) as caught:
         OPEN.descend((0.0, 0.0), longest=1.0)
     assert 'comes to rest' not in str(caught.value)
+
+
+def test_the_hessian_is_the_slope_of_the_gradient():
+    h = 1e-6
+    for point in random_points(100):
+        distances = [math.hypot(*(point - (o.x, o.y))) - o.radius for o in FIELD.obstacles]
+        if min(abs(d - FIELD.influence) for d in distances) < 1e-3:
+            continue
+        slopes = [
+            (FIELD.gradient(point + h * axis) - FIELD.gradient(point - h * axis)) / (2.0 * h)
+            for axis in np.eye(2)
+        ]
+        assert FIELD.hessian(point) == pytest.approx(np.array(slopes), rel=1e-3, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ('hessian', 'kind'),
+    [
+        ([[2.0, 0.5], [0.5, 3.0]], 'a local minimum'),
+        ([[-2.0, 0.5], [0.5, -3.0]], 'a local maximum'),
+        ([[2.0, 0.0], [0.0, -1e-3]], 'a saddle point'),
+        ([[0.0, 1.0], [1.0, 0.0]], 'a saddle point'),
+        ([[2.0, 2.0], [2.0, 2.0]], 'a degenerate critical point'),
+        ([[0.0, 0.0], [0.0, 0.0]], 'a degenerate critical point'),
+    ],
+)
+def test_the_kind_of_a_critical_point_is_told_by_its_eigenvalues(hessian, kind):
+    told, eigenvalues = critical_point(np.array(hessian))
+    assert told == kind
+    assert eigenvalues == pytest.approx(np.linalg.eigvalsh(hessian))
+
+
+def test_straight_before_a_pillar_is_a_saddle_and_in_a_trap_a_local_minimum():
+    with pytest.raises(DescentStuck) as caught:
+        HEAD_ON.descend((0.0, 0.0))
+    assert caught.value.kind == 'a saddle point'
+    assert 'a saddle point: attraction and repulsion are equal' in str(caught.value)
+    assert caught.value.place == pytest.approx((1.39, 0.0), abs=0.02)
+    trap = [RoundObstacle(2.0, y, 0.3) for y in np.linspace(-0.6, 0.6, 5)]
+    trap += [RoundObstacle(x, y, 0.3) for x in (1.4, 1.7) for y in (-0.8, 0.8)]
+    with pytest.raises(DescentStuck) as caught:
+        PotentialField((4.0, 0.0), trap).descend((0.0, 0.1))
+    assert caught.value.kind == 'a local minimum'
+    assert min(caught.value.eigenvalues) > 0.0
+    assert isinstance(caught.value, NoPathFound)
+    assert caught.value.code == NoPathFound.code
+
+
+def test_the_example_of_the_paper_arrives_and_a_pillar_on_its_diagonal_stops_it():
+    # S1 part V.A with table I; the radii, and the third obstacle's place, are lost.
+    pillars = [RoundObstacle(1.0, 3.0, 0.5), RoundObstacle(5.0, 7.0, 0.5)]
+    path = PotentialField((8.0, 8.0), pillars).descend((0.0, 0.0))
+    assert path[-1] == pytest.approx([8.0, 8.0])
+    assert min(math.hypot(*(p - (o.x, o.y))) - o.radius for p in path for o in pillars) > 0.3
+    third = RoundObstacle(4.0, 4.0, 0.5)
+    with pytest.raises(DescentStuck) as caught:
+        PotentialField((8.0, 8.0), [third]).descend((0.0, 0.0))
+    assert caught.value.kind == 'a saddle point'
+    # The two others push it off the diagonal.
+    PotentialField((8.0, 8.0), [*pillars, third]).descend((0.0, 0.0))
+
+
+@pytest.mark.parametrize('length', [0.02, 0.3, 1.7, 50.0])
+def test_a_path_is_cut_into_steps_of_one_length(length):
+    path = FIELD.descend((0.0, 0.0))
+    ends, headings = steps_along(path, length)
+    assert ends[0] == pytest.approx(path[0])
+    assert ends[-1] == pytest.approx(path[-1])
+    assert lengths(ends)[:-1] == pytest.approx(length)
+    assert 0.0 < lengths(ends)[-1] <= length * (1.0 + 1e-9)
+    for k, heading in enumerate(headings):
+        ray = np.array([math.cos(heading), math.sin(heading)])
+        assert ends[k] + lengths(ends)[k] * ray == pytest.approx(ends[k + 1])
+
+
+def test_ten_steps_of_a_centimetre_lead_ten_centimetres_far():
+    # S1's own example (part IV.A).
+    ends, headings = steps_along([[0.0, 0.0], [0.1, 0.0]], 0.01)
+    assert ends[:, 0] == pytest.approx(np.linspace(0.0, 0.1, 11))
+    assert headings == pytest.approx(np.zeros(10))
+    ends, headings = steps_along([[1.0, 2.0]], 0.01)
+    assert (ends.tolist(), headings.tolist()) == ([[1.0, 2.0]], [])
+    with pytest.raises(ParameterError, match="'length'"):
+        steps_along([[0.0, 0.0], [0.1, 0.0]], 0.0)
