@@ -13,8 +13,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_planner.bit_grid import BitMask, Bits, Mask, is_set
 from quad_planner.compiled import compiled
-from quad_planner.inflation import Mask, Points
+from quad_planner.inflation import Points
 
 Floats = NDArray[np.float64]
 
@@ -22,31 +23,36 @@ _EPSILON = 1e-9
 """Segments that come so near to a cell only touch it [cells]."""
 
 
-def convex_corners(allowed: Mask) -> Points:
+def convex_corners(forbidden: BitMask) -> Points:
     """
     Find where the forbidden zone has convex corners, within the map.
 
     Parameters
     ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells.
+    forbidden : BitMask
+        The forbidden cells.
 
     Returns
     -------
     ndarray, shape (n, 2)
         Corners of cells, x and y in cell coordinates.
     """
-    forbidden = ~allowed
-    a, b = forbidden[:-1, :-1], forbidden[:-1, 1:]
-    c, d = forbidden[1:, :-1], forbidden[1:, 1:]
-    count = a.astype(np.int8) + b + c + d
+    one, last = np.uint64(1), np.uint64(63)
+    left = forbidden.words
+    # Each cell's bit moves to the place of the cell to its left.
+    right = left >> one
+    right[:, :-1] |= left[:, 1:] << last
+    a, b, c, d = left[:-1], right[:-1], left[1:], right[1:]
+    single = (a ^ b ^ c ^ d) & ~((a & b) | (c & d))
     # Two cells that touch in this corner only are two corners in one.
-    rows, columns = np.nonzero((count == 1) | ((count == 2) & (a == d)))
-    return np.column_stack((columns, rows)).astype(np.float64) + 1.0
+    double = (a & d & ~b & ~c) | (b & c & ~a & ~d)
+    # In the last column there is nothing to the right.
+    corners = BitMask(single | double, forbidden.width - 1)
+    return corners.places()[:, ::-1] + np.float64(1.0)
 
 
 def taut_path(
-    allowed: Mask,
+    forbidden: BitMask,
     corners: Points,
     start: Points,
     goal: Points,
@@ -58,8 +64,8 @@ def taut_path(
 
     Parameters
     ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells; their edges are allowed too.
+    forbidden : BitMask
+        The forbidden cells; their edges are allowed.
     corners : ndarray, shape (n, 2)
         From :func:`convex_corners`.
     start, goal : ndarray, shape (2,)
@@ -97,14 +103,18 @@ def taut_path(
                 way.append(int(parents[way[-1]]))
             return points[way[::-1]]
         check_time()
-        for seen in _expand(allowed, points, left, lengths, parents, is_done, at, bound).tolist():
-            heapq.heappush(heap, (float(lengths[seen] + left[seen]), seen))
+        seen = _expand(
+            forbidden.words, forbidden.width, points, left, lengths, parents, is_done, at, bound
+        )
+        for k in seen.tolist():
+            heapq.heappush(heap, (float(lengths[k] + left[k]), k))
     return None
 
 
 @compiled
 def _expand(
-    allowed: Mask,
+    forbidden: Bits,
+    width: int,
     points: Floats,
     left: Floats,
     lengths: Floats,
@@ -123,7 +133,7 @@ def _expand(
         length = lengths[at] + np.hypot(points[k, 0] - x, points[k, 1] - y)
         if length >= lengths[k] or length + left[k] > bound:
             continue
-        if sees(allowed, x, y, points[k, 0], points[k, 1]):
+        if sees(forbidden, width, x, y, points[k, 0], points[k, 1]):
             lengths[k] = length
             parents[k] = at
             nearer[count] = k
@@ -132,14 +142,16 @@ def _expand(
 
 
 @compiled
-def sees(allowed: Mask, x0: float, y0: float, x1: float, y1: float) -> bool:
+def sees(forbidden: Bits, width: int, x0: float, y0: float, x1: float, y1: float) -> bool:
     """
     Return whether a segment stays within allowed cells and their edges.
 
     Parameters
     ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells.
+    forbidden : ndarray of uint64, shape (height, n)
+        The words of a `BitMask`: the forbidden cells.
+    width : int
+        Of the map [cells].
     x0, y0, x1, y1 : float
         Ends of the segment, on the map [cells].
 
@@ -148,7 +160,7 @@ def sees(allowed: Mask, x0: float, y0: float, x1: float, y1: float) -> bool:
     bool
         Whether every point of it is in an allowed cell or on the edge of one.
     """
-    height, width = allowed.shape
+    height = len(forbidden)
     if y1 < y0:
         x0, y0, x1, y1 = x1, y1, x0, y0
     slope = (x1 - x0) / (y1 - y0) if y1 > y0 else 0.0
@@ -165,15 +177,15 @@ def sees(allowed: Mask, x0: float, y0: float, x1: float, y1: float) -> bool:
         left = int(np.floor(low + _EPSILON))
         right = max(int(np.ceil(high - _EPSILON)) - 1, left)
         for column in range(left, right + 1):
-            if column < width and allowed[row, column]:
+            if column < width and not is_set(forbidden, row, column):
                 continue
             # Along the line between two cells either of them will do.
             beside = False
             if high - low <= _EPSILON and abs(low - np.round(low)) <= _EPSILON:
                 other = int(np.round(low)) - 1 if column == int(np.round(low)) else column
-                beside = 0 <= other < width and allowed[row, other]
+                beside = 0 <= other < width and not is_set(forbidden, row, other)
             if y1 - y0 <= _EPSILON and abs(y0 - np.round(y0)) <= _EPSILON and row > 0:
-                beside = beside or (column < width and allowed[row - 1, column])
+                beside = beside or (column < width and not is_set(forbidden, row - 1, column))
             if not beside:
                 return False
     return True

@@ -76,6 +76,16 @@ class BitMask:
         bits = np.unpackbits(words.view(np.uint8), axis=1, bitorder='little')
         return bits[:, left - 64 * first : right - 64 * first].view(np.bool_)
 
+    def places(self) -> NDArray[np.int64]:
+        """Return the row and the column of each cell that is set, shape (k, 2)."""
+        # Of few words that are not 0 the bits are looked at.
+        rows, at = np.nonzero(self.words)
+        bits = np.unpackbits(self.words[rows, at].view(np.uint8), bitorder='little')
+        which, place = np.nonzero(bits.reshape(-1, 64))
+        columns = 64 * at[which] + place
+        inside = columns < self.width
+        return np.column_stack((rows[which], columns))[inside]
+
     def __getitem__(self, cell: tuple[int, int]) -> bool:
         """Return whether the cell of a row and a column is set."""
         row, column = cell

@@ -9,7 +9,9 @@ so equal lengths are equal.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from quad_planner.bit_grid import BitGrid, Bits, is_set, next_set, previous_set
 from quad_planner.compiled import compiled
 
 Cells = NDArray[np.int64]
+Records = NDArray[np.void]
 
 STRAIGHT = 2378
 DIAGONAL = 3363
@@ -26,8 +29,15 @@ DIAGONAL = 3363
 _DX = np.array([1, 1, 0, -1, -1, -1, 0, 1])
 _DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
 
-_NO_PATH = -1
-_HEAP_FULL = -2
+_FOUND = 0
+_NO_PATH = 1
+_NO_ROOM = 2
+_INTERRUPTED = 3
+
+_EXPANSIONS = 4096
+"""After so many a search looks up, whether it is to go on."""
+
+_HASH = np.uint64(0x9E3779B97F4A7C15)
 
 
 def _pruned_directions() -> NDArray[np.uint8]:
@@ -43,28 +53,28 @@ def _pruned_directions() -> NDArray[np.uint8]:
     ndarray, shape (256, 256)
         Bit k of each index and entry stands for direction k.
     """
+    around = np.arange(256)
+    free = [(around >> k & 1) > 0 for k in range(8)]
+    legal = np.zeros(256, dtype=np.uint8)
+    for k in range(8):
+        may = free[k] if k % 2 == 0 else free[k] & free[k - 1] & free[(k + 1) % 8]
+        legal |= np.where(may, 1 << k, 0).astype(np.uint8)
     table = np.zeros((256, 256), dtype=np.uint8)
-    for around in range(256):
-        free = [bool(around >> k & 1) for k in range(8)]
-        legal = [free[k] and (k % 2 == 0 or (free[k - 1] and free[(k + 1) % 8])) for k in range(8)]
-        everywhere = sum(1 << k for k in range(8) if legal[k])
-        onward = []
-        for k in range(8):
-            wanted = {k}
+    table[0] = legal
+    for k in range(8):
+        wanted = np.full(256, 1 << k)
+        for side in (1, -1):
+            beside = 1 << (k + side) % 8
             if k % 2:
-                wanted |= {k - 1, (k + 1) % 8}
+                wanted |= beside
             else:
-                for side in (1, -1):
-                    if not free[(k + 3 * side) % 8] and free[(k + 2 * side) % 8]:
-                        wanted |= {(k + side) % 8, (k + 2 * side) % 8}
-            onward.append(sum(1 << d for d in wanted if legal[d]))
-        table[0, around] = everywhere
-        for arrivals in range(1, 256):
-            directions = 0
-            for k in range(8):
-                if arrivals >> k & 1:
-                    directions |= onward[k]
-            table[arrivals, around] = directions
+                opens = ~free[(k + 3 * side) % 8] & free[(k + 2 * side) % 8]
+                wanted |= np.where(opens, beside | 1 << (k + 2 * side) % 8, 0)
+        table[1 << k] = wanted & legal
+    for arrivals in range(1, 256):
+        for k in range(8):
+            if arrivals >> k & 1:
+                table[arrivals] |= table[1 << k]
     return table
 
 
@@ -87,6 +97,38 @@ class CellPath:
         return float(self.straight_steps + np.sqrt(2.0) * self.diagonal_steps)
 
 
+_NODE = np.dtype(
+    [
+        ('length', np.int64),  # from the start
+        ('x', np.int32),  # the cell, walls included
+        ('y', np.int32),
+        ('parent', np.int32),  # number of a node
+        ('arrivals', np.uint8),  # directions by which a path of that length arrives, a bit each
+        ('taken', np.uint8),  # directions in which the search went on, a bit each
+    ],
+    align=True,
+)
+
+_OPEN = np.dtype([('key', np.int64), ('node', np.int32)], align=True)
+
+
+class _Tree(NamedTuple):
+    """
+    What a search has reached: nodes, numbered as they were found; number 0 is the start.
+
+    A search looks at few cells of a large map: the arrays grow with these, not with the map.
+    """
+
+    nodes: Records
+    """Of `_NODE`."""
+    slots: NDArray[np.int32]
+    """Where a cell's hash points, or behind: the number of its node plus one, or 0."""
+    heap: Records
+    """Of `_OPEN`: nodes and the least length of a path through them, the least first."""
+    counts: NDArray[np.int64]
+    """How many nodes there are, and how many entries of the heap, shape (2,)."""
+
+
 class JumpPointSearch:
     """
     A map made ready for any number of searches.
@@ -99,18 +141,14 @@ class JumpPointSearch:
 
     def __init__(self, grid: BitGrid) -> None:
         self._grid = grid
-        self._stops_east, self._stops_west = (_stops(grid.rows, way) for way in (True, False))
-        self._stops_north, self._stops_south = (_stops(grid.columns, way) for way in (True, False))
-        size = (grid.height + 2) * (grid.width + 2)
-        # Plus one, and 0 for cells that were not reached: zeros cost nothing until touched.
-        self._lengths = np.zeros(size, dtype=np.int32)
-        self._arrivals = np.zeros(size, dtype=np.uint8)
-        self._parents = np.empty(size, dtype=np.int32)
-        self._touched = np.empty(1024, dtype=np.int32)
-        self._keys = np.empty(1024, dtype=np.int64)
-        self._heap = np.empty(1024, dtype=np.int32)
+        self._rows, self._columns = _with_stops(grid.rows), _with_stops(grid.columns)
 
-    def path(self, start: tuple[int, int], goal: tuple[int, int]) -> CellPath | None:
+    def path(
+        self,
+        start: tuple[int, int],
+        goal: tuple[int, int],
+        check: Callable[[], None] = lambda: None,
+    ) -> CellPath | None:
         """
         Find a shortest path.
 
@@ -118,6 +156,8 @@ class JumpPointSearch:
         ----------
         start, goal : tuple of int
             x and y of cells of the map.
+        check : callable
+            Called again and again; raises to end the search.
 
         Returns
         -------
@@ -125,103 +165,116 @@ class JumpPointSearch:
             None if there is no path, or an end is not free.
         """
         grid = self._grid
-        width = grid.width + 2
-        ends = [(y + 1) * width + x + 1 for x, y in (start, goal)]
         for x, y in (start, goal):
             if not (0 <= x < grid.width and 0 <= y < grid.height):
                 return None
             if not is_set(grid.rows, y + 1, x + 1):
                 return None
-        while True:
-            length, touched = _search(
-                grid.rows,
-                grid.columns,
-                self._stops_east,
-                self._stops_west,
-                self._stops_north,
-                self._stops_south,
-                ONWARD,
-                width,
-                ends[0],
-                ends[1],
-                self._lengths,
-                self._arrivals,
-                self._parents,
-                self._touched,
-                self._keys,
-                self._heap,
-            )
-            cells = None
-            if length >= 0:
-                cells = _cells(self._parents, width, ends[0], ends[1])
-            # Only what was touched is cleared: a search looks at few cells of a large map.
-            self._lengths[self._touched[:touched]] = 0
-            if length != _HEAP_FULL:
-                break
-            size = 4 * len(self._heap)
-            self._touched = np.empty(size, dtype=np.int32)
-            self._keys = np.empty(size, dtype=np.int64)
-            self._heap = np.empty(size, dtype=np.int32)
-        if cells is None:
+        # An expansion finds at most two cells beside each cell of four diagonals, and four.
+        room = 8 * min(grid.width, grid.height) + 4
+        begin, end = ((x + 1, y + 1) for x, y in (start, goal))
+        tree = _tree(begin, 2 * room)
+        outcome = _INTERRUPTED
+        while outcome not in (_FOUND, _NO_PATH):
+            outcome = _search(self._rows, self._columns, ONWARD, *tree, end, room)
+            check()
+            if outcome == _NO_ROOM:
+                tree = _larger(tree)
+        if outcome == _NO_PATH:
             return None
+        cells = _cells(tree.nodes, tree.slots, end)
         steps = np.abs(np.diff(cells, axis=0))
         diagonal = int(steps.min(axis=1).sum())
         return CellPath(cells, int(steps.max(axis=1).sum()) - diagonal, diagonal)
 
 
-def _stops(lines: Bits, forward: bool) -> Bits:
+@compiled
+def _with_stops(lines: Bits) -> Bits:
     """
     Mark where a scan along a line stops: at a wall, or where a wall beside it ends.
 
     Parameters
     ----------
     lines : ndarray of uint64, shape (m, n)
-        Free cells.
-    forward : bool
-        Whether the scan goes towards larger places.
+        Free cells; the first and the last line have none.
 
     Returns
     -------
-    ndarray of uint64, shape (m, n)
-        The marks.
+    ndarray of uint64, shape (3, m, n)
+        The free cells, the marks for scans towards larger and those towards smaller places.
     """
-    shifted = np.empty_like(lines)
+    result = np.empty((3, *lines.shape), dtype=np.uint64)
     one, last = np.uint64(1), np.uint64(63)
-    if forward:
-        shifted[:] = lines << one
-        shifted[:, 1:] |= lines[:, :-1] >> last
-    else:
-        shifted[:] = lines >> one
-        shifted[:, :-1] |= lines[:, 1:] << last
-    opens = lines & ~shifted
-    marks = ~lines
-    marks[1:] |= opens[:-1]
-    marks[:-1] |= opens[1:]
-    return marks
+    ends = lines.shape[1] - 1
+    for y in range(lines.shape[0]):
+        result[0, y] = lines[y]
+        result[1, y] = ~lines[y]
+        result[2, y] = ~lines[y]
+        if y in (0, lines.shape[0] - 1):
+            continue
+        for beside in (lines[y - 1], lines[y + 1]):
+            for at in range(ends + 1):
+                free = beside[at]
+                before = beside[at - 1] if at > 0 else np.uint64(0)
+                after = beside[at + 1] if at < ends else np.uint64(0)
+                result[1, y, at] |= free & ~((free << one) | (before >> last))
+                result[2, y, at] |= free & ~((free >> one) | (after << last))
+    return result
+
+
+def _tree(start: tuple[int, int], size: int) -> _Tree:
+    """Make a tree of the start alone, with room for so many nodes at least."""
+    size = 1 << (size - 1).bit_length()
+    tree = _Tree(
+        nodes=np.empty(size, dtype=_NODE),
+        slots=np.zeros(2 * size, dtype=np.int32),
+        heap=np.empty(size, dtype=_OPEN),
+        counts=np.ones(2, dtype=np.int64),
+    )
+    tree.nodes[0] = (0, *start, 0, 0, 0)
+    tree.heap[0] = (0, 0)
+    _fill_slots(tree.nodes, tree.slots, 1)
+    return tree
+
+
+def _larger(tree: _Tree) -> _Tree:
+    """Return the same tree with twice the room."""
+    size = len(tree.nodes)
+    larger = _Tree(
+        nodes=np.empty(2 * size, dtype=_NODE),
+        slots=np.zeros(4 * size, dtype=np.int32),
+        heap=np.empty(2 * size, dtype=_OPEN),
+        counts=tree.counts,
+    )
+    larger.nodes[:size] = tree.nodes
+    larger.heap[:size] = tree.heap
+    _fill_slots(larger.nodes, larger.slots, int(tree.counts[0]))
+    return larger
 
 
 @compiled
-def _scan(lines: Bits, stops: Bits, line: int, place: int, forward: bool, goal: int) -> int:
-    """
-    Go along a line to the next place of interest.
-
-    Returns its place, or -1 if there is a wall first. ``goal`` is the goal's place if it
-    is in this line, else -1.
-    """
-    if forward:
-        end = next_set(stops, line, place)
-        if place < goal < end:
-            return goal
-    else:
-        end = previous_set(stops, line, place)
-        if end < goal < place:
-            return goal
-    return end if is_set(lines, line, end) else -1
+def _fill_slots(nodes: Records, slots: NDArray[np.int32], count: int) -> None:
+    for node in range(count):
+        slots[_slot(nodes, slots, nodes[node].x, nodes[node].y)] = node + 1
 
 
 @compiled
-def _octile(x: int, y: int, goal_x: int, goal_y: int) -> int:
-    along, across = abs(x - goal_x), abs(y - goal_y)
+def _slot(nodes: Records, slots: NDArray[np.int32], x: int, y: int) -> int:
+    """Return the slot that a cell has, or would have."""
+    last = len(slots) - 1
+    mixed = ((np.uint64(y) << np.uint64(32)) + np.uint64(x)) * _HASH
+    slot = int(mixed >> np.uint64(32)) & last
+    while slots[slot] != 0:
+        node = slots[slot] - 1
+        if nodes[node].x == x and nodes[node].y == y:
+            break
+        slot = (slot + 1) & last
+    return slot
+
+
+@compiled
+def _octile(x: int, y: int, goal: tuple[int, int]) -> int:
+    along, across = abs(x - goal[0]), abs(y - goal[1])
     return STRAIGHT * max(along, across) + (DIAGONAL - STRAIGHT) * min(along, across)
 
 
@@ -230,200 +283,251 @@ def _around(rows: Bits, x: int, y: int) -> int:
     """Return the free neighbours of a cell; bit k stands for direction k."""
     pattern = 0
     for k in range(8):
-        if is_set(rows, y + int(_DY[k]), x + int(_DX[k])):
+        if is_set(rows[0], y + int(_DY[k]), x + int(_DX[k])):
             pattern |= 1 << k
     return pattern
 
 
 @compiled
-def _push(keys: Cells, heap: NDArray[np.int32], count: int, key: int, cell: int) -> int:
-    at = count
+def _push(heap: Records, counts: NDArray[np.int64], key: int, node: int) -> None:
+    at = counts[1]
+    counts[1] += 1
     while at > 0:
         parent = (at - 1) >> 1
-        if keys[parent] <= key:
+        if heap[parent].key <= key:
             break
-        keys[at] = keys[parent]
         heap[at] = heap[parent]
         at = parent
-    keys[at] = key
-    heap[at] = cell
-    return count + 1
+    heap[at].key = key
+    heap[at].node = node
 
 
 @compiled
-def _pop(keys: Cells, heap: NDArray[np.int32], count: int) -> int:
+def _pop(heap: Records, counts: NDArray[np.int64]) -> None:
     """Take the first off the heap, whose content has been read."""
-    count -= 1
-    key, cell = keys[count], heap[count]
+    counts[1] -= 1
+    count = counts[1]
+    last = heap[count]
     at = 0
     while True:
         child = 2 * at + 1
         if child >= count:
             break
-        if child + 1 < count and keys[child + 1] < keys[child]:
+        if child + 1 < count and heap[child + 1].key < heap[child].key:
             child += 1
-        if keys[child] >= key:
+        if heap[child].key >= last.key:
             break
-        keys[at] = keys[child]
         heap[at] = heap[child]
         at = child
-    keys[at] = key
-    heap[at] = cell
-    return count
+    heap[at] = last
 
 
 @compiled
 def _search(
     rows: Bits,
     columns: Bits,
-    stops_east: Bits,
-    stops_west: Bits,
-    stops_north: Bits,
-    stops_south: Bits,
     onward: NDArray[np.uint8],
-    width: int,
-    start: int,
-    goal: int,
-    lengths: NDArray[np.int32],
-    arrivals: NDArray[np.uint8],
-    parents: NDArray[np.int32],
-    touched: NDArray[np.int32],
-    keys: Cells,
-    heap: NDArray[np.int32],
-) -> tuple[int, int]:
+    nodes: Records,
+    slots: NDArray[np.int32],
+    heap: Records,
+    counts: NDArray[np.int64],
+    goal: tuple[int, int],
+    room: int,
+) -> int:
     """
-    Search; the arrays are as :class:`JumpPointSearch` keeps them.
+    Search on for a while.
 
-    Each leg from a parent is diagonal first, then straight. Returns the length, or
-    ``_NO_PATH`` or ``_HEAP_FULL``, and how many cells were touched.
+    Parameters
+    ----------
+    rows, columns : ndarray of uint64, shape (3, m, n)
+        The map, from :func:`_with_stops`.
+    onward : ndarray, shape (256, 256)
+        `ONWARD`.
+    nodes, slots, heap, counts
+        As in `_Tree`; they are changed.
+    goal : tuple of int
+        x and y of the goal's cell, walls included.
+    room : int
+        How many nodes an expansion may find.
+
+    Returns
+    -------
+    int
+        `_FOUND` or `_NO_PATH` at the end, else `_NO_ROOM` or `_INTERRUPTED`.
     """
-    goal_y, goal_x = goal // width, goal % width
-    lengths[start] = 1
-    arrivals[start] = 0
-    parents[start] = start
-    touched[0] = start
-    touch_count = 1
-    count = _push(keys, heap, 0, _octile(start % width, start // width, goal_x, goal_y), start)
-    found = np.empty(3, dtype=np.int64)
-    found_by = np.empty(3, dtype=np.int64)
-    found_at = np.empty(3, dtype=np.int64)
-    while count > 0:
-        cell = int(heap[0])
-        key = int(keys[0])
-        count = _pop(keys, heap, count)
-        y, x = cell // width, cell % width
-        length = int(lengths[cell]) - 1
-        if key > length + _octile(x, y, goal_x, goal_y):
-            continue
-        if cell == goal:
-            return length, touch_count
-        directions = int(onward[arrivals[cell], _around(rows, x, y)])
+    for _ in range(_EXPANSIONS):
+        if counts[1] == 0:
+            return _NO_PATH
+        if len(nodes) - max(counts[0], counts[1]) < room:
+            return _NO_ROOM
+        node = int(heap[0].node)
+        _pop(heap, counts)
+        x, y = int(nodes[node].x), int(nodes[node].y)
+        if (x, y) == goal:
+            return _FOUND
+        # None are left where the node was on the heap twice.
+        directions = onward[nodes[node].arrivals, _around(rows, x, y)] & ~nodes[node].taken
+        nodes[node].taken |= np.uint8(directions)
         for k in range(8):
-            if not (directions >> k) & 1:
-                continue
-            dx, dy = int(_DX[k]), int(_DY[k])
-            at_x, at_y, done = x, y, length
-            while True:
-                if k & 1:
-                    # The next cell of a diagonal, and what is straight beside it.
-                    if not (
-                        is_set(rows, at_y, at_x + dx)
-                        and is_set(rows, at_y + dy, at_x)
-                        and is_set(rows, at_y + dy, at_x + dx)
-                    ):
-                        break
-                    at_x += dx
-                    at_y += dy
-                    done += DIAGONAL
-                hits = 0
-                if k & 1 and at_x == goal_x and at_y == goal_y:
-                    found[0], found_by[0], found_at[0] = goal, k, done
-                    hits = 1
-                else:
-                    if dx != 0:
-                        stops = stops_east if dx > 0 else stops_west
-                        ahead = goal_x if at_y == goal_y else -1
-                        place = _scan(rows, stops, at_y, at_x, dx > 0, ahead)
-                        if place >= 0:
-                            found[hits] = at_y * width + place
-                            found_by[hits] = 0 if dx > 0 else 4
-                            found_at[hits] = done + STRAIGHT * abs(place - at_x)
-                            hits += 1
-                    if dy != 0:
-                        stops = stops_north if dy > 0 else stops_south
-                        ahead = goal_y if at_x == goal_x else -1
-                        place = _scan(columns, stops, at_x, at_y, dy > 0, ahead)
-                        if place >= 0:
-                            found[hits] = place * width + at_x
-                            found_by[hits] = 2 if dy > 0 else 6
-                            found_at[hits] = done + STRAIGHT * abs(place - at_y)
-                            hits += 1
-                for hit in range(hits):
-                    target, total = int(found[hit]), int(found_at[hit])
-                    known = int(lengths[target]) - 1
-                    if 0 <= known < total:
-                        continue
-                    bit = np.uint8(1 << int(found_by[hit]))
-                    if known != total:
-                        if known < 0:
-                            if touch_count == len(touched):
-                                return _HEAP_FULL, touch_count
-                            touched[touch_count] = target
-                            touch_count += 1
-                        lengths[target] = total + 1
-                        arrivals[target] = bit
-                        parents[target] = cell
-                    elif arrivals[target] & bit or arrivals[target] == 0:
-                        continue
-                    else:
-                        # As short from another side: from there it may go on elsewhere.
-                        arrivals[target] |= bit
-                    if count == len(heap):
-                        return _HEAP_FULL, touch_count
-                    ty, tx = target // width, target % width
-                    count = _push(
-                        keys, heap, count, total + _octile(tx, ty, goal_x, goal_y), target
-                    )
-                if not k & 1 or (at_x == goal_x and at_y == goal_y):
-                    break
-    return _NO_PATH, touch_count
+            if (directions >> k) & 1:
+                _go_on(rows, columns, nodes, slots, heap, counts, node, k, goal)
+    return _INTERRUPTED
 
 
 @compiled
-def _cells(parents: NDArray[np.int32], width: int, start: int, goal: int) -> Cells:
+def _go_on(
+    rows: Bits,
+    columns: Bits,
+    nodes: Records,
+    slots: NDArray[np.int32],
+    heap: Records,
+    counts: NDArray[np.int64],
+    node: int,
+    direction: int,
+    goal: tuple[int, int],
+) -> None:
+    """Go on from a node in a direction; along a diagonal, look to both sides at each cell."""
+    dx, dy = int(_DX[direction]), int(_DY[direction])
+    x, y, length = int(nodes[node].x), int(nodes[node].y), int(nodes[node].length)
+    is_diagonal = dx != 0 and dy != 0
+    while True:
+        if is_diagonal:
+            if not _is_open(rows, x, y, dx, dy):
+                return
+            x += dx
+            y += dy
+            length += DIAGONAL
+            if (x, y) == goal:
+                _reach(nodes, slots, heap, counts, node, x, y, length, direction, goal)
+                return
+        if dx != 0:
+            at = _look(rows, y, x, dx, goal[0] if y == goal[1] else -1)
+            if at >= 0:
+                total = length + STRAIGHT * abs(at - x)
+                _reach(nodes, slots, heap, counts, node, at, y, total, 2 - 2 * dx, goal)
+        if dy != 0:
+            at = _look(columns, x, y, dy, goal[1] if x == goal[0] else -1)
+            if at >= 0:
+                total = length + STRAIGHT * abs(at - y)
+                _reach(nodes, slots, heap, counts, node, x, at, total, 4 - 2 * dy, goal)
+        if not is_diagonal:
+            return
+
+
+@compiled
+def _is_open(rows: Bits, x: int, y: int, dx: int, dy: int) -> bool:
+    """Return whether a diagonal step is free, and both cells beside it."""
+    free = rows[0]
+    return is_set(free, y, x + dx) and is_set(free, y + dy, x) and is_set(free, y + dy, x + dx)
+
+
+@compiled
+def _look(lines: Bits, line: int, place: int, step: int, goal: int) -> int:
+    """
+    Look along a line for the next place of interest.
+
+    Returns it, or -1 if there is a wall first. ``goal`` is the goal's place if it is in this
+    line, else -1.
+    """
+    if step > 0:
+        end = next_set(lines[1], line, place)
+        if place < goal < end:
+            return goal
+    else:
+        end = previous_set(lines[2], line, place)
+        if end < goal < place:
+            return goal
+    return end if is_set(lines[0], line, end) else -1
+
+
+@compiled
+def _reach(
+    nodes: Records,
+    slots: NDArray[np.int32],
+    heap: Records,
+    counts: NDArray[np.int64],
+    parent: int,
+    x: int,
+    y: int,
+    length: int,
+    direction: int,
+    goal: tuple[int, int],
+) -> None:
+    """Note that a cell was reached from a node, unless a shorter way to it is known."""
+    slot = _slot(nodes, slots, x, y)
+    key = length + _octile(x, y, goal)
+    arrival = np.uint8(1 << direction)
+    node = int(slots[slot]) - 1
+    if node < 0:
+        node = counts[0]
+        counts[0] += 1
+        nodes[node].x = x
+        nodes[node].y = y
+        slots[slot] = node + 1
+    elif nodes[node].length == length and nodes[node].arrivals & arrival == 0:
+        # As short from another side: from there it may go on elsewhere.
+        nodes[node].arrivals |= arrival
+        _push(heap, counts, key, node)
+        return
+    elif nodes[node].length <= length:
+        return
+    nodes[node].length = length
+    nodes[node].parent = parent
+    nodes[node].arrivals = arrival
+    nodes[node].taken = 0
+    _push(heap, counts, key, node)
+
+
+@compiled
+def _cells(nodes: Records, slots: NDArray[np.int32], goal: tuple[int, int]) -> Cells:
     """List where the path begins, turns and ends, in cells of the map."""
+    node = last = slots[_slot(nodes, slots, goal[0], goal[1])] - 1
     count = 1
-    cell = goal
-    while cell != start:
-        cell = int(parents[cell])
+    while node != 0:
+        node = nodes[node].parent
         count += 2
     cells = np.empty((count, 2), dtype=np.int64)
-    at = count
-    cell = goal
+    at, node = count - 1, last
     while True:
-        at -= 1
-        x, y = cell % width, cell // width
+        x, y = int(nodes[node].x), int(nodes[node].y)
         cells[at, 0], cells[at, 1] = x - 1, y - 1
-        if cell == start:
+        if node == 0:
             break
-        parent = int(parents[cell])
-        from_x, from_y = parent % width, parent // width
+        node = nodes[node].parent
+        from_x, from_y = int(nodes[node].x), int(nodes[node].y)
         steps = min(abs(x - from_x), abs(y - from_y))
         # Diagonal first, then straight.
-        at -= 1
-        cells[at, 0] = from_x - 1 + (steps if x > from_x else -steps)
-        cells[at, 1] = from_y - 1 + (steps if y > from_y else -steps)
-        cell = parent
-    # Without places where it goes straight on, or stays.
+        cells[at - 1, 0] = from_x - 1 + (steps if x > from_x else -steps)
+        cells[at - 1, 1] = from_y - 1 + (steps if y > from_y else -steps)
+        at -= 2
+    return without_straights(cells)
+
+
+@compiled
+def without_straights(cells: Cells) -> Cells:
+    """
+    Leave out places where a path goes straight on, or stays.
+
+    Parameters
+    ----------
+    cells : ndarray, shape (n, 2), n >= 1
+        A path; it is changed.
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        Where it begins, turns and ends.
+    """
+    last = len(cells) - 1
     kept = 1
-    for k in range(1, count - 1):
+    for k in range(1, last):
         ax, ay = cells[k, 0] - cells[kept - 1, 0], cells[k, 1] - cells[kept - 1, 1]
         bx, by = cells[k + 1, 0] - cells[k, 0], cells[k + 1, 1] - cells[k, 1]
         if ax * by == ay * bx and ax * bx + ay * by >= 0:
             continue
         cells[kept] = cells[k]
         kept += 1
-    if count > 1:
-        cells[kept] = cells[count - 1]
+    if last > 0:
+        cells[kept] = cells[last]
         kept += 1
     return cells[:kept]

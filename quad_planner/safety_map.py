@@ -104,15 +104,33 @@ class SafetyMap:
 
     def area_of(self, point: Points) -> int:
         """Return the number of the free area nearest to a point in cell coordinates."""
-        height, width = self.areas.shape
-        x, y = (min(max(int(v), 0), n - 1) for v, n in zip(np.floor(point), (width, height)))
-        if self.areas[y, x]:
-            return int(self.areas[y, x])
-        rows, columns = np.nonzero(self.areas)
-        if rows.size == 0:
-            return 0
-        nearest = np.argmin((columns + 0.5 - point[0]) ** 2 + (rows + 0.5 - point[1]) ** 2)
-        return int(self.areas[rows[nearest], columns[nearest]])
+        area = int(self.areas[self._cell_of(point)])
+        reach, farthest = _NEARBY, float(self.grid.width + self.grid.height)
+        while area == 0 and reach < 4.0 * farthest:
+            left, bottom, right, top = self._box(point - reach, point + reach)
+            rows, columns = np.nonzero(self.areas[bottom:top, left:right])
+            rows, columns = rows + bottom, columns + left
+            apart = np.hypot(columns + 0.5 - point[0], rows + 0.5 - point[1])
+            if len(apart) and (apart.min() <= reach or reach > farthest):
+                nearest = np.argmin(apart)
+                area = int(self.areas[rows[nearest], columns[nearest]])
+            reach *= 4.0
+        return area
+
+    def _cell_of(self, point: Points) -> tuple[int, int]:
+        """Return the row and column of the cell of the map that is nearest to a point."""
+        column, row = (
+            min(max(math.floor(v), 0), n - 1)
+            for v, n in zip(point, (self.grid.width, self.grid.height))
+        )
+        return row, column
+
+    def _box(self, lowest: Points, highest: Points) -> tuple[int, int, int, int]:
+        """Return the window of the map between two points: left, bottom, right, top."""
+        size = (self.grid.width, self.grid.height)
+        left, bottom = (min(max(math.floor(v), 0), n) for v, n in zip(lowest, size))
+        right, top = (min(max(math.ceil(v), 0), n) for v, n in zip(highest, size))
+        return left, bottom, right, top
 
     def fits(self, a: Points, b: Points, keep: float) -> bool:
         """Return whether a segment stays `keep` away from every blocked cell, all in cells."""
@@ -120,14 +138,12 @@ class SafetyMap:
 
     def is_allowed(self, point: Points) -> bool:
         """Return whether a point on the map lies in an allowed cell [cells]."""
-        height, width = self.allowed.shape
-        x, y = min(math.floor(point[0]), width - 1), min(math.floor(point[1]), height - 1)
-        return bool(self.allowed[y, x])
+        return not self.forbidden_bits[self._cell_of(point)]
 
     def leads(self, a: Points, b: Points, keep: float) -> bool:
         """Return whether one may go straight from one point to another, all in cells."""
         if self.is_allowed(a) and self.is_allowed(b):
-            return sees(self.allowed, *a, *b)
+            return sees(self.forbidden_bits.words, self.grid.width, *a, *b)
         # A robot that strayed: an exact look, which takes its time, at what is near.
         return float(np.hypot(*(b - a))) <= _FAR and self.fits(a, b, keep)
 
@@ -147,14 +163,12 @@ class SafetyMap:
         list of tuple of int
             x and y; the point's own cell alone if it is allowed.
         """
-        height, width = self.forbidden.shape
-        x, y = (min(int(v), n - 1) for v, n in zip(np.floor(point), (width, height)))
-        if not self.forbidden[y, x]:
-            return [(x, y)]
-        low = np.maximum(np.floor(point - _NEARBY), 0).astype(int)
-        high = np.ceil(point + _NEARBY).astype(int)
-        rows, columns = np.nonzero(~self.forbidden[low[1] : high[1], low[0] : high[0]])
-        cells = np.column_stack((columns, rows)) + low
+        row, column = self._cell_of(point)
+        if not self.forbidden_bits[row, column]:
+            return [(column, row)]
+        left, bottom, right, top = self._box(point - _NEARBY, point + _NEARBY)
+        rows, columns = np.nonzero(~self.forbidden_bits.window(left, bottom, right, top))
+        cells = np.column_stack((columns + left, rows + bottom))
         apart = np.hypot(*(cells + 0.5 - point).T)
         for k in np.argsort(apart, kind='stable'):
             if apart[k] > _NEARBY:

@@ -20,10 +20,10 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle import convex_corners, taut_path
-from quad_planner.bit_grid import BitGrid
+from quad_planner.bit_grid import BitGrid, Bits, is_set
 from quad_planner.compiled import compiled
-from quad_planner.inflation import Mask, Points
-from quad_planner.jump_points import CellPath, JumpPointSearch
+from quad_planner.inflation import Points
+from quad_planner.jump_points import CellPath, JumpPointSearch, without_straights
 from quad_planner.planner_options import PlannerOptions
 from quad_planner.safety_map import SAME_PLACE, SafetyMap
 
@@ -38,7 +38,7 @@ class PreparedCells(SafetyMap):
     @cached_property
     def corners(self) -> Points:
         """Where a path at any angle may turn, shape (n, 2) [cells]."""
-        return convex_corners(self.allowed)
+        return convex_corners(self.forbidden_bits)
 
 
 @dataclass(frozen=True)
@@ -101,16 +101,15 @@ class ShortestPlanner(PlannerOptions):
         leave_at = prepared.check_ends(start, goal, self.start_tolerance)
         if start.distance_to(goal) < SAME_PLACE:
             return Plan((goal,))
-        check_time = self.timer()
+        check = self.timer()
         s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
         radius = self.clearance_radius / grid.resolution
         first, last = prepared.joints(s, leave_at), prepared.joints(g, radius)
-        path = prepared.search.path(first[0], last[0]) if first and last else None
+        path = prepared.search.path(first[0], last[0], check) if first and last else None
         if path is None:
             why = prepared.not_connected(s, g) or 'no allowed cell is near to one of them'
             raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
-        check_time()
-        between = self._between(prepared, path, s, g, leave_at, check_time)
+        between = self._between(prepared, path, s, g, leave_at, check)
         inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
         return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
 
@@ -121,18 +120,18 @@ class ShortestPlanner(PlannerOptions):
         s: Points,
         g: Points,
         leave_at: float,
-        check_time: Callable[[], None],
+        check: Callable[[], None],
     ) -> Points:
         """Return the turning points between start and goal, shape (n, 2) [cells]."""
-        allowed = prepared.allowed
-        centres: Points = turns_saved(path.cells, allowed) + np.float64(0.5)
+        forbidden = prepared.forbidden_bits
+        centres: Points = turns_saved(path.cells, forbidden.words) + np.float64(0.5)
         over_cells = self._joined(prepared, s, centres, g, leave_at)
         if not self.any_angle:
             return over_cells[1:-1]
         first = s if prepared.is_allowed(s) else centres[0]
         last = g if prepared.is_allowed(g) else centres[-1]
         bound = _length(np.vstack((first, centres, last)))
-        taut = taut_path(allowed, prepared.corners, first, last, bound, check_time)
+        taut = taut_path(forbidden, prepared.corners, first, last, bound, check)
         if taut is None:
             return over_cells[1:-1]
         straight = self._joined(prepared, s, taut, g, leave_at)
@@ -154,7 +153,8 @@ def _length(points: Points) -> float:
     return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
-def turns_saved(cells: NDArray[np.int64], allowed: Mask) -> NDArray[np.int64]:
+@compiled
+def turns_saved(cells: NDArray[np.int64], forbidden: Bits) -> NDArray[np.int64]:
     """
     Walk each leg of a path straight or diagonal first, so that there are few turns.
 
@@ -162,51 +162,58 @@ def turns_saved(cells: NDArray[np.int64], allowed: Mask) -> NDArray[np.int64]:
     ----------
     cells : ndarray, shape (n, 2)
         Where a shortest path begins, turns and ends.
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells.
+    forbidden : ndarray of uint64, shape (height, k)
+        The words of a `BitMask`: the forbidden cells.
 
     Returns
     -------
     ndarray, shape (m, 2)
         As short, with no more turns.
     """
-    kept: list[tuple[int, int]] = [(x, y) for x, y in cells.tolist()]
-    at = 0
-    # Three pieces a, b, a become two: the middle one is moved to the end, or to the front.
-    while at + 3 < len(kept):
-        (x0, y0), (x1, y1), (x2, y2), (x3, y3) = kept[at : at + 4]
-        if _direction(x1 - x0, y1 - y0) == _direction(x3 - x2, y3 - y2):
-            for x, y in ((x0 + x2 - x1, y0 + y2 - y1), (x1 + x3 - x2, y1 + y3 - y2)):
-                if _is_free(x0, y0, x, y, allowed) and _is_free(x, y, x3, y3, allowed):
-                    kept[at + 1 : at + 3] = [(x, y)]
-                    at = max(at - 2, -1)
-                    break
+    kept = cells.copy()
+    count, at = len(kept), 0
+    while at + 3 < count:
+        x, y = _moved_corner(kept[at : at + 4], forbidden)
+        if x >= 0:
+            # Two corners become one.
+            kept[at + 1] = x, y
+            kept[at + 2 : count - 1] = kept[at + 3 : count].copy()
+            count -= 1
+            at = max(at - 2, -1)
         at += 1
-    return _without_straights(np.array(kept))
-
-
-def _direction(x: int, y: int) -> tuple[int, int]:
-    return (x > 0) - (x < 0), (y > 0) - (y < 0)
+    return without_straights(kept[:count])
 
 
 @compiled
-def _is_free(x: int, y: int, to_x: int, to_y: int, allowed: Mask) -> bool:
+def _moved_corner(way: NDArray[np.int64], forbidden: Bits) -> tuple[int, int]:
+    """
+    Find one corner in the place of two: three pieces a, b, a become b, a or a, b.
+
+    Returns x and y, or -1, -1 if the pieces are others, or there is no room.
+    """
+    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = way[0], way[1], way[2], way[3]
+    if _direction(x0, y0, x1, y1) == _direction(x2, y2, x3, y3):
+        for x, y in ((x0 + x2 - x1, y0 + y2 - y1), (x1 + x3 - x2, y1 + y3 - y2)):
+            if _is_free(x0, y0, x, y, forbidden) and _is_free(x, y, x3, y3, forbidden):
+                return x, y
+    return -1, -1
+
+
+@compiled
+def _direction(x: int, y: int, to_x: int, to_y: int) -> tuple[int, int]:
+    return int(to_x > x) - int(to_x < x), int(to_y > y) - int(to_y < y)
+
+
+@compiled
+def _is_free(x: int, y: int, to_x: int, to_y: int, forbidden: Bits) -> bool:
     """Return whether one may step from cell to cell along a straight or a diagonal."""
-    dx, dy = np.sign(to_x - x), np.sign(to_y - y)
-    if not allowed[y, x]:
+    dx, dy = _direction(x, y, to_x, to_y)
+    if is_set(forbidden, y, x):
         return False
     while x != to_x or y != to_y:
-        if not (allowed[y + dy, x + dx] and allowed[y, x + dx] and allowed[y + dy, x]):
-            return False
+        for cell_x, cell_y in ((x + dx, y), (x, y + dy), (x + dx, y + dy)):
+            if is_set(forbidden, cell_y, cell_x):
+                return False
         x += dx
         y += dy
     return True
-
-
-def _without_straights(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Leave out places where the path goes straight on."""
-    if len(cells) < 3:
-        return cells
-    directions = np.sign(np.diff(cells, axis=0))
-    turns = (directions[1:] != directions[:-1]).any(axis=1)
-    return cells[np.concatenate(([True], turns, [True]))]

@@ -6,8 +6,22 @@ import numpy as np
 import pytest
 from scipy.sparse.csgraph import dijkstra
 
-from quad_planner.any_angle import convex_corners, sees, taut_path
+from quad_planner import any_angle
+from quad_planner.bit_grid import BitMask
 from quad_planner.inflation import points_allowed, segments_allowed
+
+
+def sees(allowed, *ends):
+    forbidden = BitMask.of(~allowed)
+    return any_angle.sees(forbidden.words, forbidden.width, *ends)
+
+
+def convex_corners(allowed):
+    return any_angle.convex_corners(BitMask.of(~allowed))
+
+
+def taut_path(allowed, *arguments):
+    return any_angle.taut_path(BitMask.of(~allowed), *arguments)
 
 
 def boxes(seed, size=30):

@@ -47,6 +47,7 @@ def test_a_packed_mask_gives_back_any_part_of_it(height, width):
     bits = BitMask.of(mask)
     assert (bits.width, bits.height) == (width, height)
     assert (bits.unpacked() == mask).all()
+    assert (bits.places() == np.argwhere(mask)).all()
     for row, column in np.ndindex(mask.shape):
         assert bits[row, column] == mask[row, column]
     for _ in range(60):
@@ -69,6 +70,7 @@ def test_cells_outside_of_a_range_are_packed(least, most):
 def test_what_is_beyond_the_width_of_a_packed_mask_is_not_seen():
     bits = BitMask(np.full((3, 2), 2**64 - 1, dtype=np.uint64), 70)
     assert bits.unpacked().shape == (3, 70)
+    assert len(bits.places()) == 3 * 70
     assert not BitGrid.outside(bits).rows.any()
     nothing = BitMask(np.uint64([[0, 2**64 - 2**6]]), 70)
     assert BitGrid.outside(nothing).rows[1].tolist() == [2**64 - 2, 2**7 - 1]

@@ -128,6 +128,42 @@ def test_noise_that_needs_a_larger_heap_is_searched_too():
     assert found == wanted
 
 
+def test_a_long_search_asks_again_and_again_whether_to_go_on():
+    free = np.random.default_rng(8).random((400, 400)) > 0.2
+    free[0, 0] = True
+    free[-2:, -2:] = [[False, False], [False, True]]
+    search = JumpPointSearch(BitGrid.of(free))
+    calls = []
+    assert search.path((0, 0), (399, 399), lambda: calls.append(1)) is None
+    assert len(calls) > 2
+
+    def stop():
+        calls.pop()
+        if not calls:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        search.path((0, 0), (399, 399), stop)
+
+
+def test_two_maps_are_searched_side_by_side():
+    rng = np.random.default_rng(5)
+    maps = [rng.random((200, 200)) > share for share in (0.1, 0.3)]
+    for free in maps:
+        free[0, 0] = free[-1, -1] = True
+    searches = [JumpPointSearch(BitGrid.of(free)) for free in maps]
+    alone = [search.path((0, 0), (199, 199)) for search in searches]
+    # One search runs while the other has stopped to ask.
+    inner = []
+    outer = searches[1].path(
+        (0, 0), (199, 199), lambda: inner.append(searches[0].path((0, 0), (199, 199)))
+    )
+    assert (outer is None) == (alone[1] is None)
+    if outer is not None:
+        assert outer.length == alone[1].length
+    assert all(path.length == alone[0].length for path in inner)
+
+
 SCENARIOS = sorted(
     Path(os.environ['QUADWALK_MAPS']).rglob('*.scen') if 'QUADWALK_MAPS' in os.environ else ()
 )

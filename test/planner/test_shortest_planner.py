@@ -19,6 +19,7 @@ from quad_common.errors import (
 )
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.bit_grid import BitMask
 from quad_planner.inflation import segment_clearance
 from quad_planner.planner import make_planner
 from quad_planner.shortest_planner import ShortestPlanner, turns_saved
@@ -107,16 +108,16 @@ def test_around_a_wall_the_way_over_cells_is_eight_directional_and_shortest():
 
 
 def test_turns_are_saved_where_a_leg_can_be_moved():
-    allowed = np.ones((20, 20), dtype=bool)
+    forbidden = np.zeros((20, 20), dtype=bool)
     cells = np.array([[0, 0], [3, 3], [6, 3], [9, 6]])
-    saved = turns_saved(cells, allowed)
+    saved = turns_saved(cells, BitMask.of(forbidden).words)
     assert len(saved) == 3
     assert saved[[0, -1]].tolist() == [[0, 0], [9, 6]]
     # A wall on either side keeps the leg where it is.
-    allowed[0:2, 3:] = False
-    allowed[7:, 3:6] = False
-    allowed[4:, 0:5] = False
-    assert turns_saved(cells, allowed).tolist() == cells.tolist()
+    forbidden[0:2, 3:] = True
+    forbidden[7:, 3:6] = True
+    forbidden[4:, 0:5] = True
+    assert turns_saved(cells, BitMask.of(forbidden).words).tolist() == cells.tolist()
 
 
 @BOTH
