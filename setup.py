@@ -101,7 +101,7 @@ setup(
     packages=find_packages(include=['quad_*']),
     package_data={
         '': ['py.typed'],
-        'quad_common': ['robots/*', 'robots/calibration/*'],
+        'quad_common': ['robots/*', 'robots/calibration/*', 'robots/pace/*'],
         'quad_gait': ['gaits/*'],
     },
     data_files=[

@@ -1,5 +1,5 @@
 """
-``quadwalk gait``: lists the gaits, or checks one on a robot.
+``quadwalk gait``: lists the gaits, checks one on a robot, or derives a robot's paces.
 """
 
 from __future__ import annotations
@@ -7,21 +7,37 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
 from quad_cli.arguments import finite_argument
+from quad_common.pace import Pace, paces_file, save_paces
 from quad_common.robot import load_robot
-from quad_gait.gait import available_gaits, load_gait
+from quad_gait.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.gait_check import check_gait
+from quad_gait.motion_limits import MotionLimits
+from quad_gait.path_follower import pace_of
 
 EXAMPLES = """examples:
   quadwalk gait list
   quadwalk gait check wave --robot genibo
   quadwalk gait check my_gait.yaml --robot my_robot.yaml --json
+  quadwalk gait pace --robot my_robot.yaml
 """
+
+
+PACED = ('crawl', 'wave', 'trot')
+"""The gaits that follow a plan by straight stretches and turns on the spot."""
+
+_HEADING = (
+    'How far one cycle of each gait goes, for the planner: stride [m], turn on the spot [rad],',
+    'cycle_period [s]. Derived from reach, joints and stability margin.',
+    'Written by: quadwalk gait pace',
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,12 +55,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='of static gaits, 0 if left out [m]',
     )
     checking.add_argument('--json', action='store_true', help='print one JSON object only')
+    pacing = actions.add_parser(
+        'pace', help="derive how far each gait's cycles go, and write it for the planner"
+    )
+    pacing.add_argument('gaits', nargs='*', default=list(PACED), help='names, or gait files')
+    pacing.add_argument('--robot', default='titan_viii', help='name, or path of a data file')
+    pacing.add_argument('--output', type=Path, default=None, help='instead of beside the robot')
+    pacing.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if nothing is wrong."""
     if arguments.action == 'list':
         return _list(arguments.json)
+    if arguments.action == 'pace':
+        return _pace(arguments)
     robot = load_robot(arguments.robot)
     gait = load_gait(arguments.gait, robot)
     report = check_gait(robot, gait, arguments.least_margin)
@@ -71,6 +96,55 @@ def run(arguments: argparse.Namespace) -> int:
     for problem in report.problems:
         console.print(f'wrong: {problem}', soft_wrap=True)
     return 1 if report.problems else 0
+
+
+def _pace(arguments: argparse.Namespace) -> int:
+    paces = derive_paces(arguments.robot, arguments.gaits)
+    path = arguments.output or paces_file(arguments.robot)
+    save_paces(paces, path, _HEADING)
+    if arguments.json:
+        print(json.dumps({name: asdict(pace) for name, pace in paces.items()}))
+        return 0
+    table = Table('gait', 'cycle', 'stride', 'turn', 'added to each')
+    for name, pace in paces.items():
+        table.add_row(
+            name,
+            f'{pace.cycle_period:g} s',
+            f'{1e3 * pace.stride:.0f} mm',
+            f'{math.degrees(pace.turn):.1f} deg',
+            f'{pace.stopping:g} cycles',
+        )
+    console = Console()
+    console.print(table)
+    console.print(f'written to {path}', soft_wrap=True)
+    return 0
+
+
+def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, Pace]:
+    """
+    Derive the paces of gaits on a robot from their limits.
+
+    Parameters
+    ----------
+    robot_name : str
+        Name, or path of a robot data file.
+    gaits : sequence of str
+        Names, or paths of gait files.
+
+    Returns
+    -------
+    dict of str to Pace
+        By the names given.
+    """
+    robot = load_robot(robot_name)
+    paces = {}
+    for name in gaits:
+        gait = load_gait(name, robot)
+        turning = turning_gait_for(gait, robot)
+        walking = MotionLimits(robot, gait)
+        gear = walking if turning == gait else MotionLimits(robot, turning)
+        paces[name] = pace_of(walking, gear)
+    return paces
 
 
 def _list(as_json: bool) -> int:

@@ -18,6 +18,7 @@ from typing import Protocol
 import numpy as np
 
 from quad_common.errors import GaitError, ParameterError
+from quad_common.pace import Pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_gait.body_motion import BodyMotion
@@ -28,6 +29,9 @@ TURNINGS = ('in_place', 'crab', 'arc')
 
 _CATCH_UP = 0.2
 """Share of a stride by which a robot that keeps its speed makes up for lost way."""
+
+_AT_ONCE = 0.3
+"""Share of a stride that a robot which comes to rest may walk more in its last cycle."""
 
 _TURNING_RADIUS = 0.02
 """A circle smaller than this is a turn on the spot [m]."""
@@ -408,6 +412,53 @@ class PathFollower:
         return int(np.argmin(distances))
 
 
+def pace_of(walking: Gear, turning: Gear, options: FollowerOptions | None = None) -> Pace:
+    """
+    Say how many cycles a follower needs for stretches and turns, for a planner to know.
+
+    Parameters
+    ----------
+    walking : Gear
+        The gait for walking.
+    turning : Gear
+        The gait for turning on the spot, with cycles as long.
+    options : FollowerOptions, optional
+        How plans are followed, ``in_place``.
+
+    Returns
+    -------
+    Pace
+        What :func:`_advance` makes of lengths and angles.
+
+    Raises
+    ------
+    CannotFollow
+        If the gaits can do nothing at all.
+    GaitError
+        If their cycles are not equally long.
+    """
+    options = options or FollowerOptions()
+    if abs(walking.period - turning.period) > 1e-9:
+        raise GaitError(
+            f'cycles of walking take {walking.period:g} s and of turning {turning.period:g} s; '
+            f'a pace is counted in cycles of one length'
+        )
+    stride = walking.largest_share(BodyMotion(forward=1.0))
+    turns = [turning.largest_share(BodyMotion(turn=sign)) for sign in (1.0, -1.0)]
+    if not stride > 0.0:
+        raise CannotFollow('walk straight on', walking.reason(BodyMotion(forward=1.0)))
+    if not min(turns) > 0.0:
+        raise CannotFollow('turn on the spot', turning.reason(BodyMotion(turn=1.0)))
+    return Pace(
+        cycle_period=walking.period,
+        stride=stride,
+        turn=min(turns),
+        stopping=1.0 - _AT_ONCE if walking.is_steady else 0.0,
+        bend=options.turn_threshold,
+        heading_tolerance=options.heading_tolerance,
+    )
+
+
 def _is_turning(twist: Twist2D) -> bool:
     """Whether a body turns on the spot."""
     return abs(twist.turn) * _TURNING_RADIUS > math.hypot(twist.forward, twist.left)
@@ -436,7 +487,7 @@ def _advance(remaining: float, entry: float, largest: float, gear: Gear) -> tupl
     if not gear.is_steady:
         return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
     share = gear.gathering
-    if remaining <= (1.0 - share) * entry + 0.3 * largest:
+    if remaining <= (1.0 - share) * entry + _AT_ONCE * largest:
         return remaining, 0.0
     # In two cycles: from the entry to a speed, and from that to rest.
     exit_speed = min(remaining - (1.0 - share) * entry, largest)

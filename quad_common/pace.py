@@ -1,0 +1,199 @@
+"""
+How fast a gait takes a robot along a plan, counted in whole gait cycles.
+
+S0 (sec. 3) wants the path that costs the least time. A robot that walks straight and
+turns on the spot spends whole cycles on each stretch and on each turn: a stretch takes
+its length over the stride, a turn its angle over the largest turn of a cycle, each
+rounded up. For TITAN-VIII a turn of 45 degrees takes two cycles, as long as 0.45 m.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from quad_common.errors import ParameterError
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.robot import ROBOTS_FOLDER, robot_file
+
+LENGTH_SLACK = 1e-5
+"""By this share a stride may be longer than it is: lengths are often whole numbers of it."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """
+    How far the cycles of a gait go on a robot.
+
+    Raises
+    ------
+    ParameterError
+        If a number is not what its description says.
+    """
+
+    cycle_period: float
+    """Duration of a cycle, of straight walking as of turning, > 0 [s]."""
+    stride: float
+    """Way of one cycle straight on, > 0 [m]."""
+    turn: float
+    """Turn of one cycle on the spot, > 0 [rad]."""
+    stopping: float = 0.0
+    """
+    Part of a cycle that is added to each stretch and each turn: a gait that keeps its speed
+    from cycle to cycle has to gather it and to come to rest again.
+    """
+    bend: float = math.radians(12.0)
+    """Smaller changes of heading are made while walking, without a turn [rad]."""
+    heading_tolerance: float = math.radians(2.0)
+    """The robot is content with the goal's heading when it is this near [rad]."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name in ('cycle_period', 'stride', 'turn'):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ParameterError(name, value, 'a finite number above 0')
+        for name in ('stopping', 'bend', 'heading_tolerance'):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ParameterError(name, value, 'a finite number of at least 0')
+
+    def straight_cycles(self, length: float) -> int:
+        """Return how many cycles a straight stretch takes [m], from rest to rest."""
+        if length <= 0.0:
+            return 0
+        return max(1, math.ceil(length / (self.stride * (1.0 + LENGTH_SLACK)) + self.stopping))
+
+    def turn_cycles(self, angle: float) -> int:
+        """Return how many cycles a change of heading takes before a stretch [rad]."""
+        angle = abs(wrap_angle(angle))
+        if angle <= self.bend:
+            return 0
+        return max(1, math.ceil(angle / (self.turn * (1.0 + LENGTH_SLACK)) + self.stopping))
+
+    def last_turn_cycles(self, angle: float) -> int:
+        """Return how many cycles it takes to get the goal's heading, once there [rad]."""
+        if abs(wrap_angle(angle)) <= self.heading_tolerance:
+            return 0
+        return max(1, self.turn_cycles(angle))
+
+    def cycles(self, start: Pose2D, plan: Plan) -> int:
+        """
+        Count the cycles that a plan takes.
+
+        Parameters
+        ----------
+        start : Pose2D
+            Where the robot is, at the plan's first point; its heading counts [m, m, rad].
+        plan : Plan
+            The turning points.
+
+        Returns
+        -------
+        int
+            Cycles of straight walking and of turning.
+        """
+        total, stretch = 0, 0.0
+        heading = start.yaw
+        for here, there in pairwise(plan.poses):
+            if abs(wrap_angle(here.yaw - heading)) > self.bend:
+                total += self.straight_cycles(stretch) + self.turn_cycles(here.yaw - heading)
+                stretch = 0.0
+            stretch += here.distance_to(there)
+            heading = here.yaw
+        total += self.straight_cycles(stretch)
+        return total + self.last_turn_cycles(plan.poses[-1].yaw - heading)
+
+    def walking_time(self, start: Pose2D, plan: Plan) -> float:
+        """Return how long a plan takes [s]; parameters as for :meth:`cycles`."""
+        return self.cycle_period * self.cycles(start, plan)
+
+
+def paces_file(robot: str | Path) -> Path:
+    """
+    Say where a robot's paces are kept.
+
+    Parameters
+    ----------
+    robot : str or Path
+        Name of a robot that ships, or path of a robot data file.
+
+    Returns
+    -------
+    Path
+        Beside the robot's data file: ``my_robot.pace.yaml``, or in the folder ``pace`` of
+        the robots that ship. It need not exist.
+    """
+    data = robot_file(robot)
+    if data.parent == ROBOTS_FOLDER:
+        return ROBOTS_FOLDER / 'pace' / data.name
+    return data.with_suffix('.pace.yaml')
+
+
+def load_pace(robot: str | Path, gait: str) -> Pace:
+    """
+    Load the pace of a gait on a robot.
+
+    Parameters
+    ----------
+    robot : str or Path
+        Name of a robot that ships, or path of a robot data file.
+    gait : str
+        Name of the gait.
+
+    Returns
+    -------
+    Pace
+        From the robot's file of paces.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such file, it is damaged, or the gait is not in it.
+    """
+    path = paces_file(robot)
+    advice = f'quadwalk gait pace --robot {robot} writes them'
+    if not path.is_file():
+        raise ParameterError('robot', str(robot), f'one whose paces are known ({path}); {advice}')
+    try:
+        paces = yaml.safe_load(path.read_text(encoding='utf-8'))['paces']
+        if gait in paces:
+            return _pace(paces[gait])
+    except (yaml.YAMLError, KeyError, TypeError, ValueError, UnicodeDecodeError) as error:
+        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
+        raise ParameterError('paces', str(path), f'a file of paces ({why}); {advice}') from error
+    known = ', '.join(sorted(paces))
+    raise ParameterError('gait', gait, f'one whose pace is in {path} ({known}); {advice}')
+
+
+def save_paces(paces: Mapping[str, Pace], path: Path, heading: Iterable[str]) -> None:
+    """
+    Write paces, under lines of comment that say where they come from.
+
+    Parameters
+    ----------
+    paces : mapping of str to Pace
+        By the gaits' names.
+    path : Path
+        The file.
+    heading : iterable of str
+        Lines of comment.
+    """
+    entries = {
+        gait: {name: round(value, 6) for name, value in asdict(pace).items()}
+        for gait, pace in paces.items()
+    }
+    text = ''.join(f'# {line}\n' for line in heading)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text + yaml.safe_dump({'paces': entries}, sort_keys=False), encoding='utf-8')
+
+
+def _pace(entry: Mapping[str, Any]) -> Pace:
+    return Pace(**{name: float(value) for name, value in entry.items()})

@@ -1,0 +1,404 @@
+"""
+Quickest paths over cells and eight headings, in whole gait cycles (S0 sec. 3).
+
+A state is a cell and the heading in which the robot stands or walks there. Straight on it
+walks stretches, which cost whole cycles by the stride; at any cell it may end a stretch
+and turn, which costs whole cycles by the turn. So a state's cost grows by the length of
+each step and is rounded up to a whole cycle at each turn; of two ways to one state the
+cheaper is the better one for all that may follow, and A* is exact.
+
+Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
+for a cycle, so equal costs are equal. The bound on what is left (:func:`_least_turns`) is
+the length over free ground, and the least turns that a way over free ground takes. States
+wait in one bucket for each whole cycle of cost and bound together, so the first bucket in
+which the goal is reached holds the least time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.pace import LENGTH_SLACK, Pace
+from quad_planner.bit_grid import BitGrid, Bits, is_set
+from quad_planner.bucket_queue import BucketQueue, first_bucket, has_room, pop, push
+from quad_planner.compiled import compiled
+
+Cells = NDArray[np.int64]
+Numbers = NDArray[np.int64]
+
+HEADINGS = 8
+"""Heading k points at k times 45 degrees."""
+
+_DX = np.array([1, 1, 0, -1, -1, -1, 0, 1])
+_DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
+
+_SCALES = ((470832, 665857), (80782, 114243), (13860, 19601), (2378, 3363))
+"""Straight and diagonal steps in whole numbers: the nearer to sqrt 2, the larger."""
+
+# How a state was reached: from heading k by a turn, or as follows.
+_BY_A_STEP = np.uint8(8)
+_AT_THE_START = np.uint8(9)
+_PREVIOUS = np.uint8(15)
+_EXPANDED = np.uint8(16)
+
+_DONE, _PAUSED, _FULL = 0, 1, 2
+
+_AT_A_TIME = 200_000
+"""Expansions between two looks at the time."""
+
+_NOT_REACHED = 2**31 - 1
+_LARGEST = 2**30
+"""Costs up to here are looked at: there is room for what is added to them."""
+
+
+@dataclass(frozen=True)
+class LatticePath:
+    """A quickest path."""
+
+    cells: Cells
+    """Where it begins, turns and ends: x and y, shape (n, 2)."""
+    cycles: int
+    """Gait cycles, of walking and turning."""
+    expansions: int
+    """How many states were looked at."""
+
+
+class _Costs(NamedTuple):
+    """What steps, cycles and turns cost, in whole numbers."""
+
+    straight: int
+    """Of a step to a cell beside."""
+    diagonal: int
+    """Of a diagonal step."""
+    cycle: int
+    """Of one cycle."""
+    longest: int
+    """A path must cost less."""
+    turns: Numbers
+    """Shape (8, 8): of a turn and the pause of the stretch that follows it."""
+    first_turns: Numbers
+    """Shape (8,): from the start's heading to each of the eight, likewise."""
+    last_turns: Numbers
+    """Shape (8,): from each to the goal's heading."""
+    least_turns: Numbers
+    """Shape (8, 17), see :func:`_least_turns`."""
+
+
+class _Reached(NamedTuple):
+    """What the search knows; state 8 c + k is heading k in cell c."""
+
+    cost: NDArray[np.int32]
+    """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
+    by: NDArray[np.uint8]
+    """From where, and whether the search went on from there."""
+    best: NDArray[np.int64]
+    """The least cost at the goal and the heading in which it is reached; expansions."""
+
+
+def quickest_path(
+    grid: BitGrid,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    start_yaw: float,
+    goal_yaw: float,
+    pace: Pace,
+    resolution: float,
+    bound: int,
+    check: Callable[[], None] = lambda: None,
+) -> LatticePath | None:
+    """
+    Find a path that takes the fewest gait cycles.
+
+    Parameters
+    ----------
+    grid : BitGrid
+        The free cells.
+    start, goal : tuple of int
+        x and y of two different cells of the map.
+    start_yaw, goal_yaw : float
+        Headings in the frame of the cells [rad].
+    pace : Pace
+        How far cycles go.
+    resolution : float
+        Side of a cell [m].
+    bound : int
+        Cycles: a path must take less.
+    check : callable
+        Called now and then; raises to end the search.
+
+    Returns
+    -------
+    LatticePath or None
+        None if there is no path, or none within the bound, or an end is not free.
+    """
+    for x, y in (start, goal):
+        if not (0 <= x < grid.width and 0 <= y < grid.height):
+            return None
+        if not is_set(grid.rows, y + 1, x + 1):
+            return None
+    width = grid.width + 2
+    cells = width * (grid.height + 2)
+    costs = _count(pace, resolution, start_yaw, goal_yaw, bound)
+    queue = BucketQueue.of(costs.longest // costs.cycle + 2)
+    reached = _Reached(
+        np.zeros(HEADINGS * cells, dtype=np.int32),
+        np.zeros(HEADINGS * cells, dtype=np.uint8),
+        np.array([_NOT_REACHED, 0, 0]),
+    )
+    first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
+    _begin(grid.rows, width, first, last, costs, reached, queue)
+    while True:
+        result = _search(grid.rows, width, last, costs, reached, queue, _AT_A_TIME)
+        if result == _DONE:
+            break
+        if result == _FULL:
+            queue = queue.larger()
+        check()
+    best, heading, expansions = reached.best.tolist()
+    if best == _NOT_REACHED:
+        return None
+    turning_points = _turning_points(reached.by, width, last, heading)
+    return LatticePath(turning_points, best // costs.cycle, expansions)
+
+
+def _count(pace: Pace, resolution: float, start_yaw: float, goal_yaw: float, bound: int) -> _Costs:
+    """Count the costs of a pace on the finest scale that can hold the bound's cycles."""
+    strides = pace.stride / resolution * (1.0 + LENGTH_SLACK)
+    scale = 0
+    while scale + 1 < len(_SCALES) and bound * strides * _SCALES[scale][0] > _LARGEST:
+        scale += 1
+    straight, diagonal = _SCALES[scale]
+    cycle = max(1, math.floor(strides * straight))
+    pause = round(pace.stopping * cycle)
+    headings = [math.radians(45.0 * k) for k in range(HEADINGS)]
+    turns = [[pace.turn_cycles(b - a) * cycle + pause for b in headings] for a in headings]
+    first = [pace.turn_cycles(b - start_yaw) * cycle + pause for b in headings]
+    last = np.array([pace.last_turn_cycles(goal_yaw - a) * cycle for a in headings])
+    longest = min(bound * cycle, _LARGEST // cycle * cycle)
+    least = _least_turns(np.array(turns), last)
+    return _Costs(straight, diagonal, cycle, longest, np.array(turns), np.array(first), last, least)
+
+
+@compiled
+def _least_turns(turns: Numbers, last_turns: Numbers) -> Numbers:
+    """
+    Tabulate the least that turns may cost on the way to the goal over free ground.
+
+    A way over free ground goes along one heading or two (of more, two would do: any
+    displacement in the plane lies between two of those it is made of).
+
+    Parameters
+    ----------
+    turns, last_turns : ndarray of int, shapes (8, 8) and (8,)
+        What turns cost.
+
+    Returns
+    -------
+    ndarray of int, shape (8, 17)
+        By the heading of the robot and the sector in which the goal lies, see `_sector`.
+    """
+    table = np.full((HEADINGS, 17), _NOT_REACHED, dtype=np.int64)
+    # To be content with nearly the goal's heading may save a cycle in an earlier turn: two
+    # turns may then cost less than one.
+    least_last = last_turns.copy()
+    for a in range(HEADINGS):
+        for b in range(HEADINGS):
+            least_last[a] = min(least_last[a], turns[a, b] + last_turns[b])
+    table[:, 16] = least_last
+    for sector in range(16):
+        for a in range(HEADINGS):
+            for b in range(HEADINGS):
+                if a == b and sector != 2 * a:
+                    continue
+                if a != b and not _is_between(sector, 2 * a, 2 * b):
+                    continue
+                after = least_last[b] + (0 if a == b else turns[a, b])
+                for k in range(HEADINGS):
+                    before = 0 if a == k else turns[k, a]
+                    table[k, sector] = min(table[k, sector], before + after)
+    return table
+
+
+@compiled
+def _is_between(sector: int, a: int, b: int) -> bool:
+    """Return whether a direction is in the cone of two others, in sixteenths of a turn."""
+    for low, high in ((a, b), (b, a)):
+        if 0 < (high - low) % 16 < 8 and (sector - low) % 16 <= (high - low) % 16:
+            return True
+    return False
+
+
+@compiled
+def _sector(dx: int, dy: int) -> int:
+    """
+    Return where a displacement points.
+
+    2 k along heading k, 2 k + 1 between headings k and k + 1, 16 for none.
+    """
+    along, across = abs(dx), abs(dy)
+    if along == 0 and across == 0:
+        return 16
+    if across == 0:
+        return 0 if dx > 0 else 8
+    if along == 0:
+        return 4 if dy > 0 else 12
+    quarter = 1 if along > across else (2 if along == across else 3)
+    if dy > 0:
+        return quarter if dx > 0 else 8 - quarter
+    return 16 - quarter if dx > 0 else 8 + quarter
+
+
+@compiled
+def _total(cost: int, dx: int, dy: int, heading: int, costs: _Costs) -> int:
+    """Return a cost and the least that is left, so far from the goal in a heading."""
+    along, across = abs(dx), abs(dy)
+    length = costs.straight * max(along, across)
+    length += (costs.diagonal - costs.straight) * min(along, across)
+    return cost + length + int(costs.least_turns[heading, _sector(dx, dy)])
+
+
+@compiled
+def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
+    """Return whether a step from a free cell is free; a diagonal needs both beside it."""
+    dx, dy = int(_DX[heading]), int(_DY[heading])
+    if not is_set(rows, y + dy, x + dx):
+        return False
+    if heading & 1:
+        return is_set(rows, y, x + dx) and is_set(rows, y + dy, x)
+    return True
+
+
+@compiled
+def _begin(
+    rows: Bits,
+    width: int,
+    start: int,
+    goal: int,
+    costs: _Costs,
+    reached: _Reached,
+    queue: BucketQueue,
+) -> None:
+    """Let the start's eight headings wait."""
+    x, y = start % width, start // width
+    dx, dy = goal % width - x, goal // width - y
+    cycle = costs.cycle
+    for k in range(HEADINGS):
+        cost = int(costs.first_turns[k])
+        total = _total(cost, dx, dy, k, costs)
+        if total > costs.longest - cycle or not _may_step(rows, x, y, k):
+            continue
+        state = HEADINGS * start + k
+        reached.cost[state] = cost + 1
+        reached.by[state] = _AT_THE_START
+        push(queue, (total + cycle - 1) // cycle, state)
+
+
+@compiled
+def _search(
+    rows: Bits,
+    width: int,
+    goal: int,
+    costs: _Costs,
+    reached: _Reached,
+    queue: BucketQueue,
+    at_a_time: int,
+) -> int:
+    """
+    Go on with a search, for so many expansions at a time.
+
+    Returns ``_DONE``, ``_PAUSED``, or ``_FULL`` if the queue must grow.
+    """
+    cycle, best = costs.cycle, reached.best
+    goal_x, goal_y = goal % width, goal // width
+    for _ in range(at_a_time):
+        bucket = first_bucket(queue)
+        if bucket == len(queue.heads) or best[0] <= bucket * cycle:
+            return _DONE
+        # A state lets those wait that it turns to, and the one ahead.
+        if not has_room(queue, HEADINGS):
+            return _FULL
+        state = pop(queue, bucket)
+        by = reached.by[state]
+        if by & _EXPANDED:
+            continue
+        reached.by[state] = by | _EXPANDED
+        best[2] += 1
+        cell, k = state // HEADINGS, state % HEADINGS
+        x, y = cell % width, cell // width
+        cost = int(reached.cost[state]) - 1
+        rest = (cost + cycle - 1) // cycle * cycle
+        if cell == goal:
+            total = rest + costs.last_turns[k]
+            if total < min(best[0], costs.longest):
+                best[0], best[1] = total, k
+            continue
+        if by & _PREVIOUS == _BY_A_STEP:
+            for j in range(HEADINGS):
+                if j != k:
+                    turned = rest + int(costs.turns[k, j])
+                    total = _total(turned, goal_x - x, goal_y - y, j, costs)
+                    other = HEADINGS * cell + j
+                    if _is_new(other, turned, total, costs, reached) and _may_step(rows, x, y, j):
+                        _reach(other, turned, np.uint8(k), total, bucket, costs, reached, queue)
+        if _may_step(rows, x, y, k):
+            x, y = x + int(_DX[k]), y + int(_DY[k])
+            cost += costs.diagonal if k & 1 else costs.straight
+            total = _total(cost, goal_x - x, goal_y - y, k, costs)
+            state = HEADINGS * (y * width + x) + k
+            if _is_new(state, cost, total, costs, reached):
+                _reach(state, cost, _BY_A_STEP, total, bucket, costs, reached, queue)
+    return _PAUSED
+
+
+@compiled
+def _is_new(state: int, cost: int, total: int, costs: _Costs, reached: _Reached) -> bool:
+    """Return whether a state was not reached as cheaply, and may be on a path in the bound."""
+    known = int(reached.cost[state])
+    return total <= costs.longest - costs.cycle and (known == 0 or cost + 1 < known)
+
+
+@compiled
+def _reach(
+    state: int,
+    cost: int,
+    by: np.uint8,
+    total: int,
+    bucket: int,
+    costs: _Costs,
+    reached: _Reached,
+    queue: BucketQueue,
+) -> None:
+    """Note how a state was reached, and let it wait."""
+    reached.cost[state] = cost + 1
+    reached.by[state] = by
+    # The bound on what is left may fall by more than a step costs: never back.
+    push(queue, max(bucket, (total + costs.cycle - 1) // costs.cycle), state)
+
+
+@compiled
+def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
+    """Go back from the goal to the start; list where the path begins, turns and ends."""
+    offsets = _DY * width + _DX
+    places = [goal]
+    cell, k = goal, heading
+    while True:
+        by = reached_by[HEADINGS * cell + k] & _PREVIOUS
+        if by == _AT_THE_START:
+            break
+        if by == _BY_A_STEP:
+            cell -= int(offsets[k])
+        else:
+            k = np.int64(by)  # type: ignore[assignment]
+            places.append(cell)
+    places.append(cell)
+    cells = np.empty((len(places), 2), dtype=np.int64)
+    for at in range(len(places)):
+        place = places[len(places) - 1 - at]
+        cells[at, 0], cells[at, 1] = place % width - 1, place // width - 1
+    return cells
