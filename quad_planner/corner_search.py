@@ -19,7 +19,16 @@ from numpy.typing import NDArray
 
 from quad_common.pace import LENGTH_SLACK, Pace
 from quad_planner.any_angle import sees
-from quad_planner.bucket_queue import BucketQueue, first_bucket, has_room, pop, push
+from quad_planner.bucket_queue import (
+    BucketQueue,
+    bucket_queue,
+    has_room,
+    is_empty,
+    next_bucket,
+    pop,
+    push,
+    with_room,
+)
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Mask, Points
 
@@ -115,16 +124,16 @@ def quickest_corners(
     # Of each point, a state that is good for all directions: its cost and direction.
     best = np.column_stack((np.full(len(points), np.inf), np.zeros(len(points))))
     goal = np.array([float(bound), -1.0])
-    queue = BucketQueue.of(bound)
-    while not has_room(queue, len(points)):
-        queue = queue.larger()
+    queue = with_room(bucket_queue(bound), len(points))
     _begin(edges, start_yaw, cycles, bound, costs, queue)
     while True:
-        result = _search(edges, cycles, costs, parents, is_done, best, goal, queue, _AT_A_TIME)
+        result = _search(
+            edges, cycles, costs, parents, is_done, best, goal, queue, bound, _AT_A_TIME
+        )
         if result == _DONE:
             break
         if result == _FULL:
-            queue = queue.larger()
+            queue = with_room(queue, max(len(points), len(queue.entries)))
         check()
     edge = int(goal[1])
     if edge < 0:
@@ -247,7 +256,7 @@ def _begin(
         bucket = _bucket(cost, edges.left[edges.ends[edge]], 0)
         if bucket < bound:
             costs[edge] = cost
-            push(queue, bucket, edge)
+            push(queue.heads, queue.entries, queue.state, edge, 0, bucket)
 
 
 @compiled
@@ -260,6 +269,7 @@ def _search(
     best: Floats,
     goal: Floats,
     queue: BucketQueue,
+    bound: int,
     at_a_time: int,
 ) -> int:
     """
@@ -269,12 +279,14 @@ def _search(
     ``_PAUSED``, or ``_FULL`` if the queue must grow.
     """
     for _ in range(at_a_time):
-        bucket = first_bucket(queue)
-        if bucket == len(queue.heads) or goal[0] <= bucket:
+        if is_empty(queue.state):
             return _DONE
-        if not has_room(queue, len(edges.left)):
+        bucket = next_bucket(queue.heads, queue.state)
+        if goal[0] <= bucket:
+            return _DONE
+        if not has_room(queue.entries, queue.state, len(edges.left)):
             return _FULL
-        state = pop(queue, bucket)
+        state, _ = pop(queue.heads, queue.entries, queue.state)
         if is_done[state]:
             continue
         is_done[state] = True
@@ -295,11 +307,11 @@ def _search(
             onward = _leaving(cost, direction, edges.angles[edge], cycles) + edges.strides[edge]
             if onward < costs[edge] - _TINY:
                 further = _bucket(onward, edges.left[edges.ends[edge]], bucket)
-                if further < len(queue.heads):
+                if further < bound:
                     costs[edge] = onward
                     parents[edge] = state
                     is_done[edge] = False
-                    push(queue, further, edge)
+                    push(queue.heads, queue.entries, queue.state, edge, 0, further)
     return _PAUSED
 
 

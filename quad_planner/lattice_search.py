@@ -26,7 +26,16 @@ from numpy.typing import NDArray
 
 from quad_common.pace import LENGTH_SLACK, Pace
 from quad_planner.bit_grid import BitGrid, Bits, is_set
-from quad_planner.bucket_queue import BucketQueue, first_bucket, has_room, pop, push
+from quad_planner.bucket_queue import (
+    BucketQueue,
+    bucket_queue,
+    has_room,
+    is_empty,
+    next_bucket,
+    pop,
+    push,
+    with_room,
+)
 from quad_planner.compiled import compiled
 
 Cells = NDArray[np.int64]
@@ -145,7 +154,7 @@ def quickest_path(
     width = grid.width + 2
     cells = width * (grid.height + 2)
     costs = _count(pace, resolution, start_yaw, goal_yaw, bound)
-    queue = BucketQueue.of(costs.longest // costs.cycle + 2)
+    queue = bucket_queue(costs.longest // costs.cycle + 1)
     reached = _Reached(
         np.zeros(HEADINGS * cells, dtype=np.int32),
         np.zeros(HEADINGS * cells, dtype=np.uint8),
@@ -158,7 +167,7 @@ def quickest_path(
         if result == _DONE:
             break
         if result == _FULL:
-            queue = queue.larger()
+            queue = with_room(queue, len(queue.entries))
         check()
     best, heading, expansions = reached.best.tolist()
     if best == _NOT_REACHED:
@@ -275,6 +284,11 @@ def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
 
 
 @compiled
+def _wait(queue: BucketQueue, bucket: int, state: int) -> None:
+    push(queue.heads, queue.entries, queue.state, state, 0, bucket)
+
+
+@compiled
 def _begin(
     rows: Bits,
     width: int,
@@ -296,7 +310,7 @@ def _begin(
         state = HEADINGS * start + k
         reached.cost[state] = cost + 1
         reached.by[state] = _AT_THE_START
-        push(queue, (total + cycle - 1) // cycle, state)
+        _wait(queue, (total + cycle - 1) // cycle, state)
 
 
 @compiled
@@ -317,13 +331,15 @@ def _search(
     cycle, best = costs.cycle, reached.best
     goal_x, goal_y = goal % width, goal // width
     for _ in range(at_a_time):
-        bucket = first_bucket(queue)
-        if bucket == len(queue.heads) or best[0] <= bucket * cycle:
+        if is_empty(queue.state):
+            return _DONE
+        bucket = next_bucket(queue.heads, queue.state)
+        if best[0] <= bucket * cycle:
             return _DONE
         # A state lets those wait that it turns to, and the one ahead.
-        if not has_room(queue, HEADINGS):
+        if not has_room(queue.entries, queue.state, HEADINGS):
             return _FULL
-        state = pop(queue, bucket)
+        state, _ = pop(queue.heads, queue.entries, queue.state)
         by = reached.by[state]
         if by & _EXPANDED:
             continue
@@ -378,7 +394,7 @@ def _reach(
     reached.cost[state] = cost + 1
     reached.by[state] = by
     # The bound on what is left may fall by more than a step costs: never back.
-    push(queue, max(bucket, (total + costs.cycle - 1) // costs.cycle), state)
+    _wait(queue, max(bucket, (total + costs.cycle - 1) // costs.cycle), state)
 
 
 @compiled
