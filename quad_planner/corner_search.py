@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from quad_common.pace import LENGTH_SLACK, Pace
 from quad_planner.any_angle import sees
+from quad_planner.bit_grid import BitMask, Bits
 from quad_planner.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -71,7 +72,7 @@ class _Cycles(NamedTuple):
 
 
 def quickest_corners(
-    allowed: Mask,
+    forbidden: BitMask,
     points: Points,
     start_yaw: float,
     goal_yaw: float,
@@ -85,8 +86,8 @@ def quickest_corners(
 
     Parameters
     ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells; their edges are allowed too.
+    forbidden : BitMask
+        The forbidden cells; their edges are allowed.
     points : ndarray, shape (n, 2)
         The start, the goal, and where the path may turn [cells].
     start_yaw, goal_yaw : float
@@ -114,7 +115,7 @@ def quickest_corners(
     if not near[0]:
         return None
     points = points[near]
-    edges = _edges(allowed, points, longest, stride, check)
+    edges = _edges(forbidden, points, longest, stride, check)
     cycles = _Cycles(
         pace.turn * (1.0 + LENGTH_SLACK), pace.stopping, pace.bend, goal_yaw, pace.heading_tolerance
     )
@@ -146,7 +147,7 @@ def quickest_corners(
 
 
 def _edges(
-    allowed: Mask, points: Points, longest: float, stride: float, check: Callable[[], None]
+    forbidden: BitMask, points: Points, longest: float, stride: float, check: Callable[[], None]
 ) -> _Edges:
     """
     Find out which points see which, as far as they may be on a short enough path.
@@ -170,7 +171,7 @@ def _edges(
         check()
         # What was looked from before has seen this point, or not.
         is_open = (~is_done) & (from_start <= longest - length)
-        new = _view(allowed, points, at, np.flatnonzero(is_open))
+        new = _view(forbidden.words, forbidden.width, points, at, np.flatnonzero(is_open))
         views[at] = np.concatenate((new, np.array(sights.pop(at, []), dtype=np.int64)))
         further = length + np.hypot(*(points[new] - points[at]).T)
         for seen, total in zip(new.tolist(), further.tolist()):
@@ -192,14 +193,14 @@ def _edges(
 
 
 @compiled
-def _view(allowed: Mask, points: Floats, at: int, others: Indices) -> Indices:
+def _view(forbidden: Bits, width: int, points: Floats, at: int, others: Indices) -> Indices:
     """Return which of the others a point sees, other than those in the same place."""
     seen = np.empty(len(others), dtype=np.int64)
     count = 0
     x, y = points[at, 0], points[at, 1]
     for other in others:
         to_x, to_y = points[other, 0], points[other, 1]
-        if (to_x != x or to_y != y) and sees(allowed, x, y, to_x, to_y):
+        if (to_x != x or to_y != y) and sees(forbidden, width, x, y, to_x, to_y):
             seen[count] = other
             count += 1
     return seen[:count]

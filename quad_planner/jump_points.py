@@ -143,6 +143,11 @@ class JumpPointSearch:
         self._grid = grid
         self._rows, self._columns = _with_stops(grid.rows), _with_stops(grid.columns)
 
+    @property
+    def grid(self) -> BitGrid:
+        """Return the free cells."""
+        return self._grid
+
     def path(
         self,
         start: tuple[int, int],

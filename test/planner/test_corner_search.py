@@ -12,19 +12,19 @@ from quad_common.pace import LENGTH_SLACK, Pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_planner.any_angle import convex_corners, sees
-from quad_planner.bit_grid import BitGrid
+from quad_planner.bit_grid import BitGrid, BitMask
 from quad_planner.corner_search import quickest_corners
 from quad_planner.lattice_search import quickest_path
 
 
-def least_cycles(allowed, points, start_yaw, goal_yaw, pace):
+def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
     """Search over all pairs of points that see each other, without a bound."""
     count = len(points)
     views = [
         [
             j
             for j in range(count)
-            if (points[i] != points[j]).any() and sees(allowed, *points[i], *points[j])
+            if (points[i] != points[j]).any() and sees(forbidden.words, forbidden.width, *points[i], *points[j])
         ]
         for i in range(count)
     ]
@@ -84,17 +84,17 @@ def test_no_path_takes_fewer_cycles(seed):
         if lattice is None:
             continue
         points = np.vstack(([start, goal], lattice.cells[1:-1])) + 0.5
-        points = np.vstack((points, convex_corners(free)))
-        least = least_cycles(free, points, start_yaw, goal_yaw, pace)
+        points = np.vstack((points, convex_corners(BitMask.of(~free))))
+        least = least_cycles(BitMask.of(~free), points, start_yaw, goal_yaw, pace)
         # The lattice's own path leads over these points.
         assert least <= lattice.cycles
         way = quickest_corners(
-            free, points, start_yaw, goal_yaw, pace, RESOLUTION, lattice.cycles + 1
+            BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, lattice.cycles + 1
         )
         assert cycles_of(way, start_yaw, goal_yaw, pace) == least
         for a, b in itertools.pairwise(way):
-            assert sees(free, *a, *b)
-        assert quickest_corners(free, points, start_yaw, goal_yaw, pace, RESOLUTION, least) is None
+            assert sees(BitMask.of(~free).words, free.shape[1], *a, *b)
+        assert quickest_corners(BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, least) is None
 
 
 def test_bends_cost_nothing():
@@ -103,13 +103,13 @@ def test_bends_cost_nothing():
     y, x = np.mgrid[:60, :120]
     free[(x + 0.5 - 60) ** 2 / 50**2 + (y + 0.5) ** 2 / 20**2 < 1.0] = False
     start, goal = np.array([2.5, 5.5]), np.array([117.5, 5.5])
-    points = np.vstack((start, goal, convex_corners(free)))
+    points = np.vstack((start, goal, convex_corners(BitMask.of(~free))))
     bending = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
     never = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2), bend=0.0)
     yaw = math.radians(30.0)
     took = {
         name: cycles_of(
-            quickest_corners(free, points, yaw, -yaw, pace, RESOLUTION, 200), yaw, -yaw, pace
+            quickest_corners(BitMask.of(~free), points, yaw, -yaw, pace, RESOLUTION, 200), yaw, -yaw, pace
         )
         for name, pace in (('bending', bending), ('never', never))
     }
@@ -120,7 +120,7 @@ def test_a_goal_that_is_not_seen_has_no_path():
     free = np.ones((10, 10), dtype=bool)
     free[:, 5] = False
     points = np.array([[1.5, 1.5], [8.5, 1.5]])
-    assert quickest_corners(free, points, 0.0, 0.0, CRAWL, RESOLUTION, 100) is None
+    assert quickest_corners(BitMask.of(~free), points, 0.0, 0.0, CRAWL, RESOLUTION, 100) is None
 
 
 def test_a_search_can_be_ended():
@@ -131,5 +131,5 @@ def test_a_search_can_be_ended():
 
     with pytest.raises(TimeoutError):
         quickest_corners(
-            free, np.array([[1.5, 1.5], [20.5, 9.5]]), 0.0, 0.0, CRAWL, RESOLUTION, 100, check=end
+            BitMask.of(~free), np.array([[1.5, 1.5], [20.5, 9.5]]), 0.0, 0.0, CRAWL, RESOLUTION, 100, check=end
         )
