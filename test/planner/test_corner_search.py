@@ -24,7 +24,8 @@ def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
         [
             j
             for j in range(count)
-            if (points[i] != points[j]).any() and sees(forbidden.words, forbidden.width, *points[i], *points[j])
+            if (points[i] != points[j]).any()
+            and sees(forbidden.words, forbidden.width, *points[i], *points[j])
         ]
         for i in range(count)
     ]
@@ -94,7 +95,12 @@ def test_no_path_takes_fewer_cycles(seed):
         assert cycles_of(way, start_yaw, goal_yaw, pace) == least
         for a, b in itertools.pairwise(way):
             assert sees(BitMask.of(~free).words, free.shape[1], *a, *b)
-        assert quickest_corners(BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, least) is None
+        assert (
+            quickest_corners(
+                BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, least
+            )
+            is None
+        )
 
 
 def test_bends_cost_nothing():
@@ -109,7 +115,10 @@ def test_bends_cost_nothing():
     yaw = math.radians(30.0)
     took = {
         name: cycles_of(
-            quickest_corners(BitMask.of(~free), points, yaw, -yaw, pace, RESOLUTION, 200), yaw, -yaw, pace
+            quickest_corners(BitMask.of(~free), points, yaw, -yaw, pace, RESOLUTION, 200),
+            yaw,
+            -yaw,
+            pace,
         )
         for name, pace in (('bending', bending), ('never', never))
     }
@@ -131,5 +140,12 @@ def test_a_search_can_be_ended():
 
     with pytest.raises(TimeoutError):
         quickest_corners(
-            BitMask.of(~free), np.array([[1.5, 1.5], [20.5, 9.5]]), 0.0, 0.0, CRAWL, RESOLUTION, 100, check=end
+            BitMask.of(~free),
+            np.array([[1.5, 1.5], [20.5, 9.5]]),
+            0.0,
+            0.0,
+            CRAWL,
+            RESOLUTION,
+            100,
+            check=end,
         )
