@@ -2,8 +2,8 @@
 Cells as bits: 64 of them in one word.
 
 A `BitMask` is any mask. A `BitGrid` holds where one may be, by rows and by columns: a wall
-one cell wide surrounds the map, so that a scan along a row or a column always meets its
-end.
+one cell wide surrounds the map, so that whoever looks along a row or a column always meets
+its end.
 """
 
 from __future__ import annotations
@@ -307,27 +307,3 @@ def last_bit(word: np.uint64) -> int:
 def is_set(lines: Bits, line: int, place: int) -> bool:
     """Return whether a bit is set."""
     return bool((lines[line, place >> 6] >> np.uint64(place & 63)) & _ONE)
-
-
-@compiled
-def next_set(lines: Bits, line: int, place: int) -> int:
-    """Return the first place after this one that is set; there must be one."""
-    place += 1
-    at = place >> 6
-    word = lines[line, at] & (_ALL << np.uint64(place & 63))
-    while word == 0:
-        at += 1
-        word = lines[line, at]
-    return (at << 6) + first_bit(word)
-
-
-@compiled
-def previous_set(lines: Bits, line: int, place: int) -> int:
-    """Return the last place before this one that is set; there must be one."""
-    place -= 1
-    at = place >> 6
-    word = lines[line, at] & (_ALL >> np.uint64(63 - (place & 63)))
-    while word == 0:
-        at -= 1
-        word = lines[line, at]
-    return (at << 6) + last_bit(word)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.bit_grid import BitGrid, Bits, is_set, next_set, previous_set
+from quad_planner.bit_grid import BitGrid, Bits, first_bit, is_set, last_bit
 from quad_planner.compiled import compiled
 
 Cells = NDArray[np.int64]
@@ -37,6 +37,9 @@ _INTERRUPTED = 3
 _EXPANSIONS = 4096
 """After so many a search looks up, whether it is to go on."""
 
+_ONE = np.uint64(1)
+_LAST = np.uint64(63)
+_ALL = ~np.uint64(0)
 _HASH = np.uint64(0x9E3779B97F4A7C15)
 
 
@@ -141,7 +144,6 @@ class JumpPointSearch:
 
     def __init__(self, grid: BitGrid) -> None:
         self._grid = grid
-        self._rows, self._columns = _with_stops(grid.rows), _with_stops(grid.columns)
 
     @property
     def grid(self) -> BitGrid:
@@ -181,7 +183,7 @@ class JumpPointSearch:
         tree = _tree(begin, 2 * room)
         outcome = _INTERRUPTED
         while outcome not in (_FOUND, _NO_PATH):
-            outcome = _search(self._rows, self._columns, ONWARD, *tree, end, room)
+            outcome = _search(grid.rows, grid.columns, ONWARD, *tree, end, room)
             check()
             if outcome == _NO_ROOM:
                 tree = _larger(tree)
@@ -191,40 +193,6 @@ class JumpPointSearch:
         steps = np.abs(np.diff(cells, axis=0))
         diagonal = int(steps.min(axis=1).sum())
         return CellPath(cells, int(steps.max(axis=1).sum()) - diagonal, diagonal)
-
-
-@compiled
-def _with_stops(lines: Bits) -> Bits:
-    """
-    Mark where a scan along a line stops: at a wall, or where a wall beside it ends.
-
-    Parameters
-    ----------
-    lines : ndarray of uint64, shape (m, n)
-        Free cells; the first and the last line have none.
-
-    Returns
-    -------
-    ndarray of uint64, shape (3, m, n)
-        The free cells, the marks for scans towards larger and those towards smaller places.
-    """
-    result = np.empty((3, *lines.shape), dtype=np.uint64)
-    one, last = np.uint64(1), np.uint64(63)
-    ends = lines.shape[1] - 1
-    for y in range(lines.shape[0]):
-        result[0, y] = lines[y]
-        result[1, y] = ~lines[y]
-        result[2, y] = ~lines[y]
-        if y in (0, lines.shape[0] - 1):
-            continue
-        for beside in (lines[y - 1], lines[y + 1]):
-            for at in range(ends + 1):
-                free = beside[at]
-                before = beside[at - 1] if at > 0 else np.uint64(0)
-                after = beside[at + 1] if at < ends else np.uint64(0)
-                result[1, y, at] |= free & ~((free << one) | (before >> last))
-                result[2, y, at] |= free & ~((free >> one) | (after << last))
-    return result
 
 
 def _tree(start: tuple[int, int], size: int) -> _Tree:
@@ -288,7 +256,7 @@ def _around(rows: Bits, x: int, y: int) -> int:
     """Return the free neighbours of a cell; bit k stands for direction k."""
     pattern = 0
     for k in range(8):
-        if is_set(rows[0], y + int(_DY[k]), x + int(_DX[k])):
+        if is_set(rows, y + int(_DY[k]), x + int(_DX[k])):
             pattern |= 1 << k
     return pattern
 
@@ -344,8 +312,8 @@ def _search(
 
     Parameters
     ----------
-    rows, columns : ndarray of uint64, shape (3, m, n)
-        The map, from :func:`_with_stops`.
+    rows, columns : ndarray of uint64, shape (m, n)
+        The map, as in `BitGrid`.
     onward : ndarray, shape (256, 256)
         `ONWARD`.
     nodes, slots, heap, counts
@@ -422,8 +390,7 @@ def _go_on(
 @compiled
 def _is_open(rows: Bits, x: int, y: int, dx: int, dy: int) -> bool:
     """Return whether a diagonal step is free, and both cells beside it."""
-    free = rows[0]
-    return is_set(free, y, x + dx) and is_set(free, y + dy, x) and is_set(free, y + dy, x + dx)
+    return is_set(rows, y, x + dx) and is_set(rows, y + dy, x) and is_set(rows, y + dy, x + dx)
 
 
 @compiled
@@ -435,14 +402,52 @@ def _look(lines: Bits, line: int, place: int, step: int, goal: int) -> int:
     line, else -1.
     """
     if step > 0:
-        end = next_set(lines[1], line, place)
+        end = _stop_ahead(lines, line, place + 1)
         if place < goal < end:
             return goal
     else:
-        end = previous_set(lines[2], line, place)
+        end = _stop_behind(lines, line, place - 1)
         if end < goal < place:
             return goal
-    return end if is_set(lines[0], line, end) else -1
+    return end if is_set(lines, line, end) else -1
+
+
+@compiled
+def _stop_ahead(lines: Bits, line: int, place: int) -> int:
+    """Return the first place from this one on where a wall is, or one beside it has ended."""
+    at = place >> 6
+    mask = _ALL << np.uint64(place & 63)
+    while True:
+        # What comes from beyond the ends of a line meets the wall.
+        before = max(at - 1, 0)
+        above, below = lines[line + 1, at], lines[line - 1, at]
+        closed = ~((above << _ONE) | (lines[line + 1, before] >> _LAST))
+        stops = ~lines[line, at] | (above & closed)
+        closed = ~((below << _ONE) | (lines[line - 1, before] >> _LAST))
+        stops = (stops | (below & closed)) & mask
+        if stops != 0:
+            return (at << 6) + first_bit(stops)
+        mask = _ALL
+        at += 1
+
+
+@compiled
+def _stop_behind(lines: Bits, line: int, place: int) -> int:
+    """Return the last place up to this one where a wall is, or one beside it has ended."""
+    last = lines.shape[1] - 1
+    at = place >> 6
+    mask = _ALL >> np.uint64(63 - (place & 63))
+    while True:
+        after = min(at + 1, last)
+        above, below = lines[line + 1, at], lines[line - 1, at]
+        closed = ~((above >> _ONE) | (lines[line + 1, after] << _LAST))
+        stops = ~lines[line, at] | (above & closed)
+        closed = ~((below >> _ONE) | (lines[line - 1, after] << _LAST))
+        stops = (stops | (below & closed)) & mask
+        if stops != 0:
+            return (at << 6) + last_bit(stops)
+        mask = _ALL
+        at -= 1
 
 
 @compiled

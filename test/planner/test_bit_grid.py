@@ -1,4 +1,4 @@
-"""Free cells as bits: what goes in comes out, and scans find the next one that is set."""
+"""Free cells as bits: what goes in comes out."""
 
 import numpy as np
 import pytest
@@ -9,9 +9,7 @@ from quad_planner.bit_grid import (
     first_bit,
     is_set,
     last_bit,
-    next_set,
     packed_cells,
-    previous_set,
 )
 
 
@@ -74,13 +72,3 @@ def test_what_is_beyond_the_width_of_a_packed_mask_is_not_seen():
     assert not BitGrid.outside(bits).rows.any()
     nothing = BitMask(np.uint64([[0, 2**64 - 2**6]]), 70)
     assert BitGrid.outside(nothing).rows[1].tolist() == [2**64 - 2, 2**7 - 1]
-
-
-def test_scans_find_the_next_and_the_previous_that_is_set():
-    places = np.array([0, 1, 62, 63, 64, 200, 255])
-    line = np.zeros(256, dtype=np.uint8)
-    line[places] = 1
-    lines = np.packbits(line[None], axis=1, bitorder='little').view(np.uint64)
-    for at in range(255):
-        assert next_set(lines, 0, at) == places[places > at].min()
-        assert previous_set(lines, 0, at + 1) == places[places < at + 1].max()
