@@ -8,7 +8,7 @@ along the segment that leaves it; the last pose has the goal's heading.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,8 @@ class Plan:
 
     poses: tuple[Pose2D, ...]
     """In the world; pose k faces along segment k, the last has the goal's heading."""
+    remark: str = field(default='', compare=False)
+    """What is to be said of how it was found; empty if there is nothing."""
 
     @classmethod
     def through(cls, points: ArrayLike, goal_yaw: float) -> Plan:

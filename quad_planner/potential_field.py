@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import DescentStuck, NoPathFound, ParameterError
+from quad_planner.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -279,23 +280,35 @@ def steps_along(points: Array, length: float) -> tuple[Array, Array]:
     """
     if not 0.0 < length < np.inf:
         raise ParameterError('length', length, 'positive and finite')
-    path = np.asarray(points, dtype=float)
-    ends = [path[0]]
-    at, k = path[0], 1
+    ends = _cut(np.asarray(points, dtype=float).reshape(-1, 2), float(length))
+    steps = np.diff(ends, axis=0)
+    return ends, np.arctan2(steps[:, 1], steps[:, 0])
+
+
+@compiled
+def _cut(path: Array, length: float) -> Array:
+    """Return where the steps begin and end."""
+    pieces = np.hypot(path[1:, 0] - path[:-1, 0], path[1:, 1] - path[:-1, 1])
+    ends = np.empty((int(pieces.sum() / length) + len(path) + 2, 2))
+    x, y = path[0]
+    ends[0] = x, y
+    count, k = 1, 1
     while k < len(path):
         # The first point of the path that is a step away, along this piece of it.
-        a, b = path[k - 1] - at, path[k] - at
-        if np.hypot(*b) < length * (1.0 - 1e-12):
+        ax, ay = path[k - 1, 0] - x, path[k - 1, 1] - y
+        bx, by = path[k, 0] - x, path[k, 1] - y
+        if np.hypot(bx, by) < length * (1.0 - 1e-12):
             k += 1
             continue
-        piece = b - a
-        square = max(float(piece @ piece), 1e-300)
-        middle = -float(a @ piece) / square
-        half = np.sqrt(max(middle**2 - (float(a @ a) - length**2) / square, 0.0))
-        at = at + a + min(middle + half, 1.0) * piece
-        ends.append(at)
-    if np.hypot(*(path[-1] - at)) > 1e-9 * length:
-        ends.append(path[-1])
-    cut = np.array(ends)
-    steps = np.diff(cut, axis=0)
-    return cut, np.arctan2(steps[:, 1], steps[:, 0])
+        px, py = bx - ax, by - ay
+        square = px * px + py * py
+        middle = -(ax * px + ay * py) / square
+        half = np.sqrt(max(middle * middle - (ax * ax + ay * ay - length * length) / square, 0.0))
+        along = min(middle + half, 1.0)
+        x, y = x + ax + along * px, y + ay + along * py
+        ends[count] = x, y
+        count += 1
+    if np.hypot(path[-1, 0] - x, path[-1, 1] - y) > 1e-9 * length:
+        ends[count] = path[-1]
+        count += 1
+    return ends[:count]

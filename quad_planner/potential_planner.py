@@ -1,0 +1,239 @@
+"""
+Plan by potential functions (S1): down the paper's, or down one without local minima.
+
+The paper's descent comes to rest where attraction and repulsion are equal
+(:mod:`quad_planner.map_potential`); a navigation function has no such place
+(:mod:`quad_planner.navigation_field`). Either way down is a smooth path, of which as few
+turning points are kept as its deviation allows (:mod:`quad_planner.simplification`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from quad_common.errors import DescentStuck, NoPathFound, ParameterError
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_planner.inflation import Points
+from quad_planner.map_potential import Floats, Gains, MapPotential, boundary_distances
+from quad_planner.navigation_field import descend_times, slowness_near_obstacles, travel_times
+from quad_planner.planner_options import PlannerOptions
+from quad_planner.potential_field import steps_along
+from quad_planner.safety_map import SAME_PLACE, SafetyMap
+from quad_planner.simplification import all_seen, fewest_corners
+
+POTENTIALS = ('paper', 'navigation', 'either')
+"""Values of the option `potential`."""
+
+_BY_PAPER = "S1's potential leads to the goal"
+_BY_NAVIGATION = 'a navigation function leads to the goal'
+
+_STEP = 1.0
+"""Length of the steps into which a way down is cut before it is simplified [cells]."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedPotential(SafetyMap):
+    """A map made ready for any number of descents; `PotentialPlanner.prepare` makes it."""
+
+    @cached_property
+    def distances(self) -> Floats:
+        """Return how far cells are from the safety boundary, shape (height, width) [m]."""
+        return boundary_distances(self.forbidden_bits, self.grid.resolution)
+
+
+@dataclass(frozen=True)
+class PotentialPlanner(PlannerOptions):
+    """
+    Plan down a potential.
+
+    Raises
+    ------
+    ParameterError
+        If `potential` is none of :data:`POTENTIALS`, the deviation is negative or not
+        finite, or a gain is not positive and finite.
+    """
+
+    potential: str = 'either'
+    """The paper's, a navigation function, or that where the paper's descent sticks."""
+    path_deviation: float = 0.05
+    """How far the plan may be from the way down, >= 0 [m]."""
+    influence: float = Gains().influence
+    """Farther from the safety boundary obstacles neither repel nor slow down, Q* [m]."""
+    repulsion: float = Gains().repulsion
+    """eta, of the paper's potential."""
+    attraction: float = Gains().attraction
+    """zeta, of the paper's potential."""
+    goal_distance: float = Gains().goal_distance
+    """d*_goal, of the paper's potential [m]."""
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        super().__post_init__()
+        if self.potential not in POTENTIALS:
+            raise ParameterError('potential', self.potential, f'one of {", ".join(POTENTIALS)}')
+        deviation = self.path_deviation
+        if not (math.isfinite(deviation) and deviation >= 0.0):
+            raise ParameterError('path_deviation', deviation, 'a finite length of at least 0 m')
+        self.gains.check()
+
+    @property
+    def gains(self) -> Gains:
+        """Return the constants of the paper's potential."""
+        return Gains(self.repulsion, self.attraction, self.influence, self.goal_distance)
+
+    def prepare(self, grid: OccupancyGrid) -> PreparedPotential:
+        """
+        Inflate a map.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map.
+
+        Returns
+        -------
+        PreparedPotential
+            What `plan` needs of the map, for any number of plans.
+        """
+        safety = self.safety_map(grid)
+        return PreparedPotential(
+            grid, self.clearance_radius, safety.blocked_bits, safety.forbidden_bits
+        )
+
+    def plan(self, prepared: PreparedPotential, start: Pose2D, goal: Pose2D) -> Plan:
+        """
+        Descend, and keep the turning points.
+
+        A start that is inside the safety boundary by no more than `start_tolerance` is
+        left on a segment that comes no nearer to an obstacle than the start is.
+
+        Parameters
+        ----------
+        prepared : PreparedPotential
+            The map, from `prepare`.
+        start, goal : Pose2D
+            In the world [m, m, rad].
+
+        Returns
+        -------
+        Plan
+            The turning points; its remark says which potential led there.
+
+        Raises
+        ------
+        InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
+            As :meth:`SafetyMap.check_ends`.
+        DescentStuck
+            If the paper's descent comes to rest elsewhere, and no other is allowed.
+        NoPathFound
+            If no way leads to the goal.
+        PlannerTimedOut
+            If it took longer than `time_limit`.
+        """
+        grid = prepared.grid
+        leave_at = prepared.check_ends(start, goal, self.start_tolerance)
+        if start.distance_to(goal) < SAME_PLACE:
+            return Plan((goal,))
+        check_time = self.timer()
+        s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
+        radius = self.clearance_radius / grid.resolution
+        ends = (prepared.joints(s, leave_at), prepared.joints(g, radius))
+        why = prepared.not_connected(s, g)
+        if why is not None or not (ends[0] and ends[1]):
+            why = why or 'no allowed cell is near to one of them'
+            raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
+        # A start or a goal that is in no allowed cell is joined to the centre of one.
+        top, bottom = (
+            point if prepared.is_allowed(point) else np.array(cells[0]) + 0.5
+            for point, cells in zip((s, g), ends)
+        )
+        way, remark = self._way_down(prepared, (start, goal), top, bottom, check_time)
+        corners = self._corners(prepared, way, check_time)
+        between = _joined(prepared, s, corners, g, leave_at)
+        inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
+        plan = Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
+        return replace(plan, remark=remark)
+
+    def _way_down(
+        self,
+        prepared: PreparedPotential,
+        ends: tuple[Pose2D, Pose2D],
+        top: Points,
+        bottom: Points,
+        check_time: Callable[[], None],
+    ) -> tuple[Points, str]:
+        """Descend from the top to the bottom, and say by what; points in cells."""
+        if self.potential == 'navigation':
+            return self._navigate(prepared, ends, top, bottom, check_time), _BY_NAVIGATION
+        resolution = prepared.grid.resolution
+        field = MapPotential(
+            prepared.forbidden_bits, prepared.distances, resolution, bottom, self.gains
+        )
+        way, has_arrived = field.descend(top, check_time)
+        if has_arrived:
+            return way, _BY_PAPER
+        place = prepared.grid.map_to_world(way[-1])
+        start, goal = ((pose.x, pose.y) for pose in ends)
+        stuck = DescentStuck(start, goal, place.tolist(), *field.critical_point(way[-1]))
+        if self.potential == 'paper':
+            raise stuck
+        x, y = stuck.place
+        remark = f"{_BY_NAVIGATION}; S1's comes to rest at ({x:.2f}, {y:.2f}) m, {stuck.kind}"
+        return self._navigate(prepared, ends, top, bottom, check_time), remark
+
+    def _navigate(
+        self,
+        prepared: PreparedPotential,
+        ends: tuple[Pose2D, Pose2D],
+        top: Points,
+        bottom: Points,
+        check_time: Callable[[], None],
+    ) -> Points:
+        """Descend a navigation function from the top to the bottom, in cells."""
+        slowness = slowness_near_obstacles(prepared.distances, self.influence)
+        first, last = (_cell_of(point, slowness) for point in (top, bottom))
+        times = travel_times(slowness, last, first, check_time)
+        if not np.isfinite(times[first[1], first[0]]):
+            start, goal = ((pose.x, pose.y) for pose in ends)
+            raise NoPathFound(start, goal, 'the only passage is as wide as the corner of a cell')
+        way = descend_times(times, prepared.forbidden_bits, top, last, check_time)
+        return np.vstack((way, bottom))
+
+    def _corners(
+        self, prepared: PreparedPotential, way: Points, check_time: Callable[[], None]
+    ) -> Points:
+        """Keep the turning points of a way, in cells."""
+        forbidden, deviation = prepared.forbidden_bits, self.path_deviation
+        steps = steps_along(way, _STEP)[0]
+        if not all_seen(steps, forbidden):
+            # A step across a bend would cut a forbidden corner.
+            steps = way
+        return fewest_corners(steps, deviation / prepared.grid.resolution, forbidden, check_time)
+
+
+def _cell_of(point: Points, cells: Floats) -> tuple[int, int]:
+    """Return x and y of the cell that holds a point on the map."""
+    height, width = cells.shape
+    return min(math.floor(point[0]), width - 1), min(math.floor(point[1]), height - 1)
+
+
+def _joined(
+    prepared: PreparedPotential, s: Points, corners: Points, g: Points, leave_at: float
+) -> list[Points]:
+    """Return what is between start and goal, past the first and last point where there is room."""
+    radius = prepared.clearance_radius / prepared.grid.resolution
+    between = list(corners)
+    for end, at, keep in ((s, 0, leave_at), (g, -1, radius)):
+        if prepared.is_allowed(end):
+            # The way begins or ends there.
+            del between[at]
+        elif len(between) > 1 and prepared.leads(end, between[at + 1 if at == 0 else -2], keep):
+            del between[at]
+    return between
