@@ -1,9 +1,11 @@
 """
-Draws a walk: map, safety boundary, mesh, plan, walked track and footholds.
+Draws walks and plans: map, safety boundary, mesh, plan, walked track and footholds.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +34,11 @@ def draw_walk(
     plan: Plan | None,
     start: Pose2D,
     goal: Pose2D,
-    record: WalkRecord | None = None,
+    record: WalkRecord,
     title: str = '',
 ) -> None:
     """
-    Draw a walk, or only its plan.
+    Draw a walk.
 
     Parameters
     ----------
@@ -52,8 +54,8 @@ def draw_walk(
         The plan in force at the end.
     start, goal : Pose2D
         In the map.
-    record : WalkRecord, optional
-        What happened; without it only the plan is drawn.
+    record : WalkRecord
+        What happened.
     title : str
         Over the picture.
     """
@@ -63,33 +65,81 @@ def draw_walk(
     axes = figure.add_subplot()
     _draw_map(axes, grid, clearance_radius)
     _draw_mesh(axes, grid, robot.mesh_size)
-    if record is not None:
-        if record.footholds:
-            feet = np.concatenate(record.footholds)
-            axes.plot(feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds')
-        track = np.array([(pose.x, pose.y) for pose in record.poses]).reshape(-1, 2)
-        axes.plot(track[:, 0], track[:, 1], color='#d62728', linewidth=1.2, label='walked')
+    if record.footholds:
+        feet = np.concatenate(record.footholds)
+        axes.plot(feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds')
+    track = np.array([(pose.x, pose.y) for pose in record.poses]).reshape(-1, 2)
+    axes.plot(track[:, 0], track[:, 1], color='#d62728', linewidth=1.2, label='walked')
     if plan is not None:
-        points = plan.corners
-        axes.plot(
-            points[:, 0],
-            points[:, 1],
-            'o-',
-            color='#1f4fd8',
-            linewidth=1.0,
-            markersize=4,
-            label='plan with turning points',
-        )
-    for pose, color, label in ((start, '#000000', 'start'), (goal, '#ff8c00', 'goal')):
-        _draw_pose(axes, robot, pose, color, label)
+        _draw_plan(axes, plan, _COLORS[0], 'plan with turning points')
+    _draw_ends(axes, robot, start, goal)
     interest = [(start.x, start.y), (goal.x, goal.y)]
     if plan is not None:
         interest += [tuple(corner) for corner in plan.corners]
-    _frame(figure, axes, np.array(interest), corners)
-    axes.set_xlabel('x [m]')
-    axes.set_ylabel('y [m]')
     if title:
         axes.set_title(title, fontsize=9)
+    _finish(figure, axes, np.array(interest), corners, path)
+
+
+_COLORS = ('#1f4fd8', '#d62728', '#2a9d2a', '#9467bd', '#ff8c00')
+
+
+def draw_plans(
+    path: Path,
+    grid: OccupancyGrid,
+    robot: Robot,
+    clearance_radius: float,
+    plans: Mapping[str, Plan],
+    start: Pose2D,
+    goal: Pose2D,
+) -> None:
+    """
+    Draw plans of several methods over one map.
+
+    Parameters
+    ----------
+    plans : mapping of str to Plan
+        By the names that are to stand beside them.
+    path, grid, robot, clearance_radius, start, goal
+        As for :func:`draw_walk`.
+    """
+    figure = Figure(layout='constrained')
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    _draw_map(axes, grid, clearance_radius)
+    if 'mesh' in plans:
+        _draw_mesh(axes, grid, robot.mesh_size)
+    interest = [(start.x, start.y), (goal.x, goal.y)]
+    for (name, plan), color in zip(plans.items(), cycle(_COLORS)):
+        _draw_plan(axes, plan, color, name if len(plans) > 1 else 'plan with turning points')
+        interest += [tuple(corner) for corner in plan.corners]
+    _draw_ends(axes, robot, start, goal)
+    _finish(figure, axes, np.array(interest), _corners(grid), path)
+
+
+def _draw_plan(axes: Axes, plan: Plan, color: str, label: str) -> None:
+    points = plan.corners
+    axes.plot(
+        points[:, 0], points[:, 1], 'o-', color=color, linewidth=1.0, markersize=4, label=label
+    )
+
+
+def _draw_ends(axes: Axes, robot: Robot, start: Pose2D, goal: Pose2D) -> None:
+    for pose, color, label in ((start, '#000000', 'start'), (goal, '#ff8c00', 'goal')):
+        _draw_pose(axes, robot, pose, color, label)
+
+
+def _finish(
+    figure: Figure,
+    axes: Axes,
+    interest: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    path: Path,
+) -> None:
+    """Show what is of interest, say what is what, and write the picture."""
+    _frame(figure, axes, interest, corners)
+    axes.set_xlabel('x [m]')
+    axes.set_ylabel('y [m]')
     axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=150)

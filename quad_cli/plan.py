@@ -1,5 +1,7 @@
 """
 ``quadwalk plan``: plan on a map without ROS, print the turning points, draw them.
+
+Several methods are compared: lengths, walking times, and all of them in one picture.
 """
 
 from __future__ import annotations
@@ -8,19 +10,29 @@ import argparse
 import json
 import math
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
 
 from quad_cli.arguments import map_argument, pose_argument
+from quad_common.errors import ParameterError, PlannerError
 from quad_common.map_file import load_map
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.pace import Pace, load_pace
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot import load_robot
 from quad_planner.parameters import PlannerParameters
-from quad_planner.planner import METHODS, make_planner
+from quad_planner.planner import METHODS, Planner, make_planner
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
   quadwalk plan --map warehouse.yaml --start 0,0,0 --goal 5,3,0 --json
-  quadwalk plan --method shortest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
+  quadwalk plan --method mesh shortest quickest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
 """
 
 
@@ -31,57 +43,154 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--start', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
     parser.add_argument('--goal', type=pose_argument, required=True, help='x,y,yaw')
-    parser.add_argument('--method', choices=sorted(METHODS), default='mesh')
     parser.add_argument(
-        '--any-angle', action='store_true', help="let paths of 'shortest' have any direction"
+        '--method',
+        choices=sorted(METHODS),
+        nargs='+',
+        default=['mesh'],
+        help='one, or several to compare',
+    )
+    parser.add_argument(
+        '--any-angle',
+        action='store_true',
+        help="let paths of 'shortest' and 'quickest' have any direction",
     )
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
+    parser.add_argument(
+        '--gait',
+        default=PlannerParameters().gait,
+        help='whose cycles are counted: crawl, wave, trot',
+    )
     parser.add_argument(
         '--safety-distance',
         type=float,
         default=PlannerParameters().safety_distance,
         help='kept free around the feet [m]',
     )
-    parser.add_argument('--picture', type=Path, default=None, help='where to draw the plan')
+    parser.add_argument('--picture', type=Path, default=None, help='where to draw the plans')
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
+@dataclass(frozen=True)
+class _Outcome:
+    """What a method made of the request."""
+
+    method: str
+    plan: Plan | None
+    """None if there is none."""
+    error: PlannerError | None
+    preparation_time: float
+    """[s]"""
+    search_time: float
+    """[s]"""
+
+
 def run(arguments: argparse.Namespace) -> int:
-    """Run the command; a plan that cannot be made is an error."""
+    """Run the command; a plan that cannot be made is an error, or a line of the comparison."""
     robot = load_robot(arguments.robot)
     grid = load_map(arguments.map or sample_map())
+    methods = list(dict.fromkeys(arguments.method))
+    pace = _pace(arguments.robot, arguments.gait, is_needed='quickest' in methods)
     clearance = robot.footprint_radius + arguments.safety_distance
-    planner = make_planner(
-        arguments.method,
-        mesh_size=robot.mesh_size,
-        clearance_radius=clearance,
-        any_angle=arguments.any_angle,
-    )
+    options = {
+        'mesh_size': robot.mesh_size,
+        'clearance_radius': clearance,
+        'any_angle': arguments.any_angle,
+        'pace': pace,
+    }
+    outcomes = []
+    for method in methods:
+        planner = make_planner(method, **options)
+        outcome = _attempt(method, planner, grid, arguments.start, arguments.goal)
+        if outcome.error is not None and len(methods) == 1:
+            raise outcome.error
+        outcomes.append(outcome)
+    if arguments.json:
+        described = [_described(outcome, arguments.start, pace) for outcome in outcomes]
+        print(json.dumps(described[0] if len(methods) == 1 else {'plans': described}))
+    elif len(methods) == 1:
+        _print_plan(outcomes[0], arguments.start, pace)
+    else:
+        _print_comparison(outcomes, arguments.start, pace)
+    if arguments.picture is not None:
+        # Imported late: matplotlib is slow to import.
+        from quad_cli.picture import draw_plans
+
+        plans = {outcome.method: outcome.plan for outcome in outcomes if outcome.plan is not None}
+        draw_plans(
+            arguments.picture, grid, robot, clearance, plans, arguments.start, arguments.goal
+        )
+    return 1 if any(outcome.plan is None for outcome in outcomes) else 0
+
+
+def _pace(robot: str, gait: str, is_needed: bool) -> Pace | None:
+    """Load the pace, which only some methods cannot do without."""
+    try:
+        return load_pace(robot, gait)
+    except ParameterError:
+        if is_needed:
+            raise
+        return None
+
+
+def _attempt(
+    method: str, planner: Planner[Any], grid: OccupancyGrid, start: Pose2D, goal: Pose2D
+) -> _Outcome:
     began = time.perf_counter()
     planner.set_map(grid)
     prepared = time.perf_counter()
-    plan = planner.plan(arguments.start, arguments.goal)
+    plan, error = None, None
+    try:
+        plan = planner.plan(start, goal)
+    except PlannerError as problem:
+        error = problem
     done = time.perf_counter()
-    if arguments.json:
-        print(
-            json.dumps(
-                {
-                    'method': arguments.method,
-                    'length': plan.length,
-                    'poses': [[pose.x, pose.y, pose.yaw] for pose in plan.poses],
-                    'preparation_time': prepared - began,
-                    'search_time': done - prepared,
-                }
-            )
-        )
-    else:
-        print(f'{plan.length:.2f} m, {len(plan.poses)} turning points:')
-        for pose in plan.poses:
-            print(f'  {pose.x:8.3f} {pose.y:8.3f} m   {math.degrees(pose.yaw):7.1f} deg')
-        print(f'{prepared - began:.3f} s to prepare the map, {done - prepared:.3f} s to search it')
-    if arguments.picture is not None:
-        # Imported late: matplotlib is slow to import.
-        from quad_cli.picture import draw_walk
+    return _Outcome(method, plan, error, prepared - began, done - prepared)
 
-        draw_walk(arguments.picture, grid, robot, clearance, plan, arguments.start, arguments.goal)
-    return 0
+
+def _described(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> dict[str, object]:
+    if outcome.plan is None:
+        return {'method': outcome.method, 'error': str(outcome.error)}
+    plan = outcome.plan
+    described: dict[str, object] = {
+        'method': outcome.method,
+        'length': plan.length,
+        'poses': [[pose.x, pose.y, pose.yaw] for pose in plan.poses],
+        'preparation_time': outcome.preparation_time,
+        'search_time': outcome.search_time,
+    }
+    if pace is not None:
+        described['cycles'] = pace.cycles(start, plan)
+        described['walking_time'] = pace.walking_time(start, plan)
+    return described
+
+
+def _print_plan(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> None:
+    plan = outcome.plan
+    assert plan is not None
+    walking = '' if pace is None else f', {pace.walking_time(start, plan):.0f} s of walking'
+    print(f'{plan.length:.2f} m, {len(plan.poses)} turning points{walking}:')
+    for pose in plan.poses:
+        print(f'  {pose.x:8.3f} {pose.y:8.3f} m   {math.degrees(pose.yaw):7.1f} deg')
+    print(
+        f'{outcome.preparation_time:.3f} s to prepare the map, '
+        f'{outcome.search_time:.3f} s to search it'
+    )
+
+
+def _print_comparison(outcomes: list[_Outcome], start: Pose2D, pace: Pace | None) -> None:
+    table = Table('method', 'length', 'turning points', 'gait cycles', 'walking', 'search')
+    for outcome in outcomes:
+        plan = outcome.plan
+        if plan is None:
+            table.add_row(outcome.method, str(outcome.error))
+            continue
+        table.add_row(
+            outcome.method,
+            f'{plan.length:.2f} m',
+            str(len(plan.poses)),
+            '' if pace is None else str(pace.cycles(start, plan)),
+            '' if pace is None else f'{pace.walking_time(start, plan):.0f} s',
+            f'{1e3 * outcome.search_time:.1f} ms',
+        )
+    Console().print(table)

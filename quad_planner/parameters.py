@@ -14,12 +14,14 @@ class PlannerParameters:
     robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
     method: str = parameter(
         'mesh',
-        'How paths are searched: turning points on a mesh (S0), or the shortest way over cells.',
-        choices=('mesh', 'shortest'),
+        'How paths are searched: turning points on a mesh (S0), the shortest way over cells, or '
+        'the one that takes the least time to walk.',
+        choices=('mesh', 'shortest', 'quickest'),
     )
     any_angle: bool = parameter(
-        False, "Whether paths of 'shortest' may have any direction, not only eight."
+        False, "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight."
     )
+    gait: str = parameter('crawl', "The gait that walks the plan: 'quickest' counts its cycles.")
     safety_distance: float = parameter(
         0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0
     )

@@ -13,7 +13,8 @@ from nav_msgs.srv import GetPlan
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.errors import PlannerError, QuadError, WrongFrame
+from quad_common.errors import ParameterError, PlannerError, QuadError, WrongFrame
+from quad_common.pace import Pace, load_pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import load_robot
@@ -37,8 +38,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
         super().__init__('planner_node', PlannerParameters, **kwargs)
         p = self.parameters
         robot = load_robot(p.robot)
+        self._pace = _pace(p)
         self._planner = make_planner(
             p.method,
+            pace=self._pace,
             mesh_size=robot.mesh_size,
             any_angle=p.any_angle,
             clearance_radius=robot.footprint_radius + p.safety_distance,
@@ -56,6 +59,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._waiting_goal: PoseStamped | None = None
         self._goal: Pose2D | None = None
         self._plan: Plan | None = None
+        self._planned_from: Pose2D | None = None
         self._problem: QuadError | None = None
 
         self._plan_publisher = self.create_publisher(Path, 'plan', _LATCHED)
@@ -82,9 +86,14 @@ class PlannerNode(QuadNode[PlannerParameters]):
         elif self._plan is None:
             self.report(OK, "ready: waiting for a goal on 'goal_pose'")
         else:
-            length = self._plan.length
-            turns = len(self._plan.poses)
-            self.report(OK, f'plan of {turns} turning points, {length:.2f} m', error_code=0)
+            self.report(OK, self._described(self._plan), error_code=0)
+
+    def _described(self, plan: Plan) -> str:
+        text = f'plan of {len(plan.poses)} turning points, {plan.length:.2f} m'
+        if self._planned_from is None or self._pace is None:
+            return text
+        time_ = self._pace.walking_time(self._planned_from, plan)
+        return f'{text}, {time_:.0f} s to walk ({self.parameters.gait})'
 
     def _on_map(self, message: OccupancyGrid) -> None:
         self._planner.set_map(grid_from_message(message))
@@ -159,7 +168,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
     def _plan_to(self, goal: Pose2D) -> None:
         assert self._pose is not None
         plan = self._planner.plan(self._pose, goal)
-        self._goal = goal
+        self._goal, self._planned_from = goal, self._pose
         self._problem = None
         self._publish(plan)
 
@@ -192,6 +201,16 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report_error(error)
         response.plan = path_message(plan, self._map_frame, stamp)
         return response
+
+
+def _pace(parameters: PlannerParameters) -> Pace | None:
+    """Load the gait's pace, which only `quickest` cannot do without."""
+    try:
+        return load_pace(parameters.robot, parameters.gait)
+    except ParameterError:
+        if parameters.method == 'quickest':
+            raise
+        return None
 
 
 def main(args: list[str] | None = None) -> int:

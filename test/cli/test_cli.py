@@ -20,7 +20,7 @@ from quad_cli.main import COMMANDS, main
 from quad_cli.parameters import TABLES
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot import load_robot
+from quad_common.robot import load_robot, robot_file
 
 ROOT = Path(__file__).parents[2]
 PLAN = ['plan', '--start', '1.2,1.2,0', '--goal', '6.8,4.8,90deg']
@@ -66,7 +66,8 @@ def test_plan_prints_the_turning_points_and_the_length(capsys):
     assert main(PLAN) == 0
     first, *rest = capsys.readouterr().out.splitlines()
     length, count = float(first.split()[0]), int(first.split()[2])
-    assert first.endswith('turning points:')
+    assert first.endswith(' s of walking:')
+    assert 'turning points' in first
     rows = [[float(row.split()[k]) for k in (0, 1, 3)] for row in rest[:count]]
     assert rows[0][:2] == pytest.approx([1.2, 1.2], abs=5e-4)
     assert rows[-1] == pytest.approx([6.8, 4.8, 90.0], abs=5e-4)
@@ -84,6 +85,43 @@ def test_plan_as_json_is_one_object_that_adds_up(capsys):
     assert told['length'] == pytest.approx(walked)
     for a, b in itertools.pairwise(poses):
         assert a[2] == pytest.approx(math.atan2(b[1] - a[1], b[0] - a[0]))
+
+
+def test_plan_compares_methods(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    picture = tmp_path / 'plans.png'
+    several = [*PLAN, '--method', 'mesh', 'shortest', 'quickest', '--any-angle']
+    assert main([*several, '--json', '--picture', str(picture)]) == 0
+    mesh, shortest, quickest = json.loads(capsys.readouterr().out)['plans']
+    assert [plan['method'] for plan in (mesh, shortest, quickest)] == [*several[6:9]]
+    assert shortest['length'] <= mesh['length']
+    assert quickest['walking_time'] <= min(mesh['walking_time'], shortest['walking_time'])
+    assert quickest['walking_time'] == 5.0 * quickest['cycles']
+    assert picture.read_bytes()[:8] == b'\x89PNG\r\n\x1a\n'
+    assert main(several) == 0
+    assert 'gait cycles' in capsys.readouterr().out
+
+
+def test_a_method_that_finds_no_plan_is_a_line_of_the_comparison(capsys):
+    # The mesh is too coarse for so wide a robot.
+    wide = ['--safety-distance', '0.5', '--method', 'mesh', 'shortest']
+    assert main([*PLAN, *wide, '--json']) == 1
+    mesh, shortest = json.loads(capsys.readouterr().out)['plans']
+    assert 'the mesh of 0.63 m may be too coarse' in mesh['error']
+    assert shortest['length'] > 10.0
+    assert main([*PLAN, *wide]) == 1
+    assert 'too coarse' in capsys.readouterr().out
+
+
+def test_quickest_needs_a_pace(tmp_path, capsys):
+    robot = tmp_path / 'mine.yaml'
+    robot.write_text(robot_file('titan_viii').read_text())
+    assert main([*PLAN, '--robot', str(robot)]) == 0
+    assert 'walking' not in capsys.readouterr().out
+    assert main([*PLAN, '--robot', str(robot), '--method', 'quickest']) == 2
+    assert f'quadwalk gait pace --robot {robot}' in capsys.readouterr().err
+    assert main(['gait', 'pace', 'crawl', '--robot', str(robot)]) == 0
+    assert main([*PLAN, '--robot', str(robot), '--method', 'quickest']) == 0
 
 
 def test_plan_draws_a_picture(tmp_path, capsys):
