@@ -28,10 +28,12 @@ from quad_common.resources import sample_map
 from quad_common.robot import load_robot
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import METHODS, Planner, make_planner
+from quad_planner.potential_planner import POTENTIALS
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
   quadwalk plan --map warehouse.yaml --start 0,0,0 --goal 5,3,0 --json
+  quadwalk plan --method potential --start 1.2,1.2,0 --goal 6.8,4.8,0
   quadwalk plan --method mesh shortest quickest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
 """
 
@@ -54,6 +56,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--any-angle',
         action='store_true',
         help="let paths of 'shortest' and 'quickest' have any direction",
+    )
+    parser.add_argument(
+        '--potential',
+        choices=POTENTIALS,
+        default=PlannerParameters().potential,
+        help="what 'potential' descends",
+    )
+    parser.add_argument(
+        '--path-deviation',
+        type=float,
+        default=PlannerParameters().path_deviation,
+        help="how far a path of 'potential' may be from the way down [m]",
     )
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
     parser.add_argument(
@@ -96,6 +110,8 @@ def run(arguments: argparse.Namespace) -> int:
         'mesh_size': robot.mesh_size,
         'clearance_radius': clearance,
         'any_angle': arguments.any_angle,
+        'potential': arguments.potential,
+        'path_deviation': arguments.path_deviation,
         'pace': pace,
     }
     outcomes = []
@@ -159,6 +175,8 @@ def _described(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> dict[str,
         'preparation_time': outcome.preparation_time,
         'search_time': outcome.search_time,
     }
+    if plan.remark:
+        described['remark'] = plan.remark
     if pace is not None:
         described['cycles'] = pace.cycles(start, plan)
         described['walking_time'] = pace.walking_time(start, plan)
@@ -172,6 +190,8 @@ def _print_plan(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> None:
     print(f'{plan.length:.2f} m, {len(plan.poses)} turning points{walking}:')
     for pose in plan.poses:
         print(f'  {pose.x:8.3f} {pose.y:8.3f} m   {math.degrees(pose.yaw):7.1f} deg')
+    if plan.remark:
+        print(plan.remark)
     print(
         f'{outcome.preparation_time:.3f} s to prepare the map, '
         f'{outcome.search_time:.3f} s to search it'

@@ -30,7 +30,11 @@ Floats = NDArray[np.float64]
 _STEP = 0.5
 """Longest step of the descent [cells]."""
 _SHORTEST = 1.0 / 128.0
-"""Where not even such a step leads down, the descent is at rest [cells]."""
+"""Shorter steps down the gradient are not tried [cells]."""
+_DIRECTIONS = 16
+"""In so many it looks around before it rests."""
+_LOWER = 1.0 - 1e-9
+"""A potential counts as lower there when it is by more than rounding."""
 _PATIENCE = 400
 """So many steps must lead farther than one does, or it is at rest as well."""
 _LEAST_DISTANCE = 0.02
@@ -166,7 +170,8 @@ class MapPotential:
         Follow the falling gradient (S1 eq. 8, with its condition mended).
 
         U falls with every step: one that would lead up, or out of the allowed cells, is
-        halved until it does not.
+        halved until it does not. Distances to squares have kinks, where no step down the
+        gradient may be left: there it looks around before it rests.
 
         Parameters
         ----------
@@ -261,6 +266,28 @@ def _gradient(
 
 
 @compiled
+def _lower(
+    distances: Floats,
+    resolution: float,
+    goal_x: float,
+    goal_y: float,
+    gains: Gains,
+    forbidden: Bits,
+    x: float,
+    y: float,
+    new_x: float,
+    new_y: float,
+) -> float:
+    """Return U at a point to which one may step, else infinity [cells]."""
+    height, width = distances.shape
+    if not (0.0 <= new_x <= width and 0.0 <= new_y <= height):
+        return np.inf
+    if not sees(forbidden, width, x, y, new_x, new_y):
+        return np.inf
+    return _potential(distances, resolution, goal_x, goal_y, gains, new_x, new_y)
+
+
+@compiled
 def _descend(
     distances: Floats,
     resolution: float,
@@ -271,7 +298,7 @@ def _descend(
     points: Points,
 ) -> tuple[int, int]:
     """Go on from the first point, fill in others; return how many there are, and why it ends."""
-    height, width = distances.shape
+    width = distances.shape[1]
     x, y = points[0]
     value = _potential(distances, resolution, goal_x, goal_y, gains, x, y)
     for count in range(1, len(points)):
@@ -280,17 +307,26 @@ def _descend(
             points[count] = goal_x, goal_y
             return count + 1, _ARRIVED
         slope_x, slope_y = _gradient(distances, resolution, goal_x, goal_y, gains, x, y)
-        size = max(np.hypot(slope_x, slope_y), 1e-300)
+        angle = np.arctan2(-slope_y, -slope_x)
+        lower, new_x, new_y = value, x, y
+        # Down the gradient; where the potential has a kink, down the best direction around.
         step = _STEP
-        while True:
-            new_x, new_y = x - step * slope_x / size, y - step * slope_y / size
-            if 0.0 <= new_x <= width and 0.0 <= new_y <= height:
-                lower = _potential(distances, resolution, goal_x, goal_y, gains, new_x, new_y)
-                if lower < value and sees(forbidden, width, x, y, new_x, new_y):
-                    break
+        while lower >= value and step >= _SHORTEST:
+            new_x, new_y = x + step * np.cos(angle), y + step * np.sin(angle)
+            lower = _lower(
+                distances, resolution, goal_x, goal_y, gains, forbidden, x, y, new_x, new_y
+            )
             step *= 0.5
-            if step < _SHORTEST:
-                return count, _AT_REST
+        if lower >= value:
+            for k in range(2 * _DIRECTIONS):
+                step = _STEP if k < _DIRECTIONS else 2.0 * _STEP
+                angle = 2.0 * np.pi * k / _DIRECTIONS
+                u, v = x + step * np.cos(angle), y + step * np.sin(angle)
+                there = _lower(distances, resolution, goal_x, goal_y, gains, forbidden, x, y, u, v)
+                if there < min(lower, value * _LOWER):
+                    lower, new_x, new_y = there, u, v
+        if lower >= value:
+            return count, _AT_REST
         x, y, value = new_x, new_y, lower
         points[count] = x, y
         before = points[max(count - _PATIENCE, 0)]

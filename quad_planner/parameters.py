@@ -14,14 +14,33 @@ class PlannerParameters:
     robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
     method: str = parameter(
         'mesh',
-        'How paths are searched: turning points on a mesh (S0), the shortest way over cells, or '
-        'the one that takes the least time to walk.',
-        choices=('mesh', 'shortest', 'quickest'),
+        'How paths are searched: turning points on a mesh (S0), the shortest way over cells, '
+        'the one that takes the least time to walk, or down a potential (S1).',
+        choices=('mesh', 'shortest', 'quickest', 'potential'),
     )
     any_angle: bool = parameter(
         False, "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight."
     )
     gait: str = parameter('crawl', "The gait that walks the plan: 'quickest' counts its cycles.")
+    potential: str = parameter(
+        'either',
+        "What 'potential' descends: the paper's functions, a navigation function, which has no "
+        "local minima, or that where the paper's descent sticks.",
+        choices=('paper', 'navigation', 'either'),
+    )
+    influence: float = parameter(
+        1.5,
+        "Farther from the safety boundary obstacles do not change a path of 'potential', Q* (S1).",
+        'm',
+        lower=0.01,
+    )
+    path_deviation: float = parameter(
+        0.05,
+        "A path of 'potential' keeps this near to the way down, with few turning points.",
+        'm',
+        lower=0.0,
+        upper=10.0,
+    )
     safety_distance: float = parameter(
         0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0
     )

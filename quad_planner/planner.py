@@ -16,6 +16,7 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.mesh_planner import MeshPlanner
+from quad_planner.potential_planner import PotentialPlanner
 from quad_planner.quickest_planner import QuickestPlanner
 from quad_planner.shortest_planner import ShortestPlanner
 
@@ -36,6 +37,7 @@ METHODS: Mapping[str, Callable[..., PlanningMethod[Any]]] = {
     'mesh': MeshPlanner,
     'shortest': ShortestPlanner,
     'quickest': QuickestPlanner,
+    'potential': PotentialPlanner,
 }
 """The planning methods by name."""
 

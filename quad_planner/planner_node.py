@@ -44,6 +44,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
             pace=self._pace,
             mesh_size=robot.mesh_size,
             any_angle=p.any_angle,
+            potential=p.potential,
+            influence=p.influence,
+            path_deviation=p.path_deviation,
             clearance_radius=robot.footprint_radius + p.safety_distance,
             start_tolerance=p.safety_distance,
             occupied_threshold=p.occupied_threshold,
@@ -170,6 +173,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         plan = self._planner.plan(self._pose, goal)
         self._goal, self._planned_from = goal, self._pose
         self._problem = None
+        if plan.remark:
+            self.get_logger().info(plan.remark)
         self._publish(plan)
 
     def _publish(self, plan: Plan | None) -> None:

@@ -113,6 +113,19 @@ def test_a_method_that_finds_no_plan_is_a_line_of_the_comparison(capsys):
     assert 'too coarse' in capsys.readouterr().out
 
 
+def test_plan_says_which_potential_led_to_the_goal(capsys):
+    potential = [*PLAN, '--method', 'potential']
+    assert main([*potential, '--json']) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told['remark'].startswith("a navigation function leads to the goal; S1's comes to rest")
+    assert main([*potential, '--potential', 'navigation', '--path-deviation', '0.01']) == 0
+    first, *_, remark, _ = capsys.readouterr().out.splitlines()
+    assert int(first.split()[2]) > len(told['poses'])
+    assert remark == 'a navigation function leads to the goal'
+    assert main([*potential, '--potential', 'paper']) == 2
+    assert 'a local minimum: attraction and repulsion are equal' in capsys.readouterr().err
+
+
 def test_quickest_needs_a_pace(tmp_path, capsys):
     robot = tmp_path / 'mine.yaml'
     robot.write_text(robot_file('titan_viii').read_text())
