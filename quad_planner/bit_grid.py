@@ -209,14 +209,16 @@ def _transposed(rows: Bits, width: int) -> Bits:
     block = np.empty(64, dtype=np.uint64)
     for across in range(rows.shape[1]):
         for down in range(columns.shape[1]):
-            seen = np.uint64(0)
+            some, every = np.uint64(0), _ALL
             for k in range(64):
                 y = 64 * down + k
                 block[k] = rows[y, across] if y < height else np.uint64(0)
-                seen |= block[k]
-            if seen == 0:
+                some |= block[k]
+                every &= block[k]
+            if some == 0:
                 continue
-            _transpose_block(block)
+            if every != _ALL:
+                _transpose_block(block)
             for k in range(min(64, width - 64 * across)):
                 columns[64 * across + k, down] = block[k]
     return columns
@@ -257,24 +259,41 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
     result = np.zeros_like(rows)
     wide = np.empty(words, dtype=np.uint64)
     for y in range(height):
-        is_empty = True
-        for at in range(words):
-            is_empty = is_empty and rows[y, at] == 0
-        if is_empty:
+        # What is set in the next row as well reaches farther from there.
+        below = len(reaches) - 1 if y > 0 and _has_more(rows, y, y - 1) else 0
+        above = len(reaches) - 1 if y + 1 < height and _has_more(rows, y, y + 1) else 0
+        if below == 0 and above == 0 and y > 0 and not _has_more(rows, y - 1, y):
+            # The same once more.
+            _add(result, y, wide)
             continue
         # From the narrowest to the widest: each goes on from the one before.
         wide[:] = rows[y]
         reached = 0
-        for off in range(len(reaches) - 1, -1, -1):
+        for off in range(max(below, above), -1, -1):
             while reached < reaches[off]:
-                step = min(reached + 1, reaches[off] - reached, 63)
+                step = min(2 * reached + 1, reaches[off] - reached, 63)
                 _spread(wide, step)
                 reached += step
-            for row in (y - off, y + off):
-                if 0 <= row < height:
-                    for at in range(words):
-                        result[row, at] |= wide[at]
+            if off <= below and y - off >= 0:
+                _add(result, y - off, wide)
+            if off <= above and y + off < height:
+                _add(result, y + off, wide)
     return result
+
+
+@compiled
+def _has_more(rows: Bits, y: int, other: int) -> bool:
+    """Return whether anything is set in a row that is not in another one."""
+    more = np.uint64(0)
+    for at in range(rows.shape[1]):
+        more |= rows[y, at] & ~rows[other, at]
+    return bool(more != 0)
+
+
+@compiled
+def _add(rows: Bits, y: int, line: Bits) -> None:
+    for at in range(len(line)):
+        rows[y, at] |= line[at]
 
 
 @compiled

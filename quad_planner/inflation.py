@@ -20,11 +20,12 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
 from quad_common.occupancy_grid import FREE, OCCUPIED_THRESHOLD, OccupancyGrid
-from quad_planner.bit_grid import BitMask, dilated, packed_cells
+from quad_planner.bit_grid import BitMask, Bits, dilated, is_set, packed_cells
+from quad_planner.compiled import compiled
 
 Mask = NDArray[np.bool_]
 Points = NDArray[np.float64]
@@ -240,7 +241,7 @@ def clearance(
 
 
 def segment_clearance(
-    blocked: Mask | BitMask, start: ArrayLike, end: ArrayLike, within: float = math.inf
+    blocked: Mask | BitMask, start: Points, end: Points, within: float = math.inf
 ) -> float:
     """
     Measure how far a segment is from the nearest blocked cell, in cells.
@@ -249,7 +250,7 @@ def segment_clearance(
     ----------
     blocked : ndarray of bool, shape (height, width), or BitMask
         The blocked cells.
-    start, end : array_like, shape (2,)
+    start, end : ndarray, shape (2,)
         Ends of the segment in cell coordinates; equal for a point.
     within : float
         Look no further than this; what is farther off may be reported as infinite [cells].
@@ -261,48 +262,64 @@ def segment_clearance(
         infinite if there is no blocked cell in reach [cells].
     """
     mask = blocked if isinstance(blocked, BitMask) else BitMask.of(blocked)
-    a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    farthest = min(within, mask.width + mask.height + float(np.abs(a).sum()))
+    (ax, ay), (bx, by) = ((float(x), float(y)) for x, y in (start, end))
+    farthest = min(within, mask.width + mask.height + abs(ax) + abs(ay))
     reach = min(_LOOK_FIRST, farthest)
     while True:
-        apart = _least_distance(_set_near(mask, a, b, reach), a, b)
+        apart = _least_distance(mask.words, mask.width, ax, ay, bx, by, reach)
         if apart <= reach or reach >= farthest:
             return apart
         reach = min(4.0 * reach, farthest)
 
 
-def _set_near(mask: BitMask, a: Points, b: Points, reach: float) -> Points:
-    """Return the centres of cells that are set, at least those in reach of a segment."""
-    size = (mask.width, mask.height)
-    left, bottom = (min(max(math.floor(min(p, q) - reach), 0), n) for p, q, n in zip(a, b, size))
-    right, top = (min(max(math.ceil(max(p, q) + reach), 0), n) for p, q, n in zip(a, b, size))
-    rows, columns = np.nonzero(mask.window(left, bottom, right, top))
-    return np.column_stack((columns + (left + 0.5), rows + (bottom + 0.5)))
-
-
-def _least_distance(centres: Points, a: Points, b: Points) -> float:
-    """Return how far a segment is from the nearest of some squares; infinite without any."""
-    if len(centres) == 0:
-        return math.inf
-    # A segment and a square are apart if an axis separates them: x, y, or the normal of
-    # the segment.
-    ab = b - a
-    along_axes = np.abs(centres - 0.5 * (a + b)) <= 0.5 * np.abs(ab) + 0.5
-    across = np.abs(ab[0] * (centres - a)[:, 1] - ab[1] * (centres - a)[:, 0])
-    if np.any(along_axes.all(axis=1) & (across <= 0.5 * np.abs(ab).sum())):
-        return 0.0
-
-    # Apart, they are nearest at an end of the segment or at a corner of the square.
-    squared = math.inf
-    for p in (a, b):
-        to_square = np.maximum(np.abs(centres - p) - 0.5, 0.0)
-        squared = min(squared, float(np.einsum('ij,ij->i', to_square, to_square).min()))
-    for corner in ((-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)):
-        ac = centres + corner - a
-        t = np.clip(ac @ ab / max(float(ab @ ab), 1e-30), 0.0, 1.0)
-        to_corner = ac - t[:, None] * ab
-        squared = min(squared, float(np.einsum('ij,ij->i', to_corner, to_corner).min()))
+@compiled
+def _least_distance(
+    blocked: Bits, width: int, ax: float, ay: float, bx: float, by: float, reach: float
+) -> float:
+    """Return how far a segment is from blocked squares, at least of those in reach of it."""
+    left, right = _span(min(ax, bx) - reach, max(ax, bx) + reach, width)
+    bottom, top = _span(min(ay, by) - reach, max(ay, by) + reach, len(blocked))
+    squared = np.inf
+    for row in range(bottom, top):
+        for column in range(left, right):
+            if is_set(blocked, row, column):
+                x, y = column + 0.5, row + 0.5
+                squared = min(squared, _squared_distance(x, y, ax, ay, bx, by))
     return math.sqrt(squared)
+
+
+@compiled
+def _span(low: float, high: float, size: int) -> tuple[int, int]:
+    """Return the range of cells of a map, as wide as this, between two places."""
+    return (
+        int(min(max(np.floor(low), 0.0), float(size))),
+        int(min(max(np.ceil(high), 0.0), float(size))),
+    )
+
+
+@compiled
+def _squared_distance(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the squared distance between a square of side 1 and a segment."""
+    abx, aby = bx - ax, by - ay
+    # They are apart if an axis separates them: x, y, or the normal of the segment.
+    if (
+        abs(x - 0.5 * (ax + bx)) <= 0.5 * abs(abx) + 0.5
+        and abs(y - 0.5 * (ay + by)) <= 0.5 * abs(aby) + 0.5
+        and abs(abx * (y - ay) - aby * (x - ax)) <= 0.5 * (abs(abx) + abs(aby))
+    ):
+        return 0.0
+    # Apart, they are nearest at an end of the segment or at a corner of the square.
+    squared = np.inf
+    for px, py in ((ax, ay), (bx, by)):
+        dx, dy = max(abs(x - px) - 0.5, 0.0), max(abs(y - py) - 0.5, 0.0)
+        squared = min(squared, dx * dx + dy * dy)
+    for corner_x, corner_y in ((-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)):
+        acx, acy = x + corner_x - ax, y + corner_y - ay
+        t = (acx * abx + acy * aby) / max(abx * abx + aby * aby, 1e-30)
+        t = min(max(t, 0.0), 1.0)
+        dx, dy = acx - t * abx, acy - t * aby
+        squared = min(squared, dx * dx + dy * dy)
+    return squared
 
 
 @dataclass(frozen=True, eq=False)

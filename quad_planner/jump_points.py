@@ -177,8 +177,8 @@ class JumpPointSearch:
                 return None
             if not is_set(grid.rows, y + 1, x + 1):
                 return None
-        # An expansion finds at most two cells beside each cell of four diagonals, and four.
-        room = 8 * min(grid.width, grid.height) + 4
+        # In one direction at most two cells are found beside each cell of a diagonal.
+        room = 2 * min(grid.width, grid.height) + 2
         begin, end = ((x + 1, y + 1) for x, y in (start, goal))
         tree = _tree(begin, 2 * room)
         outcome = _INTERRUPTED
@@ -189,10 +189,7 @@ class JumpPointSearch:
                 tree = _larger(tree)
         if outcome == _NO_PATH:
             return None
-        cells = _cells(tree.nodes, tree.slots, end)
-        steps = np.abs(np.diff(cells, axis=0))
-        diagonal = int(steps.min(axis=1).sum())
-        return CellPath(cells, int(steps.max(axis=1).sum()) - diagonal, diagonal)
+        return CellPath(*_cells(tree.nodes, tree.slots, end))
 
 
 def _tree(start: tuple[int, int], size: int) -> _Tree:
@@ -321,7 +318,7 @@ def _search(
     goal : tuple of int
         x and y of the goal's cell, walls included.
     room : int
-        How many nodes an expansion may find.
+        How many nodes may be found in one direction.
 
     Returns
     -------
@@ -331,18 +328,20 @@ def _search(
     for _ in range(_EXPANSIONS):
         if counts[1] == 0:
             return _NO_PATH
-        if len(nodes) - max(counts[0], counts[1]) < room:
-            return _NO_ROOM
-        node = int(heap[0].node)
+        node, key = int(heap[0].node), int(heap[0].key)
         _pop(heap, counts)
         x, y = int(nodes[node].x), int(nodes[node].y)
         if (x, y) == goal:
             return _FOUND
         # None are left where the node was on the heap twice.
         directions = onward[nodes[node].arrivals, _around(rows, x, y)] & ~nodes[node].taken
-        nodes[node].taken |= np.uint8(directions)
         for k in range(8):
             if (directions >> k) & 1:
+                if len(nodes) - max(counts[0], counts[1]) < room:
+                    # The node is looked at again, in the directions that are left.
+                    _push(heap, counts, key, node)
+                    return _NO_ROOM
+                nodes[node].taken |= np.uint8(1 << k)
                 _go_on(rows, columns, nodes, slots, heap, counts, node, k, goal)
     return _INTERRUPTED
 
@@ -489,8 +488,10 @@ def _reach(
 
 
 @compiled
-def _cells(nodes: Records, slots: NDArray[np.int32], goal: tuple[int, int]) -> Cells:
-    """List where the path begins, turns and ends, in cells of the map."""
+def _cells(
+    nodes: Records, slots: NDArray[np.int32], goal: tuple[int, int]
+) -> tuple[Cells, int, int]:
+    """List where the path begins, turns and ends, in cells of the map; count its steps."""
     node = last = slots[_slot(nodes, slots, goal[0], goal[1])] - 1
     count = 1
     while node != 0:
@@ -498,6 +499,7 @@ def _cells(nodes: Records, slots: NDArray[np.int32], goal: tuple[int, int]) -> C
         count += 2
     cells = np.empty((count, 2), dtype=np.int64)
     at, node = count - 1, last
+    straight = diagonal = 0
     while True:
         x, y = int(nodes[node].x), int(nodes[node].y)
         cells[at, 0], cells[at, 1] = x - 1, y - 1
@@ -506,11 +508,13 @@ def _cells(nodes: Records, slots: NDArray[np.int32], goal: tuple[int, int]) -> C
         node = nodes[node].parent
         from_x, from_y = int(nodes[node].x), int(nodes[node].y)
         steps = min(abs(x - from_x), abs(y - from_y))
+        diagonal += steps
+        straight += max(abs(x - from_x), abs(y - from_y)) - steps
         # Diagonal first, then straight.
         cells[at - 1, 0] = from_x - 1 + (steps if x > from_x else -steps)
         cells[at - 1, 1] = from_y - 1 + (steps if y > from_y else -steps)
         at -= 2
-    return without_straights(cells)
+    return without_straights(cells), straight, diagonal
 
 
 @compiled

@@ -119,11 +119,8 @@ class SafetyMap:
 
     def _cell_of(self, point: Points) -> tuple[int, int]:
         """Return the row and column of the cell of the map that is nearest to a point."""
-        column, row = (
-            min(max(math.floor(v), 0), n - 1)
-            for v, n in zip(point, (self.grid.width, self.grid.height))
-        )
-        return row, column
+        column, row = math.floor(point[0]), math.floor(point[1])
+        return min(max(row, 0), self.grid.height - 1), min(max(column, 0), self.grid.width - 1)
 
     def _box(self, lowest: Points, highest: Points) -> tuple[int, int, int, int]:
         """Return the window of the map between two points: left, bottom, right, top."""

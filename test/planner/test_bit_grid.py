@@ -6,6 +6,7 @@ import pytest
 from quad_planner.bit_grid import (
     BitGrid,
     BitMask,
+    dilated,
     first_bit,
     is_set,
     last_bit,
@@ -72,3 +73,23 @@ def test_what_is_beyond_the_width_of_a_packed_mask_is_not_seen():
     assert not BitGrid.outside(bits).rows.any()
     nothing = BitMask(np.uint64([[0, 2**64 - 2**6]]), 70)
     assert BitGrid.outside(nothing).rows[1].tolist() == [2**64 - 2, 2**7 - 1]
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_what_is_near_a_set_cell_is_set_too(seed):
+    rng = np.random.default_rng(seed)
+    height, width = rng.integers(1, 90, 2)
+    mask = rng.random((height, width)) < (0.01 if seed % 2 else 0.0)
+    # Blocks have many rows that are alike.
+    for _ in range(rng.integers(0, 5)):
+        y, x = rng.integers(0, height), rng.integers(0, width)
+        mask[y : y + rng.integers(1, 30), x : x + rng.integers(1, 30)] = True
+    reaches = np.sort(rng.integers(0, 40, rng.integers(1, 12)))[::-1].copy()
+    expected = np.zeros_like(mask)
+    for y, x in np.argwhere(mask):
+        for off, reach in enumerate(reaches):
+            for row in (y - off, y + off):
+                if 0 <= row < height:
+                    expected[row, max(x - reach, 0) : x + reach + 1] = True
+    near = BitMask(dilated(BitMask.of(mask).words, reaches), width).unpacked()
+    assert (near == expected).all()
