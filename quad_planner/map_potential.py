@@ -2,8 +2,10 @@
 S1's potential functions on a map: attraction to the goal, repulsion from what is nearest.
 
 The obstacle of S1 eqs. 3 and 4 is the safety boundary: there the potential has no bound,
-so the descent keeps the clearance. Its distance comes from an exact distance transform,
-and changes linearly between the centres of cells.
+so the descent keeps the clearance. The distance to it is that to the nearest obstacle, by
+an exact distance transform, less the clearance: the cells of the forbidden zone, as an
+approximation of the boundary, would make a rougher potential, with more local minima. It
+changes linearly between the centres of cells.
 """
 
 from __future__ import annotations
@@ -62,29 +64,31 @@ class Gains(NamedTuple):
                 raise ParameterError(name, value, 'positive and finite')
 
 
-def boundary_distances(forbidden: BitMask, resolution: float) -> Floats:
+def boundary_distances(blocked: BitMask, clearance_radius: float, resolution: float) -> Floats:
     """
-    Measure how far the centre of each cell is from the forbidden cells.
+    Measure how far the centre of each cell is from the safety boundary.
 
     Parameters
     ----------
-    forbidden : BitMask
-        The forbidden cells.
+    blocked : BitMask
+        The blocked cells.
+    clearance_radius : float
+        Distance from blocked cells to the boundary, >= 0 [m].
     resolution : float
         Side of a cell [m].
 
     Returns
     -------
     ndarray, shape (height, width)
-        To the middle of the side of the nearest one, 0 or less in one; infinite if there is
-        none [m].
+        From the middle of the side of the nearest blocked cell, less the radius; infinite if
+        there is none [m].
     """
-    mask = forbidden.unpacked()
+    mask = blocked.unpacked()
     if not mask.any():
         return np.full(mask.shape, np.inf)
     free = (~mask).astype(np.uint8)
     centres = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.asarray((centres.astype(np.float64) - 0.5) * resolution)
+    return np.asarray((centres.astype(np.float64) - 0.5) * resolution - clearance_radius)
 
 
 @dataclass(frozen=True, eq=False)

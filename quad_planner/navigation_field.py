@@ -29,7 +29,7 @@ from quad_planner.bucket_queue import (
     with_room,
 )
 from quad_planner.compiled import compiled
-from quad_planner.inflation import Points
+from quad_planner.inflation import Mask, Points
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -53,14 +53,16 @@ _PATIENCE = 8
 _X, _Y, _EARLIEST, _IDLE = range(4)
 
 
-def slowness_near_obstacles(distances: Floats, influence: float) -> Floats:
+def slowness_near_obstacles(distances: Floats, forbidden: Mask, influence: float) -> Floats:
     """
     Make the slowness that leads around obstacles, with 1 where they are far.
 
     Parameters
     ----------
     distances : ndarray, shape (height, width)
-        Distance from each cell to the safety boundary, 0 or less beyond it [m].
+        Distance from each cell to the safety boundary, above 0 where the robot may be [m].
+    forbidden : ndarray of bool, shape (height, width)
+        Where it must not be.
     influence : float
         Farther away than this the speed does not grow, > 0 [m].
 
@@ -69,8 +71,9 @@ def slowness_near_obstacles(distances: Floats, influence: float) -> Floats:
     ndarray, shape (height, width)
         At least 1, infinite where the robot must not be.
     """
-    with np.errstate(divide='ignore'):
-        slowness: Floats = np.where(distances > 0.0, np.maximum(influence / distances, 1.0), np.inf)
+    slowness = np.full(distances.shape, np.inf)
+    np.divide(influence, distances, out=slowness, where=~forbidden)
+    np.maximum(slowness, 1.0, out=slowness)
     return slowness
 
 

@@ -45,7 +45,7 @@ class PreparedPotential(SafetyMap):
     @cached_property
     def distances(self) -> Floats:
         """Return how far cells are from the safety boundary, shape (height, width) [m]."""
-        return boundary_distances(self.forbidden_bits, self.grid.resolution)
+        return boundary_distances(self.blocked_bits, self.clearance_radius, self.grid.resolution)
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ class PotentialPlanner(PlannerOptions):
         check_time: Callable[[], None],
     ) -> Points:
         """Descend a navigation function from the top to the bottom, in cells."""
-        slowness = slowness_near_obstacles(prepared.distances, self.influence)
+        slowness = slowness_near_obstacles(prepared.distances, prepared.forbidden, self.influence)
         first, last = (_cell_of(point, slowness) for point in (top, bottom))
         times = travel_times(slowness, last, first, check_time)
         if not np.isfinite(times[first[1], first[0]]):

@@ -26,7 +26,7 @@ def discs(size, *circles):
 
 def potential(mask, goal, **gains):
     forbidden = BitMask.of(mask)
-    distances = boundary_distances(forbidden, RESOLUTION)
+    distances = boundary_distances(forbidden, 0.0, RESOLUTION)
     return MapPotential(
         forbidden, distances, RESOLUTION, np.array(goal) / RESOLUTION, Gains(**gains)
     )
@@ -66,13 +66,13 @@ def test_the_gradient_is_the_slope_of_the_potential():
 
 def test_distances_are_exact_and_without_obstacles_infinite():
     mask = discs(60, (1.0, 1.4, 0.3), (2.4, 0.4, 0.2))
-    distances = boundary_distances(BitMask.of(mask), RESOLUTION)
+    distances = boundary_distances(BitMask.of(mask), 0.2, RESOLUTION)
     cells = np.argwhere(mask)
     for y, x in np.random.default_rng(2).integers(0, 60, (100, 2)):
         nearest = np.hypot(*(cells - (y, x)).T).min()
-        assert distances[y, x] == pytest.approx((nearest - 0.5) * RESOLUTION, abs=1e-5)
+        assert distances[y, x] == pytest.approx((nearest - 0.5) * RESOLUTION - 0.2, abs=1e-5)
     nothing = BitMask.of(np.zeros((4, 70), dtype=bool))
-    assert np.isinf(boundary_distances(nothing, RESOLUTION)).all()
+    assert np.isinf(boundary_distances(nothing, 0.2, RESOLUTION)).all()
 
 
 @pytest.mark.parametrize('shape', [(1, 60), (60, 1), (1, 1), (50, 50)])

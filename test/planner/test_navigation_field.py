@@ -137,13 +137,13 @@ def test_a_mirrored_map_has_mirrored_times():
 
 def test_the_speed_grows_with_the_distance_to_obstacles():
     distances = np.array([[-0.05, 0.0, 0.1, 0.5, 1.0, 3.0, np.inf]])
-    slowness = slowness_near_obstacles(distances, 1.0)
+    slowness = slowness_near_obstacles(distances, distances <= 0.0, 1.0)
     assert slowness.tolist() == [[np.inf, np.inf, 10.0, 2.0, 1.0, 1.0, 1.0]]
 
 
 def test_the_descent_keeps_to_the_middle_of_a_corridor():
     distances = np.minimum(np.arange(21), np.arange(21)[::-1])[:, None] * 0.05 * np.ones((1, 80))
-    slowness = slowness_near_obstacles(distances, 1.5)
+    slowness = slowness_near_obstacles(distances, distances <= 0.0, 1.5)
     times = travel_times(slowness, (75, 10))
     way = descend_times(times, BitMask.of(np.isinf(slowness)), np.array([4.5, 3.5]), (75, 10))
     middle = way[(way[:, 0] > 20) & (way[:, 0] < 70)]
