@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.bench_fields import field_bars
 from quad_cli.planner_peers import available_peers
 from quad_common.errors import PlannerError
 from quad_common.occupancy_grid import OccupancyGrid
@@ -113,6 +114,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
             bars.append(figure(f'{name}: a whole request', 1e3 * ours, 'ms'))
             console.print(f'{name}: done')
     console.print(table)
+    bars += field_bars({'streets': streets, 'noise': noise}, quick, seed)
     starts = [_time_first_plan() for _ in range(2)]
     bars.append(at_most('from a start of Python to the first plan', min(starts), 's', 1.5))
     return bars, {'quick': quick, 'seed': seed, 'ratios': noted}
