@@ -260,23 +260,24 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
     wide = np.empty(words, dtype=np.uint64)
     for y in range(height):
         # What is set in the next row as well reaches farther from there.
-        below = len(reaches) - 1 if y > 0 and _has_more(rows, y, y - 1) else 0
-        above = len(reaches) - 1 if y + 1 < height and _has_more(rows, y, y + 1) else 0
-        if below == 0 and above == 0 and y > 0 and not _has_more(rows, y - 1, y):
+        goes_down = y > 0 and _has_more(rows, y, y - 1)
+        goes_up = y + 1 < height and _has_more(rows, y, y + 1)
+        if y > 0 and not (goes_down or goes_up or _has_more(rows, y - 1, y)):
             # The same once more.
             _add(result, y, wide)
             continue
         # From the narrowest to the widest: each goes on from the one before.
         wide[:] = rows[y]
         reached = 0
-        for off in range(max(below, above), -1, -1):
+        for off in range(len(reaches) - 1 if goes_down or goes_up else 0, -1, -1):
             while reached < reaches[off]:
-                step = min(2 * reached + 1, reaches[off] - reached, 63)
+                # No gap opens, even where the edge of the map cuts off one side.
+                step = min(reached + 1, reaches[off] - reached, 63)
                 _spread(wide, step)
                 reached += step
-            if off <= below and y - off >= 0:
+            if (goes_down or off == 0) and y - off >= 0:
                 _add(result, y - off, wide)
-            if off <= above and y + off < height:
+            if goes_up and y + off < height:
                 _add(result, y + off, wide)
     return result
 

@@ -131,7 +131,7 @@ def test_an_obstacle_far_off_is_found_too():
         expected = square_distances(point[None], blocked)[0]
         assert segment_clearance(blocked, point, point) == pytest.approx(expected)
     # From outside of the map as well.
-    for x, apart in ((-50.0, 350.0), (-1e30, 1e30)):
+    for x, apart in ((-50.0, 350.0), (-1e9, 1e9)):
         outside = np.array([x, 7.5])
         assert segment_clearance(blocked, outside, outside) == pytest.approx(apart)
         assert segment_clearance(blocked, outside, outside, within=40.0) > 40.0
