@@ -136,7 +136,7 @@ def _march(
     while True:
         queue = with_room(queue, 4)
         is_done = _expand(
-            flat, flat_times, slowness.shape[1], bucket_width, until, *queue, _EXPANSIONS
+            flat, flat_times, slowness.shape[1], 1.0 / bucket_width, until, *queue, _EXPANSIONS
         )
         check()
         if is_done:
@@ -148,7 +148,7 @@ def _expand(
     slowness: Floats,
     times: Floats,
     width: int,
-    bucket_width: float,
+    buckets_per_time: float,
     until: int,
     heads: Integers,
     entries: Integers,
@@ -166,10 +166,10 @@ def _expand(
         if not has_room(entries, state, 4):
             return False
         bucket = next_bucket(heads, state)
-        if until >= 0 and times[until] < bucket * bucket_width:
+        if until >= 0 and times[until] * buckets_per_time < bucket:
             return True
         cell, key = pop(heads, entries, state)
-        if int(times[cell] / bucket_width) != key:
+        if int(times[cell] * buckets_per_time) != key:
             # An earlier time was found: that one waits too.
             continue
         for offset in (1, -1, width, -width):
@@ -184,7 +184,7 @@ def _expand(
             )
             if time < times[beside] * _BETTER:
                 times[beside] = time
-                key = int(time / bucket_width)
+                key = int(time * buckets_per_time)
                 push(heads, entries, state, beside, key, key)
     return False
 
