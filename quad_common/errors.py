@@ -148,6 +148,13 @@ class PlannerTimedOut(PlannerError):
         super().__init__(f'no plan was found within the limit of {limit:.2f} s')
 
 
+class PlanSuperseded(PlannerError):
+    """A newer request took the place of a search that was still running."""
+
+    def __init__(self) -> None:
+        super().__init__('the search was given up for a newer request')
+
+
 class NoPathFound(PlannerError):
     """Start and goal are both valid, but nothing connects them."""
 

@@ -16,13 +16,11 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Generic, TypeVar
 
-from quad_common.errors import PlannerTimedOut
-
 V = TypeVar('V', bound=Hashable)
 Cost = TypeVar('Cost', int, float)
 
-_VISITS_BETWEEN_LOOKS = 256
-"""The clock is read once in so many visits: reading it costs as much as a visit."""
+_VISITS_BETWEEN_CHECKS = 256
+"""A check costs as much as a visit."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +39,7 @@ def shortest_path(
     neighbours: Callable[[V], Iterable[tuple[V, Cost]]],
     source: V,
     goal: V,
-    *,
-    time_limit: float | None = None,
-    clock: Callable[[], float] | None = None,
+    check: Callable[[], None] = lambda: None,
 ) -> DijkstraResult[V, Cost] | None:
     """
     Find a cheapest path.
@@ -57,22 +53,14 @@ def shortest_path(
         Takes a vertex u and gives its edges as pairs (v, w(u, v)), all w >= 0.
     source, goal : hashable
         Ends of the path.
-    time_limit : float, optional
-        How long the search may take, with `clock` [s].
-    clock : callable, optional
-        Returns the time, for example `time.monotonic` [s].
+    check : callable
+        Called now and then; raises to end the search.
 
     Returns
     -------
     DijkstraResult or None
         None if the goal cannot be reached.
-
-    Raises
-    ------
-    PlannerTimedOut
-        If the search takes longer than `time_limit`.
     """
-    started = clock() if clock is not None else 0.0
     least: dict[V, Cost] = {source: 0}
     previous: dict[V, V] = {}
     visited: dict[V, None] = {}
@@ -86,13 +74,8 @@ def shortest_path(
         visited[u] = None
         if u == goal:
             return DijkstraResult(_path(previous, goal), cost, tuple(visited))
-        if (
-            clock is not None
-            and time_limit is not None
-            and len(visited) % _VISITS_BETWEEN_LOOKS == 0
-            and clock() - started > time_limit
-        ):
-            raise PlannerTimedOut(time_limit)
+        if len(visited) % _VISITS_BETWEEN_CHECKS == 0:
+            check()
         for v, w in neighbours(u):
             through_u = cost + w
             if v not in least or through_u < least[v]:

@@ -210,8 +210,8 @@ class MeshPlanner(PlannerOptions):
             If a pose is too near to a blocked cell.
         NoPathFound
             If no way over the mesh connects them.
-        PlannerTimedOut
-            If the search took longer than `time_limit`.
+        PlannerTimedOut, PlanSuperseded
+            As :meth:`PlannerOptions.timer`.
         """
         mesh = prepared if isinstance(prepared, PreparedMesh) else self.prepare(prepared)
         grid = mesh.grid
@@ -219,6 +219,7 @@ class MeshPlanner(PlannerOptions):
         if start.distance_to(goal) < SAME_PLACE:
             return Plan((goal,))
 
+        check = self.timer()
         s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
         radius = self.clearance_radius / grid.resolution
         reach = (self.connection_radius or 2.0 * self.mesh_size) / grid.resolution
@@ -250,9 +251,7 @@ class MeshPlanner(PlannerOptions):
                 cost, bearing = leg(s if u == _START else goals[u], g, arrived)
                 yield (_GOAL, 0), cost + (bearing != final) * _TURN
 
-        found = shortest_path(
-            neighbours, (_START, heading), (_GOAL, 0), time_limit=self.time_limit, clock=self.clock
-        )
+        found = shortest_path(neighbours, (_START, heading), (_GOAL, 0), check)
         if found is None:
             why = self._why_not(mesh, s, g, bool(starts), bool(goals))
             raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)

@@ -5,6 +5,8 @@ The node that turns an occupancy grid and a goal into a plan of turning points.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -21,6 +23,7 @@ from quad_common.robot import load_robot
 from quad_common.ros_conversions import pose_from_message, seconds_from_time
 from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
 from quad_planner.inflation import combined_obstacles
+from quad_planner.latest_request import LatestRequest
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import make_planner
 from quad_planner.ros_conversions import grid_from_message, path_message, plan_markers
@@ -39,6 +42,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         p = self.parameters
         robot = load_robot(p.robot)
         self._pace = _pace(p)
+        # Searches run beside the executor: a newer goal or map must be heard meanwhile.
+        self._requests: LatestRequest[Plan] = LatestRequest(self._call_soon)
         self._planner = make_planner(
             p.method,
             pace=self._pace,
@@ -53,6 +58,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
             unknown_is_free=p.unknown_is_free,
             time_limit=p.planning_timeout,
             clock=time.monotonic,
+            is_superseded=self._requests.is_superseded,
         )
         self._frames: list[str] = []
         self._map_frame = 'map'
@@ -61,8 +67,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._checked_at = 0.0
         self._waiting_goal: PoseStamped | None = None
         self._goal: Pose2D | None = None
+        self._pending_goal: Pose2D | None = None
         self._plan: Plan | None = None
         self._planned_from: Pose2D | None = None
+        self._is_plan_void = False
         self._problem: QuadError | None = None
 
         self._plan_publisher = self.create_publisher(Path, 'plan', _LATCHED)
@@ -82,6 +90,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report(STALE, clock_problem)
         elif self._planner.prepared is None and not isinstance(self._problem, QuadError):
             self.report(WARN, "no map: waiting for one on 'map'")
+        elif self._pending_goal is not None:
+            goal = self._pending_goal
+            self.report(OK, f'searching a way to ({goal.x:.2f}, {goal.y:.2f}) m')
         elif self._problem is not None:
             self.report_error(self._problem)
         elif self._pose is None:
@@ -105,13 +116,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._outlines = combined_obstacles(prepared.grid, prepared.forbidden).outlines
         self._problem = None
         self._publish_markers()
-        if self._waiting_goal is None and self._goal is not None and self._pose is not None:
-            try:
-                self._plan_to(self._goal)
-            except PlannerError as error:
-                # The plan led through a map that is no longer true: take it back.
-                self._problem = error
-                self._publish(None)
+        goal = self._pending_goal or self._goal
+        if self._waiting_goal is None and goal is not None and self._pose is not None:
+            self._search(goal, is_plan_void=True)
         self._try_waiting_goal()
         self.update_status()
 
@@ -133,13 +140,15 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self._try_waiting_goal()
             self.update_status()
         now = seconds_from_time(message.header.stamp)
-        if self._plan is None or self._goal is None or abs(now - self._checked_at) < _CHECK_PERIOD:
+        if self._plan is None or self._goal is None or self._pending_goal is not None:
+            return
+        if abs(now - self._checked_at) < _CHECK_PERIOD:
             return
         self._checked_at = now
         distance = distance_to_polyline((self._pose.x, self._pose.y), self._plan.corners)
         if distance > self.parameters.replan_distance:
             self.get_logger().info(f'the robot is {distance:.2f} m from its path: planning anew')
-            self._attempt(self._goal)
+            self._search(self._goal)
 
     def _try_waiting_goal(self) -> None:
         """Plan to the goal that came last, as soon as map and pose are known."""
@@ -152,7 +161,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         except PlannerError as error:
             self._problem = error
             return
-        self._attempt(goal)
+        self._search(goal)
 
     def _pose_on_map(self, message: PoseStamped, what: str) -> Pose2D:
         """Read a pose that is given in the map's frame, or in one that coincides with it."""
@@ -160,22 +169,47 @@ class PlannerNode(QuadNode[PlannerParameters]):
             raise WrongFrame(what, message.header.frame_id, self._map_frame)
         return pose_from_message(message.pose, what)
 
-    def _attempt(self, goal: Pose2D) -> None:
-        """Plan to a goal; if that fails, the last goal and plan stay."""
+    def _search(self, goal: Pose2D, is_plan_void: bool = False) -> None:
+        """
+        Begin to search a plan; searches before it are given up.
+
+        If it fails the last goal and plan stay, unless the plan led through a map that is
+        no longer true: then it is taken back.
+        """
+        assert self._pose is not None
+        start = self._pose
+        self._pending_goal = goal
+        self._is_plan_void = self._is_plan_void or is_plan_void
+        self._requests.submit(
+            lambda: self._planner.plan(start, goal), partial(self._on_result, start, goal)
+        )
+
+    def _on_result(self, start: Pose2D, goal: Pose2D, result: Callable[[], Plan]) -> None:
+        self._pending_goal = None
         try:
-            self._plan_to(goal)
+            plan = result()
         except PlannerError as error:
             self._problem = error
-            self.update_status()
+            if self._is_plan_void:
+                self._publish(None)
+        else:
+            self._goal, self._planned_from = goal, start
+            self._problem = None
+            if plan.remark:
+                self.get_logger().info(plan.remark)
+            self._publish(plan)
+        self._is_plan_void = False
+        self.update_status()
 
-    def _plan_to(self, goal: Pose2D) -> None:
-        assert self._pose is not None
-        plan = self._planner.plan(self._pose, goal)
-        self._goal, self._planned_from = goal, self._pose
-        self._problem = None
-        if plan.remark:
-            self.get_logger().info(plan.remark)
-        self._publish(plan)
+    def _call_soon(self, callback: Callable[[], None]) -> None:
+        """Have something called by the executor; from any thread."""
+        if self.executor is not None:
+            self.executor.create_task(callback)
+
+    def destroy_node(self) -> None:
+        """Give up what is being searched, and end."""
+        self._requests.close()
+        super().destroy_node()
 
     def _publish(self, plan: Plan | None) -> None:
         self._plan = plan

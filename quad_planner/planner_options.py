@@ -8,9 +8,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from quad_common.errors import ParameterError, PlannerTimedOut
+from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
 from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.safety_map import SafetyMap
+
+
+def _never() -> bool:
+    return False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +41,9 @@ class PlannerOptions:
     clock: Callable[[], float] | None = None
     """Returns the time, for example `time.monotonic` [s]."""
 
+    is_superseded: Callable[[], bool] = _never
+    """Asked again and again during a search, which ends where it returns true."""
+
     def __post_init__(self) -> None:
         """Check the lengths."""
         radius, tolerance = self.clearance_radius, self.start_tolerance
@@ -58,15 +65,16 @@ class PlannerOptions:
         Returns
         -------
         callable
-            To be called again and again; raises PlannerTimedOut when the time is over.
+            To be called again and again. It raises PlannerTimedOut when the time is over,
+            and PlanSuperseded when nobody waits for the plan any more.
         """
         clock, limit = self.clock, self.time_limit
-        if clock is None or limit is None:
-            return lambda: None
-        began = clock()
+        began = 0.0 if clock is None else clock()
 
         def check() -> None:
-            if clock() - began > limit:
+            if self.is_superseded():
+                raise PlanSuperseded
+            if clock is not None and limit is not None and clock() - began > limit:
                 raise PlannerTimedOut(limit)
 
         return check
