@@ -88,7 +88,9 @@ def boundary_distances(blocked: BitMask, clearance_radius: float, resolution: fl
         return np.full(mask.shape, np.inf)
     free = (~mask).astype(np.uint8)
     centres = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.asarray((centres.astype(np.float64) - 0.5) * resolution - clearance_radius)
+    distances = np.multiply(centres, resolution, dtype=np.float64)
+    distances -= 0.5 * resolution + clearance_radius
+    return np.asarray(distances)
 
 
 @dataclass(frozen=True, eq=False)
