@@ -206,7 +206,7 @@ def _transposed(rows: Bits, width: int) -> Bits:
     """Return the columns as lines, in blocks of 64 by 64."""
     height = rows.shape[0]
     columns = np.zeros((width, (height + 63) // 64), dtype=np.uint64)
-    block = np.empty(64, dtype=np.uint64)
+    block, other = np.empty(64, dtype=np.uint64), np.empty(64, dtype=np.uint64)
     for across in range(rows.shape[1]):
         for down in range(columns.shape[1]):
             some, every = np.uint64(0), _ALL
@@ -218,24 +218,36 @@ def _transposed(rows: Bits, width: int) -> Bits:
             if some == 0:
                 continue
             if every != _ALL:
-                _transpose_block(block)
+                _transpose_block(block, other)
             for k in range(min(64, width - 64 * across)):
                 columns[64 * across + k, down] = block[k]
     return columns
 
 
 @compiled
-def _transpose_block(block: Bits) -> None:
-    """Swap the rows and columns of 64 words in place (Hacker's Delight, sec. 7-3)."""
-    mask = np.uint64(0x00000000FFFFFFFF)
-    for step in (32, 16, 8, 4, 2, 1):
-        shift = np.uint64(step)
-        for first in range(0, 64, 2 * step):
-            for k in range(first, first + step):
-                swap = ((block[k] >> shift) ^ block[k + step]) & mask
-                block[k] ^= swap << shift
-                block[k + step] ^= swap
-        mask ^= mask << np.uint64(step >> 1)
+def _transpose_block(block: Bits, other: Bits) -> None:
+    """Swap the rows and columns of 64 words; the other 64 are for notes."""
+    _shuffle(block, other, 32, np.uint64(0x00000000FFFFFFFF))
+    _shuffle(other, block, 16, np.uint64(0x0000FFFF0000FFFF))
+    _shuffle(block, other, 8, np.uint64(0x00FF00FF00FF00FF))
+    _shuffle(other, block, 4, np.uint64(0x0F0F0F0F0F0F0F0F))
+    _shuffle(block, other, 2, np.uint64(0x3333333333333333))
+    _shuffle(other, block, 1, np.uint64(0x5555555555555555))
+
+
+@compiled
+def _shuffle(words: Bits, result: Bits, step: int, low: np.uint64) -> None:
+    """
+    Interleave the first and the last 32 of 64 words, and swap bits between each two.
+
+    The first bit of a word's number, counted from above, becomes its last one, and changes
+    places with a bit of the column's number. After six times all have.
+    """
+    shift = np.uint64(step)
+    for k in range(32):
+        first, second = words[k], words[k + 32]
+        result[2 * k] = (first & low) | ((second & low) << shift)
+        result[2 * k + 1] = ((first >> shift) & low) | (second & ~low)
 
 
 @compiled
