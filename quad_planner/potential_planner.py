@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -42,10 +41,11 @@ _STEP = 1.0
 class PreparedPotential(SafetyMap):
     """A map made ready for any number of descents; `PotentialPlanner.prepare` makes it."""
 
-    @cached_property
-    def distances(self) -> Floats:
-        """Return how far cells are from the safety boundary, shape (height, width) [m]."""
-        return boundary_distances(self.blocked_bits, self.clearance_radius, self.grid.resolution)
+    costs: Floats | None = None
+    """How many times slower a way through each cell is; None if no cell is."""
+
+    distances: Floats
+    """Of each cell from the safety boundary, shape (height, width) [m]."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +73,15 @@ class PotentialPlanner(PlannerOptions):
     goal_distance: float = Gains().goal_distance
     """d*_goal, of the paper's potential [m]."""
 
+    knows_costs: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         """Check the options."""
         super().__post_init__()
         if self.potential not in POTENTIALS:
             raise ParameterError('potential', self.potential, f'one of {", ".join(POTENTIALS)}')
+        if self.costs and self.potential != 'navigation':
+            raise ParameterError('potential', self.potential, "'navigation' where there are costs")
         deviation = self.path_deviation
         if not (math.isfinite(deviation) and deviation >= 0.0):
             raise ParameterError('path_deviation', deviation, 'a finite length of at least 0 m')
@@ -90,7 +94,7 @@ class PotentialPlanner(PlannerOptions):
 
     def prepare(self, grid: OccupancyGrid) -> PreparedPotential:
         """
-        Inflate a map.
+        Inflate a map, and measure how far it is to the safety boundary.
 
         Parameters
         ----------
@@ -103,8 +107,9 @@ class PotentialPlanner(PlannerOptions):
             What `plan` needs of the map, for any number of plans.
         """
         safety = self.safety_map(grid)
+        distances = boundary_distances(safety.blocked_bits, self.clearance_radius, grid.resolution)
         return PreparedPotential(
-            grid, self.clearance_radius, safety.blocked_bits, safety.forbidden_bits
+            grid, self.clearance_radius, safety.blocked_bits, safety.forbidden_bits, distances
         )
 
     def plan(self, prepared: PreparedPotential, start: Pose2D, goal: Pose2D) -> Plan:
@@ -198,6 +203,8 @@ class PotentialPlanner(PlannerOptions):
     ) -> Points:
         """Descend a navigation function from the top to the bottom, in cells."""
         slowness = slowness_near_obstacles(prepared.distances, prepared.forbidden, self.influence)
+        if prepared.costs is not None:
+            slowness *= prepared.costs
         first, last = (_cell_of(point, slowness) for point in (top, bottom))
         times = travel_times(slowness, last, first, check_time)
         if not np.isfinite(times[first[1], first[0]]):
