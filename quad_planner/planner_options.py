@@ -7,9 +7,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
 from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.cell_costs import CostLayer
 from quad_planner.safety_map import SafetyMap
 
 
@@ -41,16 +43,24 @@ class PlannerOptions:
     clock: Callable[[], float] | None = None
     """Returns the time, for example `time.monotonic` [s]."""
 
+    costs: tuple[CostLayer, ...] = ()
+    """Reasons why ways through some cells are dearer, for methods that know of costs."""
     is_superseded: Callable[[], bool] = _never
     """Asked again and again during a search, which ends where it returns true."""
 
+    knows_costs: ClassVar[bool] = False
+    """Whether the method looks at `costs`."""
+
     def __post_init__(self) -> None:
-        """Check the lengths."""
+        """Check the lengths, and whether the method can do what is asked of it."""
         radius, tolerance = self.clearance_radius, self.start_tolerance
         if not (math.isfinite(radius) and radius > 0.0):
             raise ParameterError('clearance_radius', radius, 'a finite length above 0 m')
         if not (math.isfinite(tolerance) and tolerance >= 0.0):
             raise ParameterError('start_tolerance', tolerance, 'a finite length of at least 0 m')
+        if self.costs and not self.knows_costs:
+            layers = ', '.join(type(layer).__name__ for layer in self.costs)
+            raise ParameterError('costs', layers, 'left out: this method compares other things')
 
     def safety_map(self, grid: OccupancyGrid) -> SafetyMap:
         """Return a map with the zone that the robot's centre must keep out of."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from quad_common.errors import DescentStuck, NoPathFound, ParameterError
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.cell_costs import cell_costs
 from quad_planner.inflation import Points
 from quad_planner.map_potential import Floats, Gains, MapPotential, boundary_distances
 from quad_planner.navigation_field import descend_times, slowness_near_obstacles, travel_times
@@ -41,11 +43,10 @@ _STEP = 1.0
 class PreparedPotential(SafetyMap):
     """A map made ready for any number of descents; `PotentialPlanner.prepare` makes it."""
 
-    costs: Floats | None = None
-    """How many times slower a way through each cell is; None if no cell is."""
-
     distances: Floats
     """Of each cell from the safety boundary, shape (height, width) [m]."""
+    costs: Floats | None = None
+    """How many times slower a way through each cell is; None if no cell is."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,12 @@ class PotentialPlanner(PlannerOptions):
         safety = self.safety_map(grid)
         distances = boundary_distances(safety.blocked_bits, self.clearance_radius, grid.resolution)
         return PreparedPotential(
-            grid, self.clearance_radius, safety.blocked_bits, safety.forbidden_bits, distances
+            grid,
+            self.clearance_radius,
+            safety.blocked_bits,
+            safety.forbidden_bits,
+            distances,
+            cell_costs(self.costs, safety),
         )
 
     def plan(self, prepared: PreparedPotential, start: Pose2D, goal: Pose2D) -> Plan:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -31,6 +32,8 @@ class QuickestPlanner(ShortestPlanner):
 
     pace: Pace
     """How far the cycles of the robot's gait go."""
+
+    knows_costs: ClassVar[bool] = False
 
     def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
         """

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +22,13 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle import convex_corners, taut_path
 from quad_planner.bit_grid import BitGrid, Bits, is_set
+from quad_planner.cell_costs import Floats, cell_costs
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Points
-from quad_planner.jump_points import CellPath, JumpPointSearch, without_straights
+from quad_planner.jump_points import JumpPointSearch, without_straights
 from quad_planner.planner_options import PlannerOptions
 from quad_planner.safety_map import SAME_PLACE, SafetyMap
+from quad_planner.weighted_search import cheapest_path, straightened
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,8 @@ class PreparedCells(SafetyMap):
 
     search: JumpPointSearch
     """Over the allowed cells."""
+    costs: Floats | None = None
+    """How many times dearer a way through each cell is; None if no cell is dearer."""
 
     @cached_property
     def corners(self) -> Points:
@@ -43,10 +48,15 @@ class PreparedCells(SafetyMap):
 
 @dataclass(frozen=True)
 class ShortestPlanner(PlannerOptions):
-    """Plan the shortest way, whatever turns it takes."""
+    """Plan the shortest way, whatever turns it takes; or, with costs, the cheapest."""
 
     any_angle: bool = False
-    """Whether the path may have any direction, not only those of the cells."""
+    """
+    Whether the path may have any direction, not only those of the cells. With costs it is
+    the cheapest path over the cells, straightened where that is no dearer.
+    """
+
+    knows_costs: ClassVar[bool] = True
 
     def prepare(self, grid: OccupancyGrid) -> PreparedCells:
         """
@@ -65,7 +75,12 @@ class ShortestPlanner(PlannerOptions):
         safety = self.safety_map(grid)
         search = JumpPointSearch(BitGrid.outside(safety.forbidden_bits))
         return PreparedCells(
-            grid, self.clearance_radius, safety.blocked_bits, safety.forbidden_bits, search
+            grid,
+            self.clearance_radius,
+            safety.blocked_bits,
+            safety.forbidden_bits,
+            search,
+            cell_costs(self.costs, safety),
         )
 
     def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
@@ -94,8 +109,8 @@ class ShortestPlanner(PlannerOptions):
             As :meth:`SafetyMap.check_ends`.
         NoPathFound
             If no way over the cells connects them.
-        PlannerTimedOut
-            If the search took longer than `time_limit`.
+        PlannerTimedOut, PlanSuperseded
+            As :meth:`PlannerOptions.timer`.
         """
         grid = prepared.grid
         leave_at = prepared.check_ends(start, goal, self.start_tolerance)
@@ -105,18 +120,35 @@ class ShortestPlanner(PlannerOptions):
         s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
         radius = self.clearance_radius / grid.resolution
         first, last = prepared.joints(s, leave_at), prepared.joints(g, radius)
-        path = prepared.search.path(first[0], last[0], check) if first and last else None
-        if path is None:
+        centres = self._centres(prepared, first[0], last[0], check) if first and last else None
+        if centres is None:
             why = prepared.not_connected(s, g) or 'no allowed cell is near to one of them'
             raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
-        between = self._between(prepared, path, s, g, leave_at, check)
+        between = self._between(prepared, centres, s, g, leave_at, check)
         inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
         return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
+
+    def _centres(
+        self,
+        prepared: PreparedCells,
+        first: tuple[int, int],
+        last: tuple[int, int],
+        check: Callable[[], None],
+    ) -> Points | None:
+        """Return where the path over the cells turns, shape (n, 2) [cells]."""
+        cells: NDArray[np.int64] | None
+        if prepared.costs is None:
+            path = prepared.search.path(first, last, check)
+            words = prepared.forbidden_bits.words
+            cells = None if path is None else turns_saved(path.cells, words)
+        else:
+            cells = cheapest_path(prepared.search.grid, prepared.costs, first, last, check)
+        return None if cells is None else cells + np.float64(0.5)
 
     def _between(
         self,
         prepared: PreparedCells,
-        path: CellPath,
+        centres: Points,
         s: Points,
         g: Points,
         leave_at: float,
@@ -124,10 +156,12 @@ class ShortestPlanner(PlannerOptions):
     ) -> Points:
         """Return the turning points between start and goal, shape (n, 2) [cells]."""
         forbidden = prepared.forbidden_bits
-        centres: Points = turns_saved(path.cells, forbidden.words) + np.float64(0.5)
         over_cells = self._joined(prepared, s, centres, g, leave_at)
         if not self.any_angle:
             return over_cells[1:-1]
+        if prepared.costs is not None:
+            straight = straightened(centres, prepared.costs, forbidden, check)
+            return self._joined(prepared, s, straight, g, leave_at)[1:-1]
         first = s if prepared.is_allowed(s) else centres[0]
         last = g if prepared.is_allowed(g) else centres[-1]
         bound = _length(np.vstack((first, centres, last)))
