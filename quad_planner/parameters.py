@@ -48,6 +48,27 @@ class PlannerParameters:
         65, 'Cells of at least this occupancy are obstacles.', '%', lower=1, upper=100
     )
     unknown_is_free: bool = parameter(False, 'Whether paths may lead through unknown cells.')
+    unknown_cost: float = parameter(
+        1.0,
+        'A way through unknown cells counts so many times its length, if unknown_is_free is set. '
+        "For 'shortest' and the navigation function of 'potential'.",
+        lower=1.0,
+        upper=15.0,
+    )
+    clearance_cost: float = parameter(
+        1.0,
+        'A way along the safety boundary counts so many times its length; less, farther off. '
+        "For 'shortest' and the navigation function of 'potential'.",
+        lower=1.0,
+        upper=15.0,
+    )
+    clearance_cost_distance: float = parameter(
+        0.5,
+        'Farther from the safety boundary a way counts its length only.',
+        'm',
+        lower=0.01,
+        upper=100.0,
+    )
     replan_distance: float = parameter(
         0.3, 'The path is planned anew when the robot has left it by more.', 'm', lower=0.05
     )

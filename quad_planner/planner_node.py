@@ -22,6 +22,7 @@ from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import pose_from_message, seconds_from_time
 from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
+from quad_planner.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.inflation import combined_obstacles
 from quad_planner.latest_request import LatestRequest
 from quad_planner.parameters import PlannerParameters
@@ -58,6 +59,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
             unknown_is_free=p.unknown_is_free,
             time_limit=p.planning_timeout,
             clock=time.monotonic,
+            costs=_costs(p),
             is_superseded=self._requests.is_superseded,
         )
         self._frames: list[str] = []
@@ -240,6 +242,15 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report_error(error)
         response.plan = path_message(plan, self._map_frame, stamp)
         return response
+
+
+def _costs(parameters: PlannerParameters) -> tuple[CostLayer, ...]:
+    layers: list[CostLayer] = []
+    if parameters.unknown_cost > 1.0:
+        layers.append(UnknownCost(parameters.unknown_cost))
+    if parameters.clearance_cost > 1.0:
+        layers.append(ClearanceCost(parameters.clearance_cost, parameters.clearance_cost_distance))
+    return tuple(layers)
 
 
 def _pace(parameters: PlannerParameters) -> Pace | None:
