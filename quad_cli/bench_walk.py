@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from pathlib import Path
 
@@ -14,13 +13,13 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.benchmark_maps import OTHERS_MAPS, benchmark_maps
 from quad_cli.walk import WalkOptions, walk
 from quad_cli.walk_record import WalkRecord, WalkResult
 from quad_common.errors import PlannerError
 from quad_common.map_file import load_map
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.resources import sample_map
 from quad_common.robot import Robot, load_robot
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import Planner, make_planner
@@ -32,9 +31,6 @@ QUICK_LENGTH = 1.5
 """Longest path of the quick sample [m]."""
 QUICK_BUDGET = 28.0
 """The quick sample begins no further walk after so long [s]."""
-
-OTHERS_MAPS = ('depot', 'warehouse')
-"""Nav2's maps, looked for in the folder that QUADWALK_MAPS names, or beside the project."""
 
 _ROBOT = 'titan_viii'
 
@@ -87,17 +83,6 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
         'walks': [{'map': name, **result.as_dict()} for name, _, result in walks],
     }
     return bars, details
-
-
-def benchmark_maps() -> list[Path]:
-    """List the maps to walk on: the samples, and those of others that are there."""
-    maps = [sample_map('room'), sample_map('office')]
-    beside = Path(__file__).resolve().parents[2] / 'shared' / 'maps' / 'ros'
-    folder = Path(os.environ.get('QUADWALK_MAPS', beside))
-    for name in OTHERS_MAPS:
-        found = sorted(folder.glob(f'**/{name}.yaml'))
-        maps += found[:1]
-    return maps
 
 
 def draw_pairs(
