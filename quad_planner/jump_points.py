@@ -40,6 +40,13 @@ _EXPANSIONS = 4096
 _ONE = np.uint64(1)
 _LAST = np.uint64(63)
 _ALL = ~np.uint64(0)
+_DIAGONAL_STEPS = 32
+"""So many cells of a diagonal are looked at; going on has to wait until it is its turn."""
+
+_NODES_AT_FIRST = 2048
+_ROOM = 2 * _DIAGONAL_STEPS + 2
+"""In one direction at most two cells are found beside each cell of a diagonal."""
+
 _HASH = np.uint64(0x9E3779B97F4A7C15)
 
 
@@ -125,7 +132,7 @@ class _Tree(NamedTuple):
     nodes: Records
     """Of `_NODE`."""
     slots: NDArray[np.int32]
-    """Where a cell's hash points, or behind: the number of its node plus one, or 0."""
+    """Where a cell's hash points, or behind: the number of its node plus one, or 0; 2^k."""
     heap: Records
     """Of `_OPEN`: nodes and the least length of a path through them, the least first."""
     counts: NDArray[np.int64]
@@ -177,13 +184,11 @@ class JumpPointSearch:
                 return None
             if not is_set(grid.rows, y + 1, x + 1):
                 return None
-        # In one direction at most two cells are found beside each cell of a diagonal.
-        room = 2 * min(grid.width, grid.height) + 2
         begin, end = ((x + 1, y + 1) for x, y in (start, goal))
-        tree = _tree(begin, 2 * room)
+        tree = _tree(begin)
         outcome = _INTERRUPTED
         while outcome not in (_FOUND, _NO_PATH):
-            outcome = _search(grid.rows, grid.columns, ONWARD, *tree, end, room)
+            outcome = _search(grid.rows, grid.columns, ONWARD, *tree, end)
             check()
             if outcome == _NO_ROOM:
                 tree = _larger(tree)
@@ -192,13 +197,12 @@ class JumpPointSearch:
         return CellPath(*_cells(tree.nodes, tree.slots, end))
 
 
-def _tree(start: tuple[int, int], size: int) -> _Tree:
-    """Make a tree of the start alone, with room for so many nodes at least."""
-    size = 1 << (size - 1).bit_length()
+def _tree(start: tuple[int, int]) -> _Tree:
+    """Make a tree of the start alone."""
     tree = _Tree(
-        nodes=np.empty(size, dtype=_NODE),
-        slots=np.zeros(2 * size, dtype=np.int32),
-        heap=np.empty(size, dtype=_OPEN),
+        nodes=np.empty(_NODES_AT_FIRST, dtype=_NODE),
+        slots=np.zeros(2 * _NODES_AT_FIRST, dtype=np.int32),
+        heap=np.empty(_NODES_AT_FIRST, dtype=_OPEN),
         counts=np.ones(2, dtype=np.int64),
     )
     tree.nodes[0] = (0, *start, 0, 0, 0)
@@ -302,7 +306,6 @@ def _search(
     heap: Records,
     counts: NDArray[np.int64],
     goal: tuple[int, int],
-    room: int,
 ) -> int:
     """
     Search on for a while.
@@ -317,8 +320,6 @@ def _search(
         As in `_Tree`; they are changed.
     goal : tuple of int
         x and y of the goal's cell, walls included.
-    room : int
-        How many nodes may be found in one direction.
 
     Returns
     -------
@@ -337,7 +338,7 @@ def _search(
         directions = onward[nodes[node].arrivals, _around(rows, x, y)] & ~nodes[node].taken
         for k in range(8):
             if (directions >> k) & 1:
-                if len(nodes) - max(counts[0], counts[1]) < room:
+                if len(nodes) - max(counts[0], counts[1]) < _ROOM:
                     # The node is looked at again, in the directions that are left.
                     _push(heap, counts, key, node)
                     return _NO_ROOM
@@ -362,6 +363,7 @@ def _go_on(
     dx, dy = int(_DX[direction]), int(_DY[direction])
     x, y, length = int(nodes[node].x), int(nodes[node].y), int(nodes[node].length)
     is_diagonal = dx != 0 and dy != 0
+    steps = 0
     while True:
         if is_diagonal:
             if not _is_open(rows, x, y, dx, dy):
@@ -369,7 +371,8 @@ def _go_on(
             x += dx
             y += dy
             length += DIAGONAL
-            if (x, y) == goal:
+            steps += 1
+            if (x, y) == goal or steps == _DIAGONAL_STEPS:
                 _reach(nodes, slots, heap, counts, node, x, y, length, direction, goal)
                 return
         if dx != 0:
