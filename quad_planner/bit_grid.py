@@ -166,19 +166,16 @@ def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     height, width = cells.shape
     words = np.empty((height, (width + 63) // 64), dtype=np.uint64)
     low, high = np.int8(least), np.int8(most)
-    # A row as bytes 0 and 1: the compiler makes 64 of them at a time.
+    bytes_ = words.view(np.uint8)
+    # A row as bytes 0 and 1, which the compiler makes and takes many at a time.
     row = np.zeros(64 * words.shape[1], dtype=np.uint8)
     eights = row.view(np.uint64)
     for y in range(height):
         for x in range(width):
             row[x] = (cells[y, x] < low) | (cells[y, x] > high)
-        for at in range(words.shape[1]):
-            word = np.uint64(0)
-            for k in range(8):
-                # The product has the lowest bits of eight bytes side by side at its top.
-                eight = (eights[8 * at + k] * _GATHER) >> np.uint64(56)
-                word |= eight << np.uint64(8 * k)
-            words[y, at] = word
+        for at in range(len(eights)):
+            # The product has the lowest bits of eight bytes side by side at its top.
+            bytes_[y, at] = np.uint8((eights[at] * _GATHER) >> np.uint64(56))
     return words
 
 
