@@ -156,9 +156,9 @@ class PotentialPlanner(PlannerOptions):
         s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
         radius = self.clearance_radius / grid.resolution
         ends = (prepared.joints(s, leave_at), prepared.joints(g, radius))
-        why = prepared.not_connected(s, g)
-        if why is not None or not (ends[0] and ends[1]):
-            why = why or 'no allowed cell is near to one of them'
+        areas = [{int(prepared.areas[y, x]) for x, y in cells} for cells in ends]
+        if not areas[0] & areas[1]:
+            why = prepared.not_connected(s, g) or 'no allowed cell is near to one of them'
             raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
         # A start or a goal that is in no allowed cell is joined to the centre of one.
         top, bottom = (

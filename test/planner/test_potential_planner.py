@@ -162,6 +162,25 @@ def test_among_circles_the_navigation_function_arrives_wherever_there_is_a_way()
     assert 0.2 * ways < arrived < 0.8 * ways
 
 
+@pytest.mark.parametrize('seed', range(10))
+def test_where_there_is_a_shortest_path_there_is_one_by_navigation(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(60):
+        boxes = [(*rng.integers(0, 30, 2), *rng.integers(1, 9, 2)) for _ in range(8)]
+        grid = floor(*map(int, rng.integers(1, 40, 2)), boxes=boxes)
+        options = {'clearance_radius': float(rng.choice([0.02, 0.1, 0.17])), 'start_tolerance': 0.1}
+        navigation = PotentialPlanner(potential='navigation', **options)
+        ends = grid.map_to_world(np.round(2.0 * rng.random((2, 2)) * [grid.width, grid.height]) / 2)
+        start, goal = (Pose2D(float(x), float(y), 0.0) for x, y in ends)
+        shortest, found = ShortestPlanner(**options), []
+        for planner in (shortest, navigation):
+            try:
+                found.append(planner.plan(planner.prepare(grid), start, goal).poses[-1] == goal)
+            except PlannerError as error:
+                found.append(type(error))
+        assert found[0] == found[1]
+
+
 @EACH
 def test_where_nothing_is_in_the_way_the_robot_walks_straight(potential):
     planner = PotentialPlanner(clearance_radius=0.2, potential=potential)
@@ -220,6 +239,15 @@ def test_two_rooms_without_a_door_are_told_as_not_connected(potential):
     prepared = planner.prepare(floor(boxes=[(30, 0, 1, 60)]))
     with pytest.raises(NoPathFound, match='not connected for a robot that needs'):
         planner.plan(prepared, WEST, EAST)
+
+
+@EACH
+def test_a_robot_that_strayed_joins_the_area_to_which_it_can_go(potential):
+    # The allowed cell that is nearest to it lies behind the obstacles, in another area.
+    grid = floor(3, 5, 1.0, boxes=[(0, 0, 1, 2), (2, 2, 1, 1)])
+    planner = PotentialPlanner(clearance_radius=1.0, start_tolerance=0.5, potential=potential)
+    goal = Pose2D(1.5, 4.5, 0.0)
+    assert planner.plan(planner.prepare(grid), Pose2D(1.5, 2.0, 0.0), goal).poses[-1] == goal
 
 
 def test_a_passage_as_wide_as_the_corner_of_a_cell_is_none():
