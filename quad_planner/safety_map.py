@@ -204,17 +204,16 @@ class SafetyMap:
             if not pose.is_finite():
                 reason = f'({pose.x}, {pose.y}, {pose.yaw}) must be three finite numbers'
                 raise InvalidPose(what, reason)
-        if not grid.contains(start.x, start.y):
-            raise StartOutsideMap(start.x, start.y, grid.bounds())
-        if not grid.contains(goal.x, goal.y):
-            raise GoalOutsideMap(goal.x, goal.y, grid.bounds())
+        points = [grid.world_to_map(np.array([pose.x, pose.y])) for pose in (start, goal)]
+        for pose, point, outside in zip((start, goal), points, (StartOutsideMap, GoalOutsideMap)):
+            if not (0.0 <= point[0] <= grid.width and 0.0 <= point[1] <= grid.height):
+                raise outside(pose.x, pose.y, grid.bounds())
         radius = self.clearance_radius / grid.resolution
         keeps = []
-        for pose, tolerance, error in (
-            (start, start_tolerance / grid.resolution, StartOccupied),
-            (goal, 0.0, GoalOccupied),
+        for pose, point, tolerance, error in (
+            (start, points[0], start_tolerance / grid.resolution, StartOccupied),
+            (goal, points[1], 0.0, GoalOccupied),
         ):
-            point = grid.world_to_map(np.array([pose.x, pose.y]))
             keep = min(segment_clearance(self.blocked_bits, point, point, radius), radius)
             # However large the tolerance, nobody starts inside an obstacle.
             if keep <= 0.0 or keep < (radius - tolerance) * (1.0 - 1e-9):
