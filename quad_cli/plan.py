@@ -9,6 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,6 +38,12 @@ EXAMPLES = """examples:
   quadwalk plan --method potential --start 1.2,1.2,0 --goal 6.8,4.8,0
   quadwalk plan --method mesh shortest quickest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
 """
+
+
+_LONG = 2.0
+"""Compiled code that is there is ready sooner [s]."""
+
+_COMPILING = 'compiling the searches: once after an installation, for some ten seconds ...'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -152,6 +160,11 @@ def _pace(robot: str, gait: str, is_needed: bool) -> Pace | None:
 def _attempt(
     method: str, planner: Planner[Any], grid: OccupancyGrid, start: Pose2D, goal: Pose2D
 ) -> _Outcome:
+    patience = threading.Timer(_LONG, lambda: print(_COMPILING, file=sys.stderr, flush=True))
+    patience.daemon = True
+    patience.start()
+    planner.warm_up()
+    patience.cancel()
     began = time.perf_counter()
     planner.set_map(grid)
     prepared = time.perf_counter()

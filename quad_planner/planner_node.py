@@ -34,6 +34,9 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _CHECK_PERIOD = 0.2
 """How often it is checked whether the robot has left its path [s]."""
 
+_LONG = 3.0
+"""Compiled code that is there is ready sooner [s]."""
+
 
 class PlannerNode(QuadNode[PlannerParameters]):
     """Plans when a goal comes, when the map changes, and when the robot leaves its path."""
@@ -44,7 +47,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         robot = load_robot(p.robot)
         self._pace = _pace(p)
         # Searches run beside the executor: a newer goal or map must be heard meanwhile.
-        self._requests: LatestRequest[Plan] = LatestRequest(self._call_soon)
+        self._requests: LatestRequest[Any] = LatestRequest(self._call_soon)
         self._planner = make_planner(
             p.method,
             pace=self._pace,
@@ -83,6 +86,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
             Odometry, p.odom_topic, self.guarded(self._on_odometry), qos_profile_sensor_data
         )
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
+        self._requests.submit(self._warm_up, self._on_warm)
         self.update_status()
 
     def update_status(self) -> None:
@@ -92,6 +96,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report(STALE, clock_problem)
         elif self._planner.prepared is None and not isinstance(self._problem, QuadError):
             self.report(WARN, "no map: waiting for one on 'map'")
+        elif self._requests.is_busy and self._pending_goal is None:
+            self.report(OK, 'getting the searches ready: once after an installation they compile')
         elif self._pending_goal is not None:
             goal = self._pending_goal
             self.report(OK, f'searching a way to ({goal.x:.2f}, {goal.y:.2f}) m')
@@ -103,6 +109,17 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report(OK, "ready: waiting for a goal on 'goal_pose'")
         else:
             self.report(OK, self._described(self._plan), error_code=0)
+
+    def _warm_up(self) -> float:
+        began = time.monotonic()
+        self._planner.warm_up()
+        return time.monotonic() - began
+
+    def _on_warm(self, result: Callable[[], float]) -> None:
+        took = result()
+        if took > _LONG:
+            self.get_logger().info(f'the searches were compiled in {took:.0f} s; they are kept')
+        self.update_status()
 
     def _described(self, plan: Plan) -> str:
         text = f'plan of {len(plan.poses)} turning points, {plan.length:.2f} m'

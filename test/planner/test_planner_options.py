@@ -39,3 +39,16 @@ def test_a_search_ends_at_its_limit(method):
     ticks = iter(range(10**6))
     with pytest.raises(PlannerTimedOut, match=r'limit of 0\.50 s'):
         attempt(method, False, time_limit=0.5, clock=lambda: float(next(ticks)))
+
+
+@pytest.mark.parametrize('method', sorted(METHODS))
+def test_warming_up_plans_and_leaves_no_map_behind(method, monkeypatch):
+    planner = make_planner(method, mesh_size=0.6, clearance_radius=0.5, pace=CRAWL)
+    lengths = []
+    plan = METHODS[method].plan
+    monkeypatch.setattr(
+        METHODS[method], 'plan', lambda *request: lengths.append(plan(*request).length)
+    )
+    planner.warm_up()
+    assert lengths[0] > 7.0
+    assert planner.prepared is None
