@@ -39,7 +39,7 @@ class PlannerParameters:
         "A path of 'potential' keeps this near to the way down, with few turning points.",
         'm',
         lower=0.0,
-        upper=10.0,
+        upper=1.0,
     )
     safety_distance: float = parameter(
         0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0

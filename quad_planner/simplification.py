@@ -23,7 +23,7 @@ from quad_planner.inflation import Points
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_AT_ONCE = 256
+_AT_ONCE = 32
 """So many points are gone on from between two calls of `check`."""
 
 _SLACK = 1e-9
@@ -119,9 +119,12 @@ def _go_on(
     """Find what the points from the first up to the last may be joined to."""
     count = len(points)
     for i in range(first, last):
+        if corners[i] + 1 > corners[count - 1]:
+            # The last point has been reached by fewer.
+            continue
         x, y = points[i]
         # Directions, from that of (axis_x, axis_y), in which no point between is too far off.
-        axis_x = axis_y = 0.0
+        axis_x = axis_y = farthest = 0.0
         low, high = -np.pi, np.pi
         for j in range(i + 1, count):
             along, across = points[j, 0] - x, points[j, 1] - y
@@ -131,28 +134,27 @@ def _go_on(
                 angle = np.arctan2(
                     axis_x * across - axis_y * along, axis_x * along + axis_y * across
                 )
-            is_next = j == i + 1
-            if is_next or low - _SLACK <= angle <= high + _SLACK:
-                length = lengths[i] + apart
-                is_better = corners[i] + 1 < corners[j] or (
-                    corners[i] + 1 == corners[j] and length < lengths[j]
-                )
-                if is_better and (
-                    is_next
-                    or (
-                        _is_near(points, i, j, deviation)
-                        and sees(forbidden, width, x, y, points[j, 0], points[j, 1])
-                    )
-                ):
-                    corners[j] = corners[i] + 1
-                    lengths[j] = length
-                    parents[j] = i
-            if apart > deviation:
+            length = lengths[i] + apart
+            is_better = corners[i] + 1 < corners[j] or (
+                corners[i] + 1 == corners[j] and length < lengths[j]
+            )
+            # Near to the ray, and none of them beyond its end: near to the segment.
+            is_near = low <= angle <= high and (
+                farthest <= apart or (is_better and _is_near(points, i, j, deviation))
+            )
+            if is_better and (
+                j == i + 1 or (is_near and sees(forbidden, width, x, y, points[j, 0], points[j, 1]))
+            ):
+                corners[j] = corners[i] + 1
+                lengths[j] = length
+                parents[j] = i
+            farthest = max(farthest, apart)
+            if apart > deviation + _SLACK:
                 if axis_x == 0.0 and axis_y == 0.0:
                     axis_x, axis_y = along, across
-                half = np.arcsin(deviation / apart)
+                half = np.arcsin((deviation + _SLACK) / apart)
                 low, high = max(low, angle - half), min(high, angle + half)
-                if low > high + _SLACK:
+                if low > high:
                     break
 
 
