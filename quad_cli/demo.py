@@ -19,7 +19,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot import load_robot
 from quad_gait.path_follower import TURNINGS
-from quad_planner.parameters import PlannerParameters
+from quad_planner.parameters import PLANNING_METHODS, PlannerParameters
 
 if TYPE_CHECKING:
     from quad_cli.walk import WalkOptions
@@ -29,6 +29,7 @@ EXAMPLES = """examples:
   quadwalk demo
   quadwalk demo --map office --start 1.5,1.5,0 --goal 12,8,90deg
   quadwalk demo --robot cuhk --gait trot --turning arc
+  quadwalk demo --method quickest
   quadwalk demo --map warehouse.yaml --start 0,0,0 --goal 5,3,1.57 --seed 3 --json
 """
 
@@ -47,6 +48,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--seed', type=int, default=0, help="of the sensors' noise")
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
     parser.add_argument('--gait', default='crawl', help='name of a gait, or path of a gait file')
+    parser.add_argument(
+        '--method',
+        choices=PLANNING_METHODS,
+        default='mesh',
+        help='how the way is planned; shortest and quickest take any angle',
+    )
     parser.add_argument(
         '--turning', choices=TURNINGS, default='in_place', help='how it turns at turning points'
     )
@@ -76,6 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
         start=arguments.start,
         goal=arguments.goal,
         robot=arguments.robot,
+        method=arguments.method,
         gait=arguments.gait,
         turning=arguments.turning,
         backend=arguments.backend,

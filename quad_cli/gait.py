@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_cli.arguments import finite_argument
-from quad_common.pace import Pace, paces_file, save_paces
+from quad_common.pace import Pace, load_paces, paces_file, save_paces
 from quad_common.robot import load_robot
 from quad_gait.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.gait_check import check_gait
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _pace(arguments: argparse.Namespace) -> int:
     paces = derive_paces(arguments.robot, arguments.gaits)
     path = arguments.output or paces_file(arguments.robot)
-    save_paces(paces, path, _HEADING)
+    save_paces(load_paces(path) | paces, path, _HEADING)
     if arguments.json:
         print(json.dumps({name: asdict(pace) for name, pace in paces.items()}))
         return 0
@@ -134,7 +134,7 @@ def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, Pace]:
     Returns
     -------
     dict of str to Pace
-        By the names given.
+        By the gaits' names.
     """
     robot = load_robot(robot_name)
     paces = {}
@@ -143,7 +143,7 @@ def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, Pace]:
         turning = turning_gait_for(gait, robot)
         walking = MotionLimits(robot, gait)
         gear = walking if turning == gait else MotionLimits(robot, turning)
-        paces[name] = pace_of(walking, gear)
+        paces[Path(name).stem] = pace_of(walking, gear)
     return paces
 
 

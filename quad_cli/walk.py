@@ -16,8 +16,8 @@ from quad_cli.walk_record import WalkRecord
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 
-START_TIMEOUT = 30.0
-"""For the nodes to be ready [s]."""
+START_TIMEOUT = 90.0
+"""For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
 
 PLAN_TIMEOUT = 15.0
 """For the planner to answer to the goal [s]."""
@@ -85,7 +85,12 @@ def walk(
         If a node ends on its own.
     """
     with isolated_domain(), NodeProcesses() as nodes:
-        planner: dict[str, object] = {'robot': options.robot, 'method': options.method}
+        planner: dict[str, object] = {
+            'robot': options.robot,
+            'method': options.method,
+            'any_angle': True,
+            'gait': options.gait,
+        }
         if options.safety_distance is not None:
             planner['safety_distance'] = options.safety_distance
         nodes.start(

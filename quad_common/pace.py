@@ -137,6 +137,35 @@ def paces_file(robot: str | Path) -> Path:
     return data.with_suffix('.pace.yaml')
 
 
+def load_paces(path: Path) -> dict[str, Pace]:
+    """
+    Load a file of paces.
+
+    Parameters
+    ----------
+    path : Path
+        Written by :func:`save_paces`; one that is not there holds nothing.
+
+    Returns
+    -------
+    dict of str to Pace
+        By the gaits' names.
+
+    Raises
+    ------
+    ParameterError
+        If the file is damaged.
+    """
+    if not path.is_file():
+        return {}
+    try:
+        entries = yaml.safe_load(path.read_text(encoding='utf-8'))['paces']
+        return {str(gait): _pace(entry) for gait, entry in entries.items()}
+    except (yaml.YAMLError, LookupError, AttributeError, TypeError, ValueError) as error:
+        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
+        raise ParameterError('paces', str(path), f'a file of paces ({why})') from error
+
+
 def load_pace(robot: str | Path, gait: str) -> Pace:
     """
     Load the pace of a gait on a robot.
@@ -146,7 +175,7 @@ def load_pace(robot: str | Path, gait: str) -> Pace:
     robot : str or Path
         Name of a robot that ships, or path of a robot data file.
     gait : str
-        Name of the gait.
+        Name of the gait, or path of a gait file.
 
     Returns
     -------
@@ -156,21 +185,20 @@ def load_pace(robot: str | Path, gait: str) -> Pace:
     Raises
     ------
     ParameterError
-        If there is no such file, it is damaged, or the gait is not in it.
+        If that file is damaged, or the gait is not in it.
     """
     path = paces_file(robot)
-    advice = f'quadwalk gait pace --robot {robot} writes them'
-    if not path.is_file():
-        raise ParameterError('robot', str(robot), f'one whose paces are known ({path}); {advice}')
-    try:
-        paces = yaml.safe_load(path.read_text(encoding='utf-8'))['paces']
-        if gait in paces:
-            return _pace(paces[gait])
-    except (yaml.YAMLError, KeyError, TypeError, ValueError, UnicodeDecodeError) as error:
-        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
-        raise ParameterError('paces', str(path), f'a file of paces ({why}); {advice}') from error
-    known = ', '.join(sorted(paces))
-    raise ParameterError('gait', gait, f'one whose pace is in {path} ({known}); {advice}')
+    paces = load_paces(path)
+    name = Path(gait).stem
+    if name not in paces:
+        known = ', '.join(sorted(paces)) or 'none'
+        raise ParameterError(
+            'gait',
+            gait,
+            f'one whose pace is in {path} ({known}); '
+            f'written by: quadwalk gait pace {gait} --robot {robot}',
+        )
+    return paces[name]
 
 
 def save_paces(paces: Mapping[str, Pace], path: Path, heading: Iterable[str]) -> None:

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from quad_common.parameters import parameter
 
+PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
+"""Names of the planning methods."""
+
 
 @dataclass(frozen=True)
 class PlannerParameters:
@@ -16,7 +19,7 @@ class PlannerParameters:
         'mesh',
         'How paths are searched: turning points on a mesh (S0), the shortest way over cells, '
         'the one that takes the least time to walk, or down a potential (S1).',
-        choices=('mesh', 'shortest', 'quickest', 'potential'),
+        choices=PLANNING_METHODS,
     )
     any_angle: bool = parameter(
         False, "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight."

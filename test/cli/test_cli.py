@@ -132,7 +132,7 @@ def test_quickest_needs_a_pace(tmp_path, capsys):
     assert main([*PLAN, '--robot', str(robot)]) == 0
     assert 'walking' not in capsys.readouterr().out
     assert main([*PLAN, '--robot', str(robot), '--method', 'quickest']) == 2
-    assert f'quadwalk gait pace --robot {robot}' in capsys.readouterr().err
+    assert f'quadwalk gait pace crawl --robot {robot}' in capsys.readouterr().err
     assert main(['gait', 'pace', 'crawl', '--robot', str(robot)]) == 0
     assert main([*PLAN, '--robot', str(robot), '--method', 'quickest']) == 0
 

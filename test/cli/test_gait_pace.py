@@ -11,7 +11,7 @@ from quad_cli.main import main
 from quad_common.pace import load_pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import available_robots, load_robot
+from quad_common.robot import available_robots, load_robot, robot_file
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.motion_limits import MotionLimits
 from quad_gait.path_follower import FollowerOptions, PathFollower
@@ -62,3 +62,13 @@ def test_the_command_writes_paces(tmp_path, capsys):
     pace = json.loads(capsys.readouterr().out)['crawl']
     assert math.degrees(pace['turn']) == pytest.approx(44.18, abs=0.01)
     assert 'quadwalk gait pace' in path.read_text()
+
+
+def test_a_gait_of_ones_own_is_added(tmp_path):
+    robot, gait = tmp_path / 'mine.yaml', tmp_path / 'stride.yaml'
+    robot.write_text(robot_file('titan_viii').read_text())
+    crawl = (Path(quad_gait.__file__).parent / 'gaits' / 'crawl.yaml').read_text()
+    gait.write_text(crawl.replace('name: crawl', 'name: stride'))
+    assert main(['gait', 'pace', 'crawl', '--robot', str(robot)]) == 0
+    assert main(['gait', 'pace', str(gait), '--robot', str(robot)]) == 0
+    assert load_pace(robot, str(gait)) == load_pace(robot, 'crawl')

@@ -90,7 +90,7 @@ def test_a_file_of_paces_is_read_as_it_was_written(tmp_path):
 def test_a_pace_that_is_not_known_is_said(tmp_path):
     robot = tmp_path / 'mine.yaml'
     robot.write_text('name: mine\n')
-    with pytest.raises(ParameterError, match='quadwalk gait pace'):
+    with pytest.raises(ParameterError, match=f'quadwalk gait pace crawl --robot {robot}'):
         load_pace(robot, 'crawl')
     with pytest.raises(ParameterError, match='crawl, trot, wave'):
         load_pace('titan_viii', 'gallop')
