@@ -3,9 +3,11 @@
 import json
 import math
 from dataclasses import astuple
+from pathlib import Path
 
 import pytest
 
+import quad_gait
 from quad_cli.gait import PACED, derive_paces
 from quad_cli.main import main
 from quad_common.pace import load_pace
