@@ -23,6 +23,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot, load_robot
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import Planner, make_planner
+from quad_planner.safety_map import SafetyMap
 from quad_sim.simulation import make_simulator
 
 PAIRS = 30
@@ -149,7 +150,7 @@ def _random_pose(grid: OccupancyGrid, rng: np.random.Generator) -> Pose2D:
     return Pose2D(round(float(x), 3), round(float(y), 3), float(rng.uniform(-math.pi, math.pi)))
 
 
-def _plan_length(planner: Planner[object], start: Pose2D, goal: Pose2D) -> float:
+def _plan_length(planner: Planner[SafetyMap], start: Pose2D, goal: Pose2D) -> float:
     try:
         return planner.plan(start, goal).length
     except PlannerError:

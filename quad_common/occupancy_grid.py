@@ -87,6 +87,14 @@ class OccupancyGrid:
                 f'they must be 0 to {OCCUPIED}, or {UNKNOWN} for unknown'
             )
 
+    def is_aligned_with(self, other: OccupancyGrid) -> bool:
+        """Return whether another grid has the same cells in the same place."""
+        return (
+            self.cells.shape == other.cells.shape
+            and self.resolution == other.resolution
+            and self.origin == other.origin
+        )
+
     @property
     def width(self) -> int:
         """Number of columns."""

@@ -145,6 +145,48 @@ class BitGrid:
         columns = _transposed(rows, forbidden.width + 2)
         return cls(forbidden.width, forbidden.height, rows, columns)
 
+    def changed_to(self, forbidden: BitMask, changed: tuple[int, int]) -> BitGrid:
+        """
+        Take what is not forbidden, where some rows have changed.
+
+        Parameters
+        ----------
+        forbidden : BitMask
+            Where one may not be now.
+        changed : tuple of int
+            Rows of the map, from the first up to, but without, the second.
+
+        Returns
+        -------
+        BitGrid
+            What :meth:`outside` makes of it.
+        """
+        first, last = changed
+        rows, columns = self.rows.copy(), self.columns.copy()
+        rows[first + 1 : last + 1] = _free_rows(forbidden.words[first:last], self.width)[1:-1]
+        # Columns change by whole words: 64 rows at a time.
+        low, high = (first + 1) // 64, last // 64 + 1
+        columns[:, low:high] = _transposed(rows[64 * low : 64 * high], self.width + 2)
+        return BitGrid(self.width, self.height, rows, columns)
+
+
+def changed_rows(before: NDArray[np.int8], after: NDArray[np.int8]) -> tuple[int, int] | None:
+    """
+    Find the rows in which two maps differ.
+
+    Parameters
+    ----------
+    before, after : ndarray of int8, shape (height, width)
+        Any values.
+
+    Returns
+    -------
+    tuple of int or None
+        From the first up to, but without, the second; None if the maps are equal.
+    """
+    rows = np.flatnonzero((before != after).any(axis=1))
+    return (int(rows[0]), int(rows[-1]) + 1) if rows.size else None
+
 
 @compiled
 def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:

@@ -79,7 +79,10 @@ class ClearanceCost:
     def factors(self, safety: SafetyMap) -> Floats:
         """Return factors that fall in proportion to the distance from the boundary."""
         away = boundary_distances(
-            safety.blocked_bits, safety.clearance_radius, safety.grid.resolution
+            safety.blocked_bits,
+            safety.clearance_radius,
+            safety.grid.resolution,
+            farthest=self.distance,
         )
         nearness = np.clip(1.0 - away / self.distance, 0.0, 1.0)
         factors: Floats = 1.0 + (self.factor - 1.0) * nearness

@@ -120,6 +120,43 @@ def grown(blocked: BitMask, radius: float) -> BitMask:
     return BitMask(dilated(blocked.words, reaches), blocked.width)
 
 
+def grown_anew(
+    forbidden: BitMask, blocked: BitMask, radius: float, changed: tuple[int, int]
+) -> tuple[BitMask, tuple[int, int]]:
+    """
+    Find them again where blocked cells have changed.
+
+    Parameters
+    ----------
+    forbidden : BitMask
+        What :func:`grown` made of the cells as they were.
+    blocked : BitMask
+        The blocked cells.
+    radius : float
+        As for :func:`grown`.
+    changed : tuple of int
+        In rows from the first up to, but without, the second cells have changed.
+
+    Returns
+    -------
+    BitMask
+        What :func:`grown` would make of the blocked cells.
+    tuple of int
+        The rows in which it may differ from what it was.
+    """
+    reaches = _reaches(radius * (1.0 - _SLACK))
+    far = max(len(reaches) - 1, 0)
+    first, last = max(changed[0] - far, 0), min(changed[1] + far, blocked.height)
+    words = forbidden.words.copy()
+    if len(reaches) == 0:
+        words[first:last] = blocked.words[first:last]
+    else:
+        below = max(first - far, 0)
+        near = dilated(blocked.words[below : min(last + far, blocked.height)], reaches)
+        words[first:last] = near[first - below : last - below]
+    return BitMask(words, forbidden.width), (first, last)
+
+
 def _reaches(radius: float) -> NDArray[np.int64]:
     """
     List how far to either side cells are too near, by the number of rows off.

@@ -64,9 +64,11 @@ class Gains(NamedTuple):
                 raise ParameterError(name, value, 'positive and finite')
 
 
-def boundary_distances(blocked: BitMask, clearance_radius: float, resolution: float) -> Floats:
+def boundary_distances(
+    blocked: BitMask, clearance_radius: float, resolution: float, farthest: float = math.inf
+) -> Floats:
     """
-    Measure how far the centre of each cell is from the safety boundary.
+    Measure how far the centre of each cell is from the safety boundary, up to a distance.
 
     Parameters
     ----------
@@ -76,21 +78,58 @@ def boundary_distances(blocked: BitMask, clearance_radius: float, resolution: fl
         Distance from blocked cells to the boundary, >= 0 [m].
     resolution : float
         Side of a cell [m].
+    farthest : float
+        Cells that are farther are at this distance [m].
 
     Returns
     -------
     ndarray, shape (height, width)
-        From the middle of the side of the nearest blocked cell, less the radius; infinite if
-        there is none [m].
+        From the middle of the side of the nearest blocked cell, less the radius [m].
     """
     mask = blocked.unpacked()
     if not mask.any():
-        return np.full(mask.shape, np.inf)
+        return np.full(mask.shape, farthest)
     free = (~mask).astype(np.uint8)
     centres = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    distances = np.multiply(centres, resolution, dtype=np.float64)
+    distances: Floats = np.multiply(centres, resolution, dtype=np.float64)
     distances -= 0.5 * resolution + clearance_radius
-    return np.asarray(distances)
+    np.minimum(distances, farthest, out=distances)
+    return distances
+
+
+def boundary_distances_anew(
+    distances: Floats,
+    blocked: BitMask,
+    clearance_radius: float,
+    resolution: float,
+    farthest: float,
+    changed: tuple[int, int],
+) -> Floats:
+    """
+    Measure them again where blocked cells have changed.
+
+    Parameters
+    ----------
+    distances : ndarray, shape (height, width)
+        What :func:`boundary_distances` made of the cells as they were [m].
+    blocked, clearance_radius, resolution, farthest
+        As for :func:`boundary_distances`.
+    changed : tuple of int
+        In rows from the first up to, but without, the second cells have changed.
+
+    Returns
+    -------
+    ndarray, shape (height, width)
+        What :func:`boundary_distances` would make of the cells.
+    """
+    far = math.ceil((farthest + clearance_radius) / resolution + 0.5)
+    first, last = max(changed[0] - far, 0), min(changed[1] + far, blocked.height)
+    below, above = max(first - far, 0), min(last + far, blocked.height)
+    band = BitMask(blocked.words[below:above], blocked.width)
+    near = boundary_distances(band, clearance_radius, resolution, farthest)
+    anew = distances.copy()
+    anew[first:last] = near[first - below : last - below]
+    return anew
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.errors import NoPathFound, ParameterError
 from quad_common.occupancy_grid import OccupancyGrid
@@ -155,26 +156,56 @@ class MeshPlanner(PlannerOptions):
                 'mesh_size', self.mesh_size, f'above {least:.3f} m on a map of this size'
             )
         safety = self.safety_map(grid)
-        allowed = safety.allowed
-        lines = [spacing * np.arange(n, dtype=np.float64) for n in (columns, rows)]
-        candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))
-        exits = np.zeros((rows, columns), dtype=np.uint8)
-        for k, (dc, dr) in enumerate(_MOVES[:4]):
-            ends = np.zeros_like(candidates)
-            left, right = max(-dc, 0), columns - max(dc, 0)
-            ends[: rows - dr, left:right] = candidates[dr:, left + dc : right + dc]
-            r, c = np.nonzero(candidates & ends)
-            for part in range(0, len(r), _AT_ONCE):
-                r_, c_ = r[part : part + _AT_ONCE], c[part : part + _AT_ONCE]
-                starts = np.column_stack((c_, r_)).astype(float) * spacing
-                free = segments_allowed(allowed, starts, np.array([float(dc), float(dr)]) * spacing)
-                exits[r_[free], c_[free]] |= 1 << k
-                exits[r_[free] + dr, c_[free] + dc] |= 1 << (k + 4)
+        candidates, exits = _lay(safety.allowed, spacing, (0, rows), columns)
         return PreparedMesh(
             grid,
             self.clearance_radius,
             safety.blocked_bits,
             safety.forbidden_bits,
+            spacing,
+            candidates,
+            exits.tobytes(),
+        )
+
+    def update(
+        self, prepared: PreparedMesh, grid: OccupancyGrid, changed: tuple[int, int]
+    ) -> PreparedMesh:
+        """
+        Make a map ready of which only some rows have changed.
+
+        Parameters
+        ----------
+        prepared : PreparedMesh
+            The map as it was, from `prepare`.
+        grid : OccupancyGrid
+            The map as it is, of the same size and in the same place.
+        changed : tuple of int
+            The rows, from the first up to, but without, the second.
+
+        Returns
+        -------
+        PreparedMesh
+            What `prepare` would return.
+        """
+        blocked, forbidden, (low, high) = self.zones_changed_to(prepared, grid, changed)
+        spacing, candidates = prepared.spacing, prepared.candidates.copy()
+        rows, columns = candidates.shape
+        exits = np.frombuffer(prepared.exits, dtype=np.uint8).reshape(rows, columns).copy()
+        # Crossings from which a move leads into the rows that changed, or along their edge.
+        first = max(math.floor(low / spacing) - 1, 0)
+        last = min(math.ceil(high / spacing) + 2, rows)
+        allowed = SafetyMap(grid, self.clearance_radius, blocked, forbidden).allowed
+        # One row more to either side, for their moves; its own moves are not all seen.
+        below, above = max(first - 1, 0), min(last + 1, rows)
+        band = _lay(allowed, spacing, (below, above), columns)
+        candidates[first:last], exits[first:last] = (
+            part[first - below : last - below] for part in band
+        )
+        return PreparedMesh(
+            grid,
+            self.clearance_radius,
+            blocked,
+            forbidden,
             spacing,
             candidates,
             exits.tobytes(),
@@ -278,3 +309,43 @@ class MeshPlanner(PlannerOptions):
         if not arrives:
             return f'the goal is reachable from no mesh crossing; {coarse}'
         return f'both are in one free area, but no way over the mesh connects them; {coarse}'
+
+
+def _lay(
+    allowed: Mask, spacing: float, between: tuple[int, int], columns: int
+) -> tuple[Mask, NDArray[np.uint8]]:
+    """
+    Lay rows of a mesh over a map.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+    spacing : float
+        Width of the mesh [cells].
+    between : tuple of int
+        Rows of crossings, from the first up to, but without, the second.
+    columns : int
+        Of crossings.
+
+    Returns
+    -------
+    tuple of ndarray, both of shape (n, columns)
+        Which crossings are candidates; which of the eight moves are free between them.
+    """
+    first, last = between
+    lines = [spacing * np.arange(*ends, dtype=np.float64) for ends in ((0, columns), between)]
+    candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))
+    exits = np.zeros((last - first, columns), dtype=np.uint8)
+    for k, (dc, dr) in enumerate(_MOVES[:4]):
+        ends = np.zeros_like(candidates)
+        left, right = max(-dc, 0), columns - max(dc, 0)
+        ends[: last - first - dr, left:right] = candidates[dr:, left + dc : right + dc]
+        r, c = np.nonzero(candidates & ends)
+        for part in range(0, len(r), _AT_ONCE):
+            r_, c_ = r[part : part + _AT_ONCE], c[part : part + _AT_ONCE]
+            starts = np.column_stack((c_, r_ + first)).astype(float) * spacing
+            free = segments_allowed(allowed, starts, np.array([float(dc), float(dr)]) * spacing)
+            exits[r_[free], c_[free]] |= 1 << k
+            exits[r_[free] + dr, c_[free] + dc] |= 1 << (k + 4)
+    return candidates, exits

@@ -2,7 +2,8 @@
 One door to every planning method, which keeps the map between plans.
 
 A method has two halves: `prepare` does once a map what does not depend on start and
-goal, `plan` does the rest. To add a method, add its class to `METHODS`.
+goal, or `update` where only a part of the map has changed; `plan` does the rest. To add a
+method, add its class to `METHODS`.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from quad_common.errors import InvalidPlanner, PlannerError
 from quad_common.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.bit_grid import changed_rows
 from quad_planner.mesh_planner import MeshPlanner
 from quad_planner.potential_planner import PotentialPlanner
 from quad_planner.quickest_planner import QuickestPlanner
+from quad_planner.safety_map import SafetyMap
 from quad_planner.shortest_planner import ShortestPlanner
 
-Prepared = TypeVar('Prepared')
+Prepared = TypeVar('Prepared', bound=SafetyMap)
 
 
 class PlanningMethod(Protocol[Prepared]):
@@ -36,6 +39,9 @@ class PlanningMethod(Protocol[Prepared]):
     def prepare(self, grid: OccupancyGrid) -> Prepared:
         """Make a map ready for any number of plans."""
 
+    def update(self, prepared: Prepared, grid: OccupancyGrid, changed: tuple[int, int]) -> Prepared:
+        """Make a map ready of which only some rows have changed, as `prepare` would."""
+
     def plan(self, prepared: Prepared, start: Pose2D, goal: Pose2D) -> Plan:
         """Plan on a prepared map; raise `PlannerError` if there is no plan."""
 
@@ -47,6 +53,10 @@ METHODS: Mapping[str, Callable[..., PlanningMethod[Any]]] = {
     'potential': PotentialPlanner,
 }
 """The planning methods by name."""
+
+
+_MOST = 0.5
+"""Of more of its rows a map is made ready as a new one."""
 
 
 class Planner(Generic[Prepared]):
@@ -82,7 +92,19 @@ class Planner(Generic[Prepared]):
         QuadError
             If the method cannot use the map; the one before it stays.
         """
-        self._prepared = self._method.prepare(grid)
+        self._prepared = self._updated(grid) or self._method.prepare(grid)
+
+    def _updated(self, grid: OccupancyGrid) -> Prepared | None:
+        """Return the map made ready from the one before, None if they are too different."""
+        before = self._prepared
+        if before is None or not grid.is_aligned_with(before.grid):
+            return None
+        changed = changed_rows(before.grid.cells, grid.cells)
+        if changed is None:
+            return before
+        if changed[1] - changed[0] > _MOST * grid.height:
+            return None
+        return self._method.update(before, grid, changed)
 
     def warm_up(self) -> None:
         """

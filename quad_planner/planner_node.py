@@ -129,9 +129,13 @@ class PlannerNode(QuadNode[PlannerParameters]):
         return f'{text}, {time_:.0f} s to walk ({self.parameters.gait})'
 
     def _on_map(self, message: OccupancyGrid) -> None:
+        before, frame = self._planner.prepared, message.header.frame_id or 'map'
         self._planner.set_map(grid_from_message(message))
         prepared: Any = self._planner.prepared
-        self._map_frame = message.header.frame_id or 'map'
+        if prepared is before and frame == self._map_frame:
+            # The same map again: what was planned on it stands.
+            return
+        self._map_frame = frame
         self._outlines = combined_obstacles(prepared.grid, prepared.forbidden).outlines
         self._problem = None
         self._publish_markers()

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
 from quad_common.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.bit_grid import BitMask
 from quad_planner.cell_costs import CostLayer
 from quad_planner.safety_map import SafetyMap
 
@@ -67,6 +68,12 @@ class PlannerOptions:
         return SafetyMap.of(
             grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
         )
+
+    def zones_changed_to(
+        self, before: SafetyMap, grid: OccupancyGrid, changed: tuple[int, int]
+    ) -> tuple[BitMask, BitMask, tuple[int, int]]:
+        """Return the zones of a map whose rows changed: :meth:`SafetyMap.zones_changed_to`."""
+        return before.zones_changed_to(grid, self.occupied_threshold, self.unknown_is_free, changed)
 
     def timer(self) -> Callable[[], None]:
         """

@@ -22,7 +22,13 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.cell_costs import cell_costs
 from quad_planner.inflation import Points
-from quad_planner.map_potential import Floats, Gains, MapPotential, boundary_distances
+from quad_planner.map_potential import (
+    Floats,
+    Gains,
+    MapPotential,
+    boundary_distances,
+    boundary_distances_anew,
+)
 from quad_planner.navigation_field import descend_times, slowness_near_obstacles, travel_times
 from quad_planner.planner_options import PlannerOptions
 from quad_planner.potential_field import steps_along
@@ -108,7 +114,9 @@ class PotentialPlanner(PlannerOptions):
             What `plan` needs of the map, for any number of plans.
         """
         safety = self.safety_map(grid)
-        distances = boundary_distances(safety.blocked_bits, self.clearance_radius, grid.resolution)
+        distances = boundary_distances(
+            safety.blocked_bits, *self._distance_options(grid.resolution)
+        )
         return PreparedPotential(
             grid,
             self.clearance_radius,
@@ -117,6 +125,37 @@ class PotentialPlanner(PlannerOptions):
             distances,
             cell_costs(self.costs, safety),
         )
+
+    def update(
+        self, prepared: PreparedPotential, grid: OccupancyGrid, changed: tuple[int, int]
+    ) -> PreparedPotential:
+        """
+        Make a map ready of which only some rows have changed.
+
+        Parameters
+        ----------
+        prepared : PreparedPotential
+            The map as it was, from `prepare`.
+        grid : OccupancyGrid
+            The map as it is, of the same size and in the same place.
+        changed : tuple of int
+            The rows, from the first up to, but without, the second.
+
+        Returns
+        -------
+        PreparedPotential
+            What `prepare` would return.
+        """
+        blocked, forbidden, _ = self.zones_changed_to(prepared, grid, changed)
+        options = self._distance_options(grid.resolution)
+        distances = boundary_distances_anew(prepared.distances, blocked, *options, changed)
+        safety = SafetyMap(grid, self.clearance_radius, blocked, forbidden)
+        costs = cell_costs(self.costs, safety)
+        return PreparedPotential(grid, self.clearance_radius, blocked, forbidden, distances, costs)
+
+    def _distance_options(self, resolution: float) -> tuple[float, float, float]:
+        """Return what distances to the boundary are measured by; beyond Q* nothing matters."""
+        return self.clearance_radius, resolution, self.influence + 3.0 * resolution
 
     def plan(self, prepared: PreparedPotential, start: Pose2D, goal: Pose2D) -> Plan:
         """

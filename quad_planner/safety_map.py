@@ -25,7 +25,7 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask
-from quad_planner.inflation import Mask, Points, blocked_cells, grown, segment_clearance
+from quad_planner.inflation import Mask, Points, blocked_cells, grown, grown_anew, segment_clearance
 
 SAME_PLACE = 1e-3
 """Start and goal nearer than this are one place: the robot only turns [m]."""
@@ -80,6 +80,41 @@ class SafetyMap:
         )
         forbidden = grown(blocked, clearance_radius / grid.resolution)
         return cls(grid, clearance_radius, blocked, forbidden)
+
+    def zones_changed_to(
+        self,
+        grid: OccupancyGrid,
+        occupied_threshold: int,
+        unknown_is_free: bool,
+        changed: tuple[int, int],
+    ) -> tuple[BitMask, BitMask, tuple[int, int]]:
+        """
+        Inflate a map of which some rows have changed.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map as it is now, of the same size.
+        occupied_threshold, unknown_is_free
+            As for :func:`quad_planner.inflation.inflate`.
+        changed : tuple of int
+            The rows, from the first up to, but without, the second.
+
+        Returns
+        -------
+        tuple
+            Blocked and forbidden cells, and the rows in which the forbidden ones changed.
+        """
+        first, last = changed
+        band = OccupancyGrid(grid.cells[first:last], grid.resolution, grid.origin)
+        words = self.blocked_bits.words.copy()
+        words[first:last] = blocked_cells(
+            band, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
+        ).words
+        blocked = BitMask(words, grid.width)
+        radius = self.clearance_radius / grid.resolution
+        forbidden, rows = grown_anew(self.forbidden_bits, blocked, radius, changed)
+        return blocked, forbidden, rows
 
     @cached_property
     def blocked(self) -> Mask:

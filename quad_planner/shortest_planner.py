@@ -83,6 +83,38 @@ class ShortestPlanner(PlannerOptions):
             cell_costs(self.costs, safety),
         )
 
+    def update(
+        self, prepared: PreparedCells, grid: OccupancyGrid, changed: tuple[int, int]
+    ) -> PreparedCells:
+        """
+        Make a map ready of which only some rows have changed.
+
+        Parameters
+        ----------
+        prepared : PreparedCells
+            The map as it was, from `prepare`.
+        grid : OccupancyGrid
+            The map as it is, of the same size and in the same place.
+        changed : tuple of int
+            The rows, from the first up to, but without, the second.
+
+        Returns
+        -------
+        PreparedCells
+            What `prepare` would return.
+        """
+        blocked, forbidden, rows = self.zones_changed_to(prepared, grid, changed)
+        cells = prepared.search.grid.changed_to(forbidden, rows)
+        safety = SafetyMap(grid, self.clearance_radius, blocked, forbidden)
+        return PreparedCells(
+            grid,
+            self.clearance_radius,
+            blocked,
+            forbidden,
+            JumpPointSearch(cells),
+            cell_costs(self.costs, safety),
+        )
+
     def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
         """
         Find the shortest plan.
