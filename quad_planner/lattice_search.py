@@ -37,6 +37,7 @@ from quad_planner.bucket_queue import (
     with_room,
 )
 from quad_planner.compiled import compiled
+from quad_planner.jump_points import DIAGONAL, STRAIGHT
 
 Cells = NDArray[np.int64]
 Numbers = NDArray[np.int64]
@@ -86,7 +87,9 @@ class _Costs(NamedTuple):
     diagonal: int
     """Of a diagonal step."""
     cycle: int
-    """Of one cycle."""
+    """Of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
+    bucket: int
+    """States wait together whose costs, with the bound on what is left, are so near."""
     longest: int
     """A path must cost less."""
     turns: Numbers
@@ -151,10 +154,72 @@ def quickest_path(
             return None
         if not is_set(grid.rows, y + 1, x + 1):
             return None
+    costs = _count(pace, resolution, start_yaw, goal_yaw, bound)
+    found = _find(grid, start, goal, costs, check)
+    if found is None:
+        return None
+    cells, cost, expansions = found
+    return LatticePath(cells, cost // costs.cycle, expansions)
+
+
+def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda: None) -> Cells:
+    """
+    Find, of all shortest paths over the cells, one with the fewest turning points.
+
+    A turn costs so little that all turns together cost less than the difference of two
+    lengths.
+
+    Parameters
+    ----------
+    grid : BitGrid
+        The free cells.
+    known : ndarray of int, shape (n, 2), n >= 2
+        Where a shortest path begins, turns and ends: x and y.
+    check : callable
+        Called now and then; raises to end the search.
+
+    Returns
+    -------
+    ndarray of int, shape (m, 2)
+        The same of a path that is as short, m <= n; the known one if no path turns less.
+    """
+    start, goal = (tuple(map(int, known[at])) for at in (0, -1))
+    steps = np.abs(np.diff(known, axis=0))
+    diagonal = int(steps.min(axis=1).sum())
+    straight = int(steps.max(axis=1).sum()) - diagonal
+    length = straight * STRAIGHT + diagonal * DIAGONAL
+    # The path itself turns n - 2 times.
+    most = len(known) - 1
+    if most < 2 or length * most > _LARGEST:
+        return known
+    turns = np.ones((HEADINGS, HEADINGS), dtype=np.int64) - np.eye(HEADINGS, dtype=np.int64)
+    none = np.zeros(HEADINGS, dtype=np.int64)
+    costs = _Costs(
+        straight=STRAIGHT * most,
+        diagonal=DIAGONAL * most,
+        cycle=1,
+        bucket=STRAIGHT * most // 4,
+        longest=length * most + most - 1,
+        turns=turns,
+        first_turns=none,
+        last_turns=none,
+        least_turns=_least_turns(turns, none),
+    )
+    found = _find(grid, (start[0], start[1]), (goal[0], goal[1]), costs, check)
+    return known if found is None else found[0]
+
+
+def _find(
+    grid: BitGrid,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    costs: _Costs,
+    check: Callable[[], None],
+) -> tuple[Cells, int, int] | None:
+    """Search; return where the path begins, turns and ends, its cost, and expansions."""
     width = grid.width + 2
     cells = width * (grid.height + 2)
-    costs = _count(pace, resolution, start_yaw, goal_yaw, bound)
-    queue = bucket_queue(costs.longest // costs.cycle + 1)
+    queue = bucket_queue(costs.longest // costs.bucket + 1)
     reached = _Reached(
         np.zeros(HEADINGS * cells, dtype=np.int32),
         np.zeros(HEADINGS * cells, dtype=np.uint8),
@@ -172,8 +237,7 @@ def quickest_path(
     best, heading, expansions = reached.best.tolist()
     if best == _NOT_REACHED:
         return None
-    turning_points = _turning_points(reached.by, width, last, heading)
-    return LatticePath(turning_points, best // costs.cycle, expansions)
+    return _turning_points(reached.by, width, last, heading), best, expansions
 
 
 def _count(pace: Pace, resolution: float, start_yaw: float, goal_yaw: float, bound: int) -> _Costs:
@@ -191,7 +255,9 @@ def _count(pace: Pace, resolution: float, start_yaw: float, goal_yaw: float, bou
     last = np.array([pace.last_turn_cycles(goal_yaw - a) * cycle for a in headings])
     longest = min(bound * cycle, _LARGEST // cycle * cycle)
     least = _least_turns(np.array(turns), last)
-    return _Costs(straight, diagonal, cycle, longest, np.array(turns), np.array(first), last, least)
+    return _Costs(
+        straight, diagonal, cycle, cycle, longest, np.array(turns), np.array(first), last, least
+    )
 
 
 @compiled
@@ -310,7 +376,7 @@ def _begin(
         state = HEADINGS * start + k
         reached.cost[state] = cost + 1
         reached.by[state] = _AT_THE_START
-        _wait(queue, (total + cycle - 1) // cycle, state)
+        _wait(queue, (total + costs.bucket - 1) // costs.bucket, state)
 
 
 @compiled
@@ -334,7 +400,8 @@ def _search(
         if is_empty(queue.state):
             return _DONE
         bucket = next_bucket(queue.heads, queue.state)
-        if best[0] <= bucket * cycle:
+        # The first whole cycle above all that waited in the buckets before.
+        if best[0] <= ((bucket - 1) * costs.bucket // cycle + 1) * cycle:
             return _DONE
         # A state lets those wait that it turns to, and the one ahead.
         if not has_room(queue.entries, queue.state, HEADINGS):
@@ -394,7 +461,7 @@ def _reach(
     reached.cost[state] = cost + 1
     reached.by[state] = by
     # The bound on what is left may fall by more than a step costs: never back.
-    _wait(queue, max(bucket, (total + costs.cycle - 1) // costs.cycle), state)
+    _wait(queue, max(bucket, (total + costs.bucket - 1) // costs.bucket), state)
 
 
 @compiled

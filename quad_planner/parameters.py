@@ -24,6 +24,10 @@ class PlannerParameters:
     any_angle: bool = parameter(
         False, "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight."
     )
+    fewest_turns: bool = parameter(
+        False,
+        "Whether 'shortest' proves that no path over cells as short turns less; it takes longer.",
+    )
     gait: str = parameter('crawl', "The gait that walks the plan: 'quickest' counts its cycles.")
     potential: str = parameter(
         'either',

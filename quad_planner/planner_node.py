@@ -53,6 +53,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
             pace=self._pace,
             mesh_size=robot.mesh_size,
             any_angle=p.any_angle,
+            fewest_turns=p.fewest_turns,
             potential=p.potential,
             influence=p.influence,
             path_deviation=p.path_deviation,

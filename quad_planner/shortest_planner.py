@@ -26,6 +26,7 @@ from quad_planner.cell_costs import Floats, cell_costs
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Points
 from quad_planner.jump_points import JumpPointSearch, without_straights
+from quad_planner.lattice_search import fewest_turns
 from quad_planner.planner_options import PlannerOptions
 from quad_planner.safety_map import SAME_PLACE, SafetyMap
 from quad_planner.weighted_search import cheapest_path, straightened
@@ -54,6 +55,11 @@ class ShortestPlanner(PlannerOptions):
     """
     Whether the path may have any direction, not only those of the cells. With costs it is
     the cheapest path over the cells, straightened where that is no dearer.
+    """
+    fewest_turns: bool = False
+    """
+    Whether the path over the cells is proven to have the fewest turns of all that are as
+    short; that takes longer than the path itself.
     """
 
     knows_costs: ClassVar[bool] = True
@@ -173,6 +179,8 @@ class ShortestPlanner(PlannerOptions):
             path = prepared.search.path(first, last, check)
             words = prepared.forbidden_bits.words
             cells = None if path is None else turns_saved(path.cells, words)
+            if cells is not None and len(cells) > 2 and self.fewest_turns and not self.any_angle:
+                cells = fewest_turns(prepared.search.grid, cells, check)
         else:
             cells = cheapest_path(prepared.search.grid, prepared.costs, first, last, check)
         return None if cells is None else cells + np.float64(0.5)

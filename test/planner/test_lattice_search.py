@@ -9,7 +9,8 @@ import pytest
 
 from quad_common.pace import Pace
 from quad_planner.bit_grid import BitGrid
-from quad_planner.lattice_search import quickest_path
+from quad_planner.jump_points import JumpPointSearch
+from quad_planner.lattice_search import fewest_turns, quickest_path
 
 RESOLUTION = 0.05
 CRAWL = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
@@ -98,6 +99,45 @@ def test_no_path_takes_fewer_cycles(seed):
             assert tuple(path.cells[0]) == start
             assert tuple(path.cells[-1]) == goal
             assert cycles_of(path.cells.tolist(), start_yaw, goal_yaw, pace) == least
+
+
+def least_length_and_turns(free, start, goal):
+    """Search over cells and headings by length first, then by turns; None without a path."""
+    height, width = free.shape
+    waiting = [(0.0, 0, *start, k) for k in range(8)]
+    done = set()
+    while waiting:
+        length, turns, x, y, k = heapq.heappop(waiting)
+        if (x, y, k) in done:
+            continue
+        done.add((x, y, k))
+        if (x, y) == goal:
+            return length, turns
+        for j, (dx, dy) in enumerate(STEPS):
+            to_x, to_y = x + dx, y + dy
+            if not (0 <= to_x < width and 0 <= to_y < height and free[to_y, to_x]):
+                continue
+            if dx and dy and not (free[y, to_x] and free[to_y, x]):
+                continue
+            # Rounded, so that equal lengths are equal.
+            onward = round(length + math.hypot(dx, dy), 9)
+            heapq.heappush(waiting, (onward, turns + ((x, y) != start and j != k), to_x, to_y, j))
+    return None
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_no_path_as_short_turns_less(seed):
+    for free, start, goal, *_ in random_requests(seed, 25):
+        grid = BitGrid.of(free)
+        known = JumpPointSearch(grid).path(start, goal)
+        least = least_length_and_turns(free, start, goal)
+        if known is None:
+            assert least is None
+            continue
+        cells = fewest_turns(grid, known.cells)
+        length = float(np.hypot(*np.diff(cells, axis=0).T).sum())
+        assert (pytest.approx(length, abs=1e-6), len(cells) - 2) == least
+        assert len(cells) <= len(known.cells)
 
 
 def test_a_bound_is_just_above_what_is_found():
