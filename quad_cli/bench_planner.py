@@ -20,6 +20,8 @@ from scipy.ndimage import distance_transform_edt
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_fields import field_bars
+from quad_cli.bench_quickest import walking_bars
+from quad_cli.bench_searches import search_bars
 from quad_cli.planner_peers import available_peers
 from quad_common.errors import PlannerError
 from quad_common.occupancy_grid import OccupancyGrid
@@ -127,11 +129,24 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
             console.print(f'{name}: done')
     console.print(table)
     bars += field_bars({'streets': streets, 'noise': noise}, quick, seed)
+    bars += search_bars({'streets': streets, 'noise': noise}, quick, seed)
     starts = [_first_plan(100)[0] for _ in range(2)]
     bars.append(at_most('from a start of Python to the first plan', min(starts), 's', 1.5))
     _, memory = _first_plan(sizes[-1])
     bars.append(at_most(f'memory of a plan on a map of {sizes[-1]}', memory, 'MiB', 512.0))
-    return bars, {'quick': quick, 'seed': seed, 'ratios': noted}
+    bars += _node_bars(sizes[-1], seed)
+    walk_bars, walks = walking_bars(console, quick, seed)
+    return bars + walk_bars, {'quick': quick, 'seed': seed, 'ratios': noted, **walks}
+
+
+def _node_bars(size: int, seed: int) -> list[Bar]:
+    """Send a map through the node, if there is ROS."""
+    try:
+        from quad_cli.bench_planner_node import node_bars
+    except ImportError:
+        name = f'map of {size} through the node'
+        return [at_most(f'{name}, at most', None, 's', 1.0)]
+    return node_bars(streets(size, seed))
 
 
 def _bar(name: str, ratio: float, peer: str, counts: bool) -> Bar:

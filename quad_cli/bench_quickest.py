@@ -60,7 +60,7 @@ class _Request:
     plans: dict[str, Plan]
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def walking_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
     """
     Plan between random poses by every method, and walk the mesh's plans and the quickest.
 

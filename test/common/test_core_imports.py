@@ -21,6 +21,7 @@ ROS_COMMANDS = {
     'quad_cli.walk_observer',
     'quad_cli.progress',
     'quad_cli.bench_walk',
+    'quad_cli.bench_planner_node',
 }
 """Of the command line: what walks over topics."""
 
