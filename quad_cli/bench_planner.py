@@ -21,7 +21,7 @@ from scipy.ndimage import distance_transform_edt
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_fields import field_bars
 from quad_cli.bench_quickest import walking_bars
-from quad_cli.bench_searches import search_bars
+from quad_cli.bench_searches import scenario_bars, search_bars
 from quad_cli.planner_peers import available_peers
 from quad_common.errors import PlannerError
 from quad_common.occupancy_grid import OccupancyGrid
@@ -130,6 +130,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     console.print(table)
     bars += field_bars({'streets': streets, 'noise': noise}, quick, seed)
     bars += search_bars({'streets': streets, 'noise': noise}, quick, seed)
+    bars += scenario_bars(quick)
     starts = [_first_plan(100)[0] for _ in range(2)]
     bars.append(at_most('from a start of Python to the first plan', min(starts), 's', 1.5))
     _, memory = _first_plan(sizes[-1])

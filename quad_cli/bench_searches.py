@@ -12,7 +12,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_cli.bench import Bar, at_most, figure
+from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.benchmark_maps import load_scenario, scenario_files
 from quad_common.pace import load_pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -57,6 +58,32 @@ def search_bars(
     for kind, make in makes.items():
         bars += _bars(f'{kind} {size}', make(size, seed), count, seed)
     return bars
+
+
+def scenario_bars(quick: bool) -> list[Bar]:
+    """
+    Search MovingAI's problems, and compare with the lengths that are published.
+
+    Parameters
+    ----------
+    quick : bool
+        One in twenty.
+
+    Returns
+    -------
+    list of Bar
+        How many are right; not measured where the files are not there.
+    """
+    right = count = 0
+    for file in scenario_files():
+        free, problems = load_scenario(file)
+        search = JumpPointSearch(BitGrid.of(free))
+        for problem in problems[:: 20 if quick else 1]:
+            path = search.path(problem.start, problem.goal)
+            right += problem.is_right(None if path is None else path.length)
+            count += 1
+    name = f'{count} problems of MovingAI: lengths as published'
+    return [at_least(name, 100.0 * right / count if count else None, '%', 100.0)]
 
 
 def _bars(name: str, occupied: Mask, count: int, seed: int) -> list[Bar]:

@@ -2,13 +2,12 @@
 
 import heapq
 import math
-import os
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from quad_cli.benchmark_maps import load_scenario, scenario_files
 from quad_planner.bit_grid import BitGrid
 from quad_planner.jump_points import DIAGONAL, STRAIGHT, JumpPointSearch
 
@@ -164,27 +163,18 @@ def test_two_maps_are_searched_side_by_side():
     assert all(path.length == alone[0].length for path in inner)
 
 
-SCENARIOS = sorted(
-    Path(os.environ['QUADWALK_MAPS']).rglob('*.scen') if 'QUADWALK_MAPS' in os.environ else ()
-)
+SCENARIOS = scenario_files()
 
 
 @pytest.mark.skipif(not SCENARIOS, reason='no scenarios: QUADWALK_MAPS names no folder with them')
 @pytest.mark.parametrize('scenario', SCENARIOS, ids=lambda path: path.name)
 def test_lengths_are_those_of_the_published_scenarios(scenario):
-    lines = scenario.with_suffix('').read_text().splitlines()
-    height, width = int(lines[1].split()[1]), int(lines[2].split()[1])
-    free = np.array([[cell in '.G' for cell in line[:width]] for line in lines[4 : 4 + height]])
+    free, problems = load_scenario(scenario)
     search = JumpPointSearch(BitGrid.of(free))
     wrong = []
-    for fields in map(str.split, scenario.read_text().splitlines()[1:]):
-        if not fields:
-            continue
-        x, y, u, v = map(int, fields[4:8])
-        length = float(fields[8])
-        path = search.path((x, y), (u, v))
-        found = 0.0 if path is None else path.length
-        # They are printed with two decimals or six digits; 0 says that there is no path.
-        if abs(found - length) > 0.01 + 1e-5 * length:
-            wrong.append((x, y, u, v, length, found))
+    for problem in problems:
+        path = search.path(problem.start, problem.goal)
+        if not problem.is_right(None if path is None else path.length):
+            wrong.append((problem, path))
+    assert problems
     assert wrong == []
