@@ -12,6 +12,8 @@ from typing import Generic, TypeVar
 
 Result = TypeVar('Result')
 
+_NAME = 'latest_request'
+
 
 class LatestRequest(Generic[Result]):
     """
@@ -25,7 +27,7 @@ class LatestRequest(Generic[Result]):
 
     def __init__(self, deliver: Callable[[Callable[[], None]], object]) -> None:
         self._deliver = deliver
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix='planner')
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix=_NAME)
         self._working_on = threading.local()
         self._latest = 0
         self._is_busy = False
@@ -78,3 +80,15 @@ class LatestRequest(Generic[Result]):
         if number == self._latest:
             self._is_busy = False
             done(future.result)
+
+
+def join_workers(timeout: float) -> bool:
+    """
+    Wait for the workers that were closed; return whether all have ended.
+
+    Work ends where it asks whether it is superseded. Compiling does not ask.
+    """
+    workers = [thread for thread in threading.enumerate() if thread.name.startswith(_NAME)]
+    for worker in workers:
+        worker.join(timeout)
+    return not any(worker.is_alive() for worker in workers)

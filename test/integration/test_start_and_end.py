@@ -93,3 +93,13 @@ def test_no_node_outlives_the_command_that_started_it(bench: Bench, end):
     while any(map(is_running, nodes)):
         assert time.monotonic() < deadline, f'{nodes} were left behind'
         time.sleep(0.05)
+
+
+def test_a_planner_that_still_compiles_its_searches_ends_at_once(bench, tmp_path, monkeypatch):
+    monkeypatch.setenv('NUMBA_CACHE_DIR', str(tmp_path / 'empty'))
+    bench.start('planner_node', method='quickest', any_angle=True)
+    bench.wait_for_status('planner_node', 'no clock')
+    process = bench.processes['planner_node']
+    assert bench.interrupt('planner_node', 0.0) == 0
+    assert 'were compiled' not in process.log_tail(1000)
+    assert 'Traceback' not in process.log_tail(1000)
