@@ -25,10 +25,11 @@ from quad_common.errors import NoPathFound, ParameterError
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.cell_request import CellRequest
 from quad_planner.dijkstra import shortest_path
 from quad_planner.inflation import Mask, Points, points_allowed, segments_allowed
 from quad_planner.planner_options import PlannerOptions
-from quad_planner.safety_map import SAME_PLACE, SafetyMap
+from quad_planner.safety_map import SafetyMap
 
 MAX_CROSSINGS = 2**20
 """The finest mesh that is laid over a map."""
@@ -170,23 +171,7 @@ class MeshPlanner(PlannerOptions):
     def update(
         self, prepared: PreparedMesh, grid: OccupancyGrid, changed: tuple[int, int]
     ) -> PreparedMesh:
-        """
-        Make a map ready of which only some rows have changed.
-
-        Parameters
-        ----------
-        prepared : PreparedMesh
-            The map as it was, from `prepare`.
-        grid : OccupancyGrid
-            The map as it is, of the same size and in the same place.
-        changed : tuple of int
-            The rows, from the first up to, but without, the second.
-
-        Returns
-        -------
-        PreparedMesh
-            What `prepare` would return.
-        """
+        """Make a map ready of which only some rows have changed: `PlanningMethod.update`."""
         blocked, forbidden, (low, high) = self.zones_changed_to(prepared, grid, changed)
         spacing, candidates = prepared.spacing, prepared.candidates.copy()
         rows, columns = candidates.shape
@@ -246,16 +231,14 @@ class MeshPlanner(PlannerOptions):
         """
         mesh = prepared if isinstance(prepared, PreparedMesh) else self.prepare(prepared)
         grid = mesh.grid
-        leave_at = mesh.check_ends(start, goal, self.start_tolerance)
-        if start.distance_to(goal) < SAME_PLACE:
+        request = CellRequest.of(mesh, start, goal, self.start_tolerance, self.timer())
+        if request.is_turn:
             return Plan((goal,))
 
-        check = self.timer()
-        s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
-        radius = self.clearance_radius / grid.resolution
+        s, g, leave_at = request.s, request.g, request.leave_at
         reach = (self.connection_radius or 2.0 * self.mesh_size) / grid.resolution
         starts = self._connections(mesh, s, reach, leave_at)
-        goals = self._connections(mesh, g, reach, radius)
+        goals = self._connections(mesh, g, reach, request.arrive_at)
         direct = np.linalg.norm(g - s) <= reach and mesh.fits(s, g, leave_at)
 
         heading, final = (_bearing(p.yaw - grid.origin.yaw) for p in (start, goal))
@@ -282,13 +265,12 @@ class MeshPlanner(PlannerOptions):
                 cost, bearing = leg(s if u == _START else goals[u], g, arrived)
                 yield (_GOAL, 0), cost + (bearing != final) * _TURN
 
-        found = shortest_path(neighbours, (_START, heading), (_GOAL, 0), check)
+        found = shortest_path(neighbours, (_START, heading), (_GOAL, 0), request.check)
         if found is None:
             why = self._why_not(mesh, s, g, bool(starts), bool(goals))
             raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
         between = [mesh.crossing(u) for u, _ in found.path[1:-1]]
-        inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
-        return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
+        return request.plan(np.array([s, *between, g]))
 
     def _connections(
         self, mesh: PreparedMesh, point: Points, reach: float, keep: float

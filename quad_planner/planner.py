@@ -40,7 +40,23 @@ class PlanningMethod(Protocol[Prepared]):
         """Make a map ready for any number of plans."""
 
     def update(self, prepared: Prepared, grid: OccupancyGrid, changed: tuple[int, int]) -> Prepared:
-        """Make a map ready of which only some rows have changed, as `prepare` would."""
+        """
+        Make a map ready of which only some rows have changed.
+
+        Parameters
+        ----------
+        prepared : Prepared
+            The map as it was, from `prepare` or `update`.
+        grid : OccupancyGrid
+            The map as it is, of the same size and in the same place.
+        changed : tuple of int
+            The rows, from the first up to, but without, the second.
+
+        Returns
+        -------
+        Prepared
+            What `prepare` would return.
+        """
 
     def plan(self, prepared: Prepared, start: Pose2D, goal: Pose2D) -> Plan:
         """Plan on a prepared map; raise `PlannerError` if there is no plan."""

@@ -21,6 +21,7 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.cell_costs import cell_costs
+from quad_planner.cell_request import CellRequest
 from quad_planner.inflation import Points
 from quad_planner.map_potential import (
     Floats,
@@ -32,7 +33,7 @@ from quad_planner.map_potential import (
 from quad_planner.navigation_field import descend_times, slowness_near_obstacles, travel_times
 from quad_planner.planner_options import PlannerOptions
 from quad_planner.potential_field import steps_along
-from quad_planner.safety_map import SAME_PLACE, SafetyMap
+from quad_planner.safety_map import SafetyMap
 from quad_planner.simplification import all_seen, fewest_corners
 
 POTENTIALS = ('paper', 'navigation', 'either')
@@ -129,23 +130,7 @@ class PotentialPlanner(PlannerOptions):
     def update(
         self, prepared: PreparedPotential, grid: OccupancyGrid, changed: tuple[int, int]
     ) -> PreparedPotential:
-        """
-        Make a map ready of which only some rows have changed.
-
-        Parameters
-        ----------
-        prepared : PreparedPotential
-            The map as it was, from `prepare`.
-        grid : OccupancyGrid
-            The map as it is, of the same size and in the same place.
-        changed : tuple of int
-            The rows, from the first up to, but without, the second.
-
-        Returns
-        -------
-        PreparedPotential
-            What `prepare` would return.
-        """
+        """Make a map ready of which only some rows have changed: `PlanningMethod.update`."""
         blocked, forbidden, _ = self.zones_changed_to(prepared, grid, changed)
         options = self._distance_options(grid.resolution)
         distances = boundary_distances_anew(prepared.distances, blocked, *options, changed)
@@ -187,75 +172,52 @@ class PotentialPlanner(PlannerOptions):
         PlannerTimedOut
             If it took longer than `time_limit`.
         """
-        grid = prepared.grid
-        leave_at = prepared.check_ends(start, goal, self.start_tolerance)
-        if start.distance_to(goal) < SAME_PLACE:
+        request = CellRequest.of(prepared, start, goal, self.start_tolerance, self.timer())
+        if request.is_turn:
             return Plan((goal,))
-        check_time = self.timer()
-        s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
-        radius = self.clearance_radius / grid.resolution
-        ends = (prepared.joints(s, leave_at), prepared.joints(g, radius))
-        areas = [{int(prepared.areas[y, x]) for x, y in cells} for cells in ends]
-        if not areas[0] & areas[1]:
-            why = prepared.not_connected(s, g) or 'no allowed cell is near to one of them'
-            raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
-        # A start or a goal that is in no allowed cell is joined to the centre of one.
-        top, bottom = (
-            point if prepared.is_allowed(point) else np.array(cells[0]) + 0.5
-            for point, cells in zip((s, g), ends)
-        )
-        way, remark = self._way_down(prepared, (start, goal), top, bottom, check_time)
-        corners = self._corners(prepared, way, check_time)
-        between = _joined(prepared, s, corners, g, leave_at)
-        inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
-        plan = Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
-        return replace(plan, remark=remark)
+        first, last = (int(prepared.areas[y, x]) for x, y in request.ends)
+        if first != last:
+            raise request.no_path()
+        way, remark = self._way_down(prepared, request)
+        corners = self._corners(prepared, way, request.check)
+        return replace(request.plan(request.joined(corners)), remark=remark)
 
-    def _way_down(
-        self,
-        prepared: PreparedPotential,
-        ends: tuple[Pose2D, Pose2D],
-        top: Points,
-        bottom: Points,
-        check_time: Callable[[], None],
-    ) -> tuple[Points, str]:
-        """Descend from the top to the bottom, and say by what; points in cells."""
+    def _way_down(self, prepared: PreparedPotential, request: CellRequest) -> tuple[Points, str]:
+        """Descend from the start to the goal, and say by what; points in cells."""
         if self.potential == 'navigation':
-            return self._navigate(prepared, ends, top, bottom, check_time), _BY_NAVIGATION
-        resolution = prepared.grid.resolution
+            return self._navigate(prepared, request), _BY_NAVIGATION
+        top, bottom = request.tips
         field = MapPotential(
-            prepared.forbidden_bits, prepared.distances, resolution, bottom, self.gains
+            prepared.forbidden_bits,
+            prepared.distances,
+            prepared.grid.resolution,
+            bottom,
+            self.gains,
         )
-        way, has_arrived = field.descend(top, check_time)
+        way, has_arrived = field.descend(top, request.check)
         if has_arrived:
             return way, _BY_PAPER
         place = prepared.grid.map_to_world(way[-1])
-        start, goal = ((pose.x, pose.y) for pose in ends)
+        start, goal = ((pose.x, pose.y) for pose in (request.start, request.goal))
         stuck = DescentStuck(start, goal, place.tolist(), *field.critical_point(way[-1]))
         if self.potential == 'paper':
             raise stuck
         x, y = stuck.place
         remark = f"{_BY_NAVIGATION}; S1's comes to rest at ({x:.2f}, {y:.2f}) m, {stuck.kind}"
-        return self._navigate(prepared, ends, top, bottom, check_time), remark
+        return self._navigate(prepared, request), remark
 
-    def _navigate(
-        self,
-        prepared: PreparedPotential,
-        ends: tuple[Pose2D, Pose2D],
-        top: Points,
-        bottom: Points,
-        check_time: Callable[[], None],
-    ) -> Points:
-        """Descend a navigation function from the top to the bottom, in cells."""
+    def _navigate(self, prepared: PreparedPotential, request: CellRequest) -> Points:
+        """Descend a navigation function from the start to the goal, in cells."""
         slowness = slowness_near_obstacles(prepared.distances, prepared.forbidden, self.influence)
         if prepared.costs is not None:
             slowness *= prepared.costs
+        top, bottom = request.tips
         first, last = (_cell_of(point, slowness) for point in (top, bottom))
-        times = travel_times(slowness, last, first, check_time)
+        times = travel_times(slowness, last, first, request.check)
         if not np.isfinite(times[first[1], first[0]]):
-            start, goal = ((pose.x, pose.y) for pose in ends)
+            start, goal = ((pose.x, pose.y) for pose in (request.start, request.goal))
             raise NoPathFound(start, goal, 'the only passage is as wide as the corner of a cell')
-        way = descend_times(times, prepared.forbidden_bits, top, last, check_time)
+        way = descend_times(times, prepared.forbidden_bits, top, last, request.check)
         return np.vstack((way, bottom))
 
     def _corners(
@@ -274,18 +236,3 @@ def _cell_of(point: Points, cells: Floats) -> tuple[int, int]:
     """Return x and y of the cell that holds a point on the map."""
     height, width = cells.shape
     return min(math.floor(point[0]), width - 1), min(math.floor(point[1]), height - 1)
-
-
-def _joined(
-    prepared: PreparedPotential, s: Points, corners: Points, g: Points, leave_at: float
-) -> list[Points]:
-    """Return what is between start and goal, past the first and last point where there is room."""
-    radius = prepared.clearance_radius / prepared.grid.resolution
-    between = list(corners)
-    for end, at, keep in ((s, 0, leave_at), (g, -1, radius)):
-        if prepared.is_allowed(end):
-            # The way begins or ends there.
-            del between[at]
-        elif len(between) > 1 and prepared.leads(end, between[at + 1 if at == 0 else -2], keep):
-            del between[at]
-    return between

@@ -8,7 +8,6 @@ Over cells: straight and diagonal steps from centre to centre, no corner cut, ex
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -16,19 +15,19 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import NoPathFound
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle import convex_corners, taut_path
 from quad_planner.bit_grid import BitGrid, Bits, is_set
 from quad_planner.cell_costs import Floats, cell_costs
+from quad_planner.cell_request import CellRequest
 from quad_planner.compiled import compiled
 from quad_planner.inflation import Points
 from quad_planner.jump_points import JumpPointSearch, without_straights
 from quad_planner.lattice_search import fewest_turns
 from quad_planner.planner_options import PlannerOptions
-from quad_planner.safety_map import SAME_PLACE, SafetyMap
+from quad_planner.safety_map import SafetyMap
 from quad_planner.weighted_search import cheapest_path, straightened
 
 
@@ -92,23 +91,7 @@ class ShortestPlanner(PlannerOptions):
     def update(
         self, prepared: PreparedCells, grid: OccupancyGrid, changed: tuple[int, int]
     ) -> PreparedCells:
-        """
-        Make a map ready of which only some rows have changed.
-
-        Parameters
-        ----------
-        prepared : PreparedCells
-            The map as it was, from `prepare`.
-        grid : OccupancyGrid
-            The map as it is, of the same size and in the same place.
-        changed : tuple of int
-            The rows, from the first up to, but without, the second.
-
-        Returns
-        -------
-        PreparedCells
-            What `prepare` would return.
-        """
+        """Make a map ready of which only some rows have changed: `PlanningMethod.update`."""
         blocked, forbidden, rows = self.zones_changed_to(prepared, grid, changed)
         cells = prepared.search.grid.changed_to(forbidden, rows)
         safety = SafetyMap(grid, self.clearance_radius, blocked, forbidden)
@@ -150,77 +133,43 @@ class ShortestPlanner(PlannerOptions):
         PlannerTimedOut, PlanSuperseded
             As :meth:`PlannerOptions.timer`.
         """
-        grid = prepared.grid
-        leave_at = prepared.check_ends(start, goal, self.start_tolerance)
-        if start.distance_to(goal) < SAME_PLACE:
+        request = CellRequest.of(prepared, start, goal, self.start_tolerance, self.timer())
+        if request.is_turn:
             return Plan((goal,))
-        check = self.timer()
-        s, g = (grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
-        radius = self.clearance_radius / grid.resolution
-        first, last = prepared.joints(s, leave_at), prepared.joints(g, radius)
-        centres = self._centres(prepared, first[0], last[0], check) if first and last else None
-        if centres is None:
-            why = prepared.not_connected(s, g) or 'no allowed cell is near to one of them'
-            raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
-        between = self._between(prepared, centres, s, g, leave_at, check)
-        inner = grid.map_to_world(np.reshape(between, (-1, 2))).tolist()
-        return Plan.through([(start.x, start.y), *inner, (goal.x, goal.y)], goal.yaw)
+        return request.plan(self._line(prepared, request))
 
-    def _centres(
-        self,
-        prepared: PreparedCells,
-        first: tuple[int, int],
-        last: tuple[int, int],
-        check: Callable[[], None],
-    ) -> Points | None:
-        """Return where the path over the cells turns, shape (n, 2) [cells]."""
-        cells: NDArray[np.int64] | None
-        if prepared.costs is None:
-            path = prepared.search.path(first, last, check)
-            words = prepared.forbidden_bits.words
-            cells = None if path is None else turns_saved(path.cells, words)
-            if cells is not None and len(cells) > 2 and self.fewest_turns and not self.any_angle:
-                cells = fewest_turns(prepared.search.grid, cells, check)
-        else:
-            cells = cheapest_path(prepared.search.grid, prepared.costs, first, last, check)
-        return None if cells is None else cells + np.float64(0.5)
-
-    def _between(
-        self,
-        prepared: PreparedCells,
-        centres: Points,
-        s: Points,
-        g: Points,
-        leave_at: float,
-        check: Callable[[], None],
-    ) -> Points:
-        """Return the turning points between start and goal, shape (n, 2) [cells]."""
-        forbidden = prepared.forbidden_bits
-        over_cells = self._joined(prepared, s, centres, g, leave_at)
+    def _line(self, prepared: PreparedCells, request: CellRequest) -> Points:
+        """Return start, turning points and goal, shape (n, 2) [cells]."""
+        centres = self._centres(prepared, request)
+        over_cells = request.joined(centres)
         if not self.any_angle:
-            return over_cells[1:-1]
+            return over_cells
+        forbidden = prepared.forbidden_bits
         if prepared.costs is not None:
-            straight = straightened(centres, prepared.costs, forbidden, check)
-            return self._joined(prepared, s, straight, g, leave_at)[1:-1]
-        first = s if prepared.is_allowed(s) else centres[0]
-        last = g if prepared.is_allowed(g) else centres[-1]
+            return request.joined(straightened(centres, prepared.costs, forbidden, request.check))
+        first, last = request.tips
         bound = _length(np.vstack((first, centres, last)))
-        taut = taut_path(forbidden, prepared.corners, first, last, bound, check)
+        taut = taut_path(forbidden, prepared.corners, first, last, bound, request.check)
         if taut is None:
-            return over_cells[1:-1]
-        straight = self._joined(prepared, s, taut, g, leave_at)
+            return over_cells
         # Only where start or goal is not in an allowed cell the other may be shorter.
-        return min(straight, over_cells, key=_length)[1:-1]
+        return min(request.joined(taut), over_cells, key=_length)
 
-    def _joined(
-        self, prepared: PreparedCells, s: Points, between: Points, g: Points, leave_at: float
-    ) -> Points:
-        """Join start and goal to a way, past its first and last point where there is room."""
-        points = [s, *between, g]
-        for at, keep in ((1, leave_at), (-2, self.clearance_radius / prepared.grid.resolution)):
-            if len(points) > 2 and prepared.leads(points[at - 1], points[at + 1], keep):
-                del points[at]
-        return np.array(points)
+    def _centres(self, prepared: PreparedCells, request: CellRequest) -> Points:
+        """Return where the path over the cells turns, shape (n, 2) [cells]."""
+        check = request.check
+        cells: NDArray[np.int64] | None = None
+        if prepared.costs is not None:
+            cells = cheapest_path(prepared.search.grid, prepared.costs, *request.ends, check)
+        else:
+            path = prepared.search.path(*request.ends, check)
+            if path is not None:
+                cells = turns_saved(path.cells, prepared.forbidden_bits.words)
+                if len(cells) > 2 and self.fewest_turns and not self.any_angle:
+                    cells = fewest_turns(prepared.search.grid, cells, check)
+        if cells is None:
+            raise request.no_path()
+        return cells + np.float64(0.5)
 
 
 def _length(points: Points) -> float:
