@@ -43,7 +43,7 @@ EXAMPLES = """examples:
 _LONG = 2.0
 """Compiled code that is there is ready sooner [s]."""
 
-_COMPILING = 'compiling the searches: once after an installation, for some ten seconds ...'
+_COMPILING = 'compiling the searches: once after an installation, for up to ten seconds ...'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -8,6 +8,7 @@ corners, from which the others are seen, finds it.
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -130,7 +131,7 @@ def _expand(
     for k in range(1, len(points)):
         if is_done[k]:
             continue
-        length = lengths[at] + np.hypot(points[k, 0] - x, points[k, 1] - y)
+        length = lengths[at] + math.hypot(points[k, 0] - x, points[k, 1] - y)
         if length >= lengths[k] or length + left[k] > bound:
             continue
         if sees(forbidden, width, x, y, points[k, 0], points[k, 1]):
@@ -164,8 +165,8 @@ def sees(forbidden: Bits, width: int, x0: float, y0: float, x1: float, y1: float
     if y1 < y0:
         x0, y0, x1, y1 = x1, y1, x0, y0
     slope = (x1 - x0) / (y1 - y0) if y1 > y0 else 0.0
-    first = min(int(np.floor(y0 + _EPSILON)), height - 1)
-    last = max(int(np.ceil(y1 - _EPSILON)) - 1, first)
+    first = min(math.floor(y0 + _EPSILON), height - 1)
+    last = max(math.ceil(y1 - _EPSILON) - 1, first)
     for row in range(first, last + 1):
         # The part of the segment in this row of cells.
         if y1 - y0 > _EPSILON:
@@ -174,17 +175,19 @@ def sees(forbidden: Bits, width: int, x0: float, y0: float, x1: float, y1: float
         else:
             begin, end = x0, x1
         low, high = min(begin, end), max(begin, end)
-        left = int(np.floor(low + _EPSILON))
-        right = max(int(np.ceil(high - _EPSILON)) - 1, left)
+        left = math.floor(low + _EPSILON)
+        right = max(math.ceil(high - _EPSILON) - 1, left)
         for column in range(left, right + 1):
             if column < width and not is_set(forbidden, row, column):
                 continue
             # Along the line between two cells either of them will do.
             beside = False
-            if high - low <= _EPSILON and abs(low - np.round(low)) <= _EPSILON:
-                other = int(np.round(low)) - 1 if column == int(np.round(low)) else column
+            line = math.floor(low + 0.5)
+            if high - low <= _EPSILON and abs(low - line) <= _EPSILON:
+                other = line - 1 if column == line else column
                 beside = 0 <= other < width and not is_set(forbidden, row, other)
-            if y1 - y0 <= _EPSILON and abs(y0 - np.round(y0)) <= _EPSILON and row > 0:
+            line = math.floor(y0 + 0.5)
+            if y1 - y0 <= _EPSILON and abs(y0 - line) <= _EPSILON and row > 0:
                 beside = beside or (column < width and not is_set(forbidden, row - 1, column))
             if not beside:
                 return False

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 
 Bits = NDArray[np.uint64]
 Mask = NDArray[np.bool_]
@@ -188,7 +188,6 @@ def changed_rows(before: NDArray[np.int8], after: NDArray[np.int8]) -> tuple[int
     return (int(rows[0]), int(rows[-1]) + 1) if rows.size else None
 
 
-@compiled
 def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     """
     Set the bits of the cells whose value is outside of a range.
@@ -207,25 +206,42 @@ def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     """
     height, width = cells.shape
     words = np.empty((height, (width + 63) // 64), dtype=np.uint64)
-    low, high = np.int8(least), np.int8(most)
-    bytes_ = words.view(np.uint8)
-    # A row as bytes 0 and 1, which the compiler makes and takes many at a time.
     row = np.zeros(64 * words.shape[1], dtype=np.uint8)
-    eights = row.view(np.uint64)
-    for y in range(height):
-        for x in range(width):
-            row[x] = (cells[y, x] < low) | (cells[y, x] > high)
-        for at in range(len(eights)):
-            # The product has the lowest bits of eight bytes side by side at its top.
-            bytes_[y, at] = np.uint8((eights[at] * _GATHER) >> np.uint64(56))
+    _pack(cells, np.int8(least), np.int8(most), row, row.view(np.uint64), words.view(np.uint8))
     return words
 
 
 @compiled
+def _pack(
+    cells: NDArray[np.int8],
+    least: np.int8,
+    most: np.int8,
+    row: NDArray[np.uint8],
+    eights: Bits,
+    packed: NDArray[np.uint8],
+) -> None:
+    """Pack cells into bytes, by way of a row that is seen as bytes and as words."""
+    height, width = cells.shape
+    for y in range(height):
+        # Bytes 0 and 1, which the compiler makes and takes many at a time.
+        for x in range(width):
+            row[x] = (cells[y, x] < least) | (cells[y, x] > most)
+        for at in range(len(eights)):
+            # The product has the lowest bits of eight bytes side by side at its top.
+            packed[y, at] = np.uint8((eights[at] * _GATHER) >> np.uint64(56))
+
+
 def _free_rows(forbidden: Bits, width: int) -> Bits:
     """Return the cells of a width that are not set, one cell up and right, in a wall."""
+    rows = np.zeros((len(forbidden) + 2, (width + 2 + 63) // 64), dtype=np.uint64)
+    _invert(forbidden, width, rows)
+    return rows
+
+
+@compiled
+def _invert(forbidden: Bits, width: int, rows: Bits) -> None:
+    """Fill the rows of a grid."""
     height, words = forbidden.shape
-    rows = np.zeros((height + 2, (width + 2 + 63) // 64), dtype=np.uint64)
     in_last = _ALL >> np.uint64(64 * words - width)
     for y in range(height):
         before = np.uint64(0)
@@ -237,15 +253,19 @@ def _free_rows(forbidden: Bits, width: int) -> Bits:
             before = free
         if words < rows.shape[1]:
             rows[y + 1, words] = before >> _LAST
-    return rows
+
+
+def _transposed(rows: Bits, width: int) -> Bits:
+    """Return the columns as lines."""
+    columns = np.zeros((width, (len(rows) + 63) // 64), dtype=np.uint64)
+    _transpose(rows, columns, np.empty(64, dtype=np.uint64), np.empty(64, dtype=np.uint64))
+    return columns
 
 
 @compiled
-def _transposed(rows: Bits, width: int) -> Bits:
-    """Return the columns as lines, in blocks of 64 by 64."""
-    height = rows.shape[0]
-    columns = np.zeros((width, (height + 63) // 64), dtype=np.uint64)
-    block, other = np.empty(64, dtype=np.uint64), np.empty(64, dtype=np.uint64)
+def _transpose(rows: Bits, columns: Bits, block: Bits, other: Bits) -> None:
+    """Fill columns, in blocks of 64 by 64; `block` and `other` are 64 words for notes."""
+    height, width = len(rows), len(columns)
     for across in range(rows.shape[1]):
         for down in range(columns.shape[1]):
             some, every = np.uint64(0), _ALL
@@ -260,10 +280,9 @@ def _transposed(rows: Bits, width: int) -> Bits:
                 _transpose_block(block, other)
             for k in range(min(64, width - 64 * across)):
                 columns[64 * across + k, down] = block[k]
-    return columns
 
 
-@compiled
+@compiled_part
 def _transpose_block(block: Bits, other: Bits) -> None:
     """Swap the rows and columns of 64 words; the other 64 are for notes."""
     _shuffle(block, other, 32, np.uint64(0x00000000FFFFFFFF))
@@ -274,7 +293,7 @@ def _transpose_block(block: Bits, other: Bits) -> None:
     _shuffle(other, block, 1, np.uint64(0x5555555555555555))
 
 
-@compiled
+@compiled_part
 def _shuffle(words: Bits, result: Bits, step: int, low: np.uint64) -> None:
     """
     Interleave the first and the last 32 of 64 words, and swap bits between each two.
@@ -289,7 +308,6 @@ def _shuffle(words: Bits, result: Bits, step: int, low: np.uint64) -> None:
         result[2 * k + 1] = ((first >> shift) & low) | (second & ~low)
 
 
-@compiled
 def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
     """
     Set every cell that is near one that is set.
@@ -306,9 +324,15 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
     ndarray of uint64, shape (m, n)
         The same and what is near. Bits beyond the width may be set.
     """
-    height, words = rows.shape
     result = np.zeros_like(rows)
-    wide = np.empty(words, dtype=np.uint64)
+    _dilate(rows, reaches, np.empty(rows.shape[1], dtype=np.uint64), result)
+    return result
+
+
+@compiled
+def _dilate(rows: Bits, reaches: NDArray[np.int64], wide: Bits, result: Bits) -> None:
+    """Add what is near to a result; `wide` is a row for notes."""
+    height, words = rows.shape
     for y in range(height):
         # What is set in the next row as well reaches farther from there.
         goes_down = y > 0 and _has_more(rows, y, y - 1)
@@ -318,7 +342,8 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
             _add(result, y, wide)
             continue
         # From the narrowest to the widest: each goes on from the one before.
-        wide[:] = rows[y]
+        for at in range(words):
+            wide[at] = rows[y, at]
         reached = 0
         for off in range(len(reaches) - 1 if goes_down or goes_up else 0, -1, -1):
             while reached < reaches[off]:
@@ -330,10 +355,9 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
                 _add(result, y - off, wide)
             if goes_up and y + off < height:
                 _add(result, y + off, wide)
-    return result
 
 
-@compiled
+@compiled_part
 def _has_more(rows: Bits, y: int, other: int) -> bool:
     """Return whether anything is set in a row that is not in another one."""
     more = np.uint64(0)
@@ -342,13 +366,13 @@ def _has_more(rows: Bits, y: int, other: int) -> bool:
     return bool(more != 0)
 
 
-@compiled
+@compiled_part
 def _add(rows: Bits, y: int, line: Bits) -> None:
     for at in range(len(line)):
         rows[y, at] |= line[at]
 
 
-@compiled
+@compiled_part
 def _spread(line: Bits, step: int) -> None:
     """Set each bit that is a step to either side of one that is set, step < 64."""
     up, down = np.uint64(step), np.uint64(64 - step)
@@ -374,7 +398,7 @@ def last_bit(word: np.uint64) -> int:
     return int(_PLACES[((word - (word >> _ONE)) * _DE_BRUIJN) >> np.uint64(58)])
 
 
-@compiled
+@compiled_part
 def is_set(lines: Bits, line: int, place: int) -> bool:
     """Return whether a bit is set."""
     return bool((lines[line, place >> 6] >> np.uint64(place & 63)) & _ONE)

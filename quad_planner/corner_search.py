@@ -11,6 +11,7 @@ points: the bound on what is left is the length of the shortest way, without tur
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -30,7 +31,7 @@ from quad_planner.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Mask, Points
 
 Floats = NDArray[np.float64]
@@ -206,27 +207,27 @@ def _view(forbidden: Bits, width: int, points: Floats, at: int, others: Indices)
     return seen[:count]
 
 
-@compiled
+@compiled_part
 def _apart(a: float, b: float) -> float:
     """Return the angle between two directions, 0 to pi [rad]."""
     return float(abs((a - b + np.pi) % (2.0 * np.pi) - np.pi))
 
 
-@compiled
+@compiled_part
 def _turn_cycles(angle: float, cycles: _Cycles) -> float:
     """Return how many cycles a change of heading takes (`Pace.turn_cycles`)."""
     if angle <= cycles.bend:
         return 0.0
-    return max(1.0, float(np.ceil(angle / cycles.turn + cycles.stopping)))
+    return float(max(1, math.ceil(angle / cycles.turn + cycles.stopping)))
 
 
-@compiled
+@compiled_part
 def _rest(cost: float) -> float:
     """Return what a state costs when the robot has come to rest there."""
-    return float(np.ceil(cost - _TINY))
+    return float(math.ceil(cost - _TINY))
 
 
-@compiled
+@compiled_part
 def _leaving(cost: float, direction: float, onward: float, cycles: _Cycles) -> float:
     """Return what a state costs when the robot leaves it in another direction."""
     angle = _apart(direction, onward)
@@ -235,7 +236,7 @@ def _leaving(cost: float, direction: float, onward: float, cycles: _Cycles) -> f
     return _rest(cost) + _turn_cycles(angle, cycles) + cycles.stopping
 
 
-@compiled
+@compiled_part
 def _bucket(cost: float, left: float, least: int) -> int:
     """Return how many whole cycles a state will cost at least, no less than before."""
     return max(least, int(_rest(cost + left)))
@@ -300,7 +301,7 @@ def _search(
             if total < goal[0]:
                 goal[0], goal[1] = total, state
             continue
-        if _is_no_better(cost, direction, best[at], cycles):
+        if _is_no_better(cost, direction, best[at, 0], best[at, 1], cycles):
             continue
         if cost < best[at, 0]:
             best[at, 0], best[at, 1] = cost, direction
@@ -316,16 +317,18 @@ def _search(
     return _PAUSED
 
 
-@compiled
-def _is_no_better(cost: float, direction: float, best: Floats, cycles: _Cycles) -> bool:
+@compiled_part
+def _is_no_better(
+    cost: float, direction: float, best: float, best_direction: float, cycles: _Cycles
+) -> bool:
     """
     Return whether the robot would do as well to turn from another state in the same place.
 
     Turning by that much more never costs more cycles than a turn through both angles and
     a bend.
     """
-    if not best[0] < np.inf:
+    if not best < np.inf:
         return False
-    between = _apart(direction, best[1]) + cycles.bend
-    turned = np.ceil(between / cycles.turn + cycles.stopping) + cycles.stopping
-    return bool(_rest(best[0]) + turned <= cost)
+    between = _apart(direction, best_direction) + cycles.bend
+    turned = math.ceil(between / cycles.turn + cycles.stopping) + cycles.stopping
+    return bool(_rest(best) + turned <= cost)

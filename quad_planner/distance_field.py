@@ -28,7 +28,7 @@ from quad_planner.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Mask
 from quad_planner.jump_points import DIAGONAL, ONWARD, STRAIGHT
 
@@ -187,7 +187,7 @@ def _expand(
                         _wait(words, heads, entries, state, end)
 
 
-@compiled
+@compiled_part
 def _wait(words: Integers, heads: Integers, entries: Integers, state: Integers, cell: int) -> None:
     """Let a cell wait, if it is one."""
     if cell >= 0:
@@ -195,7 +195,7 @@ def _wait(words: Integers, heads: Integers, entries: Integers, state: Integers, 
         push(heads, entries, state, cell, word >> _ARRIVALS, word >> (_LENGTH + _BUCKET))
 
 
-@compiled
+@compiled_part
 def _reach(words: Integers, cell: int, length: int, direction: int) -> bool:
     """Note a way to a cell; return whether it is to be followed."""
     word = words[cell]
@@ -210,7 +210,7 @@ def _reach(words: Integers, cell: int, length: int, direction: int) -> bool:
     return False
 
 
-@compiled
+@compiled_part
 def _run(
     words: Integers,
     onward: NDArray[np.uint8],

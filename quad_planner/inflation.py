@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from quad_common.errors import ParameterError
 from quad_common.occupancy_grid import FREE, OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.bit_grid import BitMask, Bits, dilated, is_set, packed_cells
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 
 Mask = NDArray[np.bool_]
 Points = NDArray[np.float64]
@@ -325,16 +325,16 @@ def _least_distance(
     return math.sqrt(squared)
 
 
-@compiled
+@compiled_part
 def _span(low: float, high: float, size: int) -> tuple[int, int]:
     """Return the range of cells of a map, as wide as this, between two places."""
     return (
-        int(min(max(np.floor(low), 0.0), float(size))),
-        int(min(max(np.ceil(high), 0.0), float(size))),
+        math.floor(min(max(low, 0.0), float(size))),
+        math.ceil(min(max(high, 0.0), float(size))),
     )
 
 
-@compiled
+@compiled_part
 def _squared_distance(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Return the squared distance between a square of side 1 and a segment."""
     abx, aby = bx - ax, by - ay

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_planner.bit_grid import BitGrid, Bits, first_bit, is_set, last_bit
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 
 Cells = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -110,8 +110,8 @@ class CellPath:
 _NODE = np.dtype(
     [
         ('length', np.int64),  # from the start
-        ('x', np.int32),  # the cell, walls included
-        ('y', np.int32),
+        ('x', np.int64),  # the cell, walls included
+        ('y', np.int64),
         ('parent', np.int32),  # number of a node
         ('arrivals', np.uint8),  # directions by which a path of that length arrives, a bit each
         ('taken', np.uint8),  # directions in which the search went on, a bit each
@@ -119,7 +119,7 @@ _NODE = np.dtype(
     align=True,
 )
 
-_OPEN = np.dtype([('key', np.int64), ('node', np.int32)], align=True)
+_OPEN = np.dtype([('key', np.int64), ('node', np.int64)])
 
 
 class _Tree(NamedTuple):
@@ -194,7 +194,8 @@ class JumpPointSearch:
                 tree = _larger(tree)
         if outcome == _NO_PATH:
             return None
-        return CellPath(*_cells(tree.nodes, tree.slots, end))
+        cells, straight, diagonal = _cells(tree.nodes, tree.slots, end)
+        return CellPath(without_straights(cells), straight, diagonal)
 
 
 def _tree(start: tuple[int, int]) -> _Tree:
@@ -232,7 +233,7 @@ def _fill_slots(nodes: Records, slots: NDArray[np.int32], count: int) -> None:
         slots[_slot(nodes, slots, nodes[node].x, nodes[node].y)] = node + 1
 
 
-@compiled
+@compiled_part
 def _slot(nodes: Records, slots: NDArray[np.int32], x: int, y: int) -> int:
     """Return the slot that a cell has, or would have."""
     last = len(slots) - 1
@@ -246,13 +247,13 @@ def _slot(nodes: Records, slots: NDArray[np.int32], x: int, y: int) -> int:
     return slot
 
 
-@compiled
+@compiled_part
 def _octile(x: int, y: int, goal: tuple[int, int]) -> int:
     along, across = abs(x - goal[0]), abs(y - goal[1])
     return STRAIGHT * max(along, across) + (DIAGONAL - STRAIGHT) * min(along, across)
 
 
-@compiled
+@compiled_part
 def _around(rows: Bits, x: int, y: int) -> int:
     """Return the free neighbours of a cell; bit k stands for direction k."""
     pattern = 0
@@ -262,7 +263,7 @@ def _around(rows: Bits, x: int, y: int) -> int:
     return pattern
 
 
-@compiled
+@compiled_part
 def _push(heap: Records, counts: NDArray[np.int64], key: int, node: int) -> None:
     at = counts[1]
     counts[1] += 1
@@ -276,7 +277,7 @@ def _push(heap: Records, counts: NDArray[np.int64], key: int, node: int) -> None
     heap[at].node = node
 
 
-@compiled
+@compiled_part
 def _pop(heap: Records, counts: NDArray[np.int64]) -> None:
     """Take the first off the heap, whose content has been read."""
     counts[1] -= 1
@@ -347,7 +348,7 @@ def _search(
     return _INTERRUPTED
 
 
-@compiled
+@compiled_part
 def _go_on(
     rows: Bits,
     columns: Bits,
@@ -389,13 +390,13 @@ def _go_on(
             return
 
 
-@compiled
+@compiled_part
 def _is_open(rows: Bits, x: int, y: int, dx: int, dy: int) -> bool:
     """Return whether a diagonal step is free, and both cells beside it."""
     return is_set(rows, y, x + dx) and is_set(rows, y + dy, x) and is_set(rows, y + dy, x + dx)
 
 
-@compiled
+@compiled_part
 def _look(lines: Bits, line: int, place: int, step: int, goal: int) -> int:
     """
     Look along a line for the next place of interest.
@@ -414,7 +415,7 @@ def _look(lines: Bits, line: int, place: int, step: int, goal: int) -> int:
     return end if is_set(lines, line, end) else -1
 
 
-@compiled
+@compiled_part
 def _stop_ahead(lines: Bits, line: int, place: int) -> int:
     """Return the first place from this one on where a wall is, or one beside it has ended."""
     at = place >> 6
@@ -433,7 +434,7 @@ def _stop_ahead(lines: Bits, line: int, place: int) -> int:
         at += 1
 
 
-@compiled
+@compiled_part
 def _stop_behind(lines: Bits, line: int, place: int) -> int:
     """Return the last place up to this one where a wall is, or one beside it has ended."""
     last = lines.shape[1] - 1
@@ -452,7 +453,7 @@ def _stop_behind(lines: Bits, line: int, place: int) -> int:
         at -= 1
 
 
-@compiled
+@compiled_part
 def _reach(
     nodes: Records,
     slots: NDArray[np.int32],
@@ -517,10 +518,9 @@ def _cells(
         cells[at - 1, 0] = from_x - 1 + (steps if x > from_x else -steps)
         cells[at - 1, 1] = from_y - 1 + (steps if y > from_y else -steps)
         at -= 2
-    return without_straights(cells), straight, diagonal
+    return cells, straight, diagonal
 
 
-@compiled
 def without_straights(cells: Cells) -> Cells:
     """
     Leave out places where a path goes straight on, or stays.
@@ -535,6 +535,12 @@ def without_straights(cells: Cells) -> Cells:
     ndarray, shape (m, 2)
         Where it begins, turns and ends.
     """
+    return cells[: _drop_straights(cells)]
+
+
+@compiled
+def _drop_straights(cells: Cells) -> int:
+    """Move the places that are kept to the front, and count them."""
     last = len(cells) - 1
     kept = 1
     for k in range(1, last):
@@ -542,9 +548,9 @@ def without_straights(cells: Cells) -> Cells:
         bx, by = cells[k + 1, 0] - cells[k, 0], cells[k + 1, 1] - cells[k, 1]
         if ax * by == ay * bx and ax * bx + ay * by >= 0:
             continue
-        cells[kept] = cells[k]
+        cells[kept, 0], cells[kept, 1] = cells[k, 0], cells[k, 1]
         kept += 1
     if last > 0:
-        cells[kept] = cells[last]
+        cells[kept, 0], cells[kept, 1] = cells[last, 0], cells[last, 1]
         kept += 1
-    return cells[:kept]
+    return kept

@@ -36,7 +36,7 @@ from quad_planner.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.jump_points import DIAGONAL, STRAIGHT
 
 Cells = NDArray[np.int64]
@@ -50,6 +50,17 @@ _DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
 
 _SCALES = ((470832, 665857), (80782, 114243), (13860, 19601), (2378, 3363))
 """Straight and diagonal steps in whole numbers: the nearer to sqrt 2, the larger."""
+
+
+def _leading() -> NDArray[np.bool_]:
+    """Tabulate whether headings a and b lead into sector s (`_sector`), shape (16, 8, 8)."""
+    sector, low, high = np.ogrid[:16, :16:2, :16:2]
+    cone = (high - low) % 16
+    is_between = (cone < 8) & ((sector - low) % 16 <= cone)
+    return is_between | is_between.transpose(0, 2, 1)
+
+
+_LEADS = _leading()
 
 # How a state was reached: from heading k by a turn, or as follows.
 _BY_A_STEP = np.uint8(8)
@@ -260,7 +271,6 @@ def _count(pace: Pace, resolution: float, start_yaw: float, goal_yaw: float, bou
     )
 
 
-@compiled
 def _least_turns(turns: Numbers, last_turns: Numbers) -> Numbers:
     """
     Tabulate the least that turns may cost on the way to the goal over free ground.
@@ -278,38 +288,17 @@ def _least_turns(turns: Numbers, last_turns: Numbers) -> Numbers:
     ndarray of int, shape (8, 17)
         By the heading of the robot and the sector in which the goal lies, see `_sector`.
     """
-    table = np.full((HEADINGS, 17), _NOT_REACHED, dtype=np.int64)
     # To be content with nearly the goal's heading may save a cycle in an earlier turn: two
     # turns may then cost less than one.
-    least_last = last_turns.copy()
-    for a in range(HEADINGS):
-        for b in range(HEADINGS):
-            least_last[a] = min(least_last[a], turns[a, b] + last_turns[b])
-    table[:, 16] = least_last
-    for sector in range(16):
-        for a in range(HEADINGS):
-            for b in range(HEADINGS):
-                if a == b and sector != 2 * a:
-                    continue
-                if a != b and not _is_between(sector, 2 * a, 2 * b):
-                    continue
-                after = least_last[b] + (0 if a == b else turns[a, b])
-                for k in range(HEADINGS):
-                    before = 0 if a == k else turns[k, a]
-                    table[k, sector] = min(table[k, sector], before + after)
-    return table
+    least_last = np.minimum(last_turns, (turns + last_turns).min(axis=1))
+    to_other = np.where(np.eye(HEADINGS, dtype=np.bool_), 0, turns)
+    # From the robot's heading to a, walk, to b, walk, and to the goal's.
+    ways = to_other[:, :, None] + (to_other + least_last)
+    over_ground = np.where(_LEADS, ways[:, None], _NOT_REACHED).min(axis=(2, 3))
+    return np.column_stack((over_ground, least_last))
 
 
-@compiled
-def _is_between(sector: int, a: int, b: int) -> bool:
-    """Return whether a direction is in the cone of two others, in sixteenths of a turn."""
-    for low, high in ((a, b), (b, a)):
-        if 0 < (high - low) % 16 < 8 and (sector - low) % 16 <= (high - low) % 16:
-            return True
-    return False
-
-
-@compiled
+@compiled_part
 def _sector(dx: int, dy: int) -> int:
     """
     Return where a displacement points.
@@ -329,7 +318,7 @@ def _sector(dx: int, dy: int) -> int:
     return 16 - quarter if dx > 0 else 8 + quarter
 
 
-@compiled
+@compiled_part
 def _total(cost: int, dx: int, dy: int, heading: int, costs: _Costs) -> int:
     """Return a cost and the least that is left, so far from the goal in a heading."""
     along, across = abs(dx), abs(dy)
@@ -338,7 +327,7 @@ def _total(cost: int, dx: int, dy: int, heading: int, costs: _Costs) -> int:
     return cost + length + int(costs.least_turns[heading, _sector(dx, dy)])
 
 
-@compiled
+@compiled_part
 def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
     """Return whether a step from a free cell is free; a diagonal needs both beside it."""
     dx, dy = int(_DX[heading]), int(_DY[heading])
@@ -349,12 +338,11 @@ def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
     return True
 
 
-@compiled
+@compiled_part
 def _wait(queue: BucketQueue, bucket: int, state: int) -> None:
     push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
 
-@compiled
 def _begin(
     rows: Bits,
     width: int,
@@ -439,14 +427,14 @@ def _search(
     return _PAUSED
 
 
-@compiled
+@compiled_part
 def _is_new(state: int, cost: int, total: int, costs: _Costs, reached: _Reached) -> bool:
     """Return whether a state was not reached as cheaply, and may be on a path in the bound."""
     known = int(reached.cost[state])
     return total <= costs.longest - costs.cycle and (known == 0 or cost + 1 < known)
 
 
-@compiled
+@compiled_part
 def _reach(
     state: int,
     cost: int,
@@ -464,24 +452,22 @@ def _reach(
     _wait(queue, max(bucket, (total + costs.bucket - 1) // costs.bucket), state)
 
 
-@compiled
 def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
     """Go back from the goal to the start; list where the path begins, turns and ends."""
-    offsets = _DY * width + _DX
     places = [goal]
-    cell, k = goal, heading
     while True:
-        by = reached_by[HEADINGS * cell + k] & _PREVIOUS
+        places.append(_begin_of_stretch(reached_by, width, places[-1], heading))
+        by = reached_by[HEADINGS * places[-1] + heading] & _PREVIOUS
         if by == _AT_THE_START:
             break
-        if by == _BY_A_STEP:
-            cell -= int(offsets[k])
-        else:
-            k = np.int64(by)  # type: ignore[assignment]
-            places.append(cell)
-    places.append(cell)
-    cells = np.empty((len(places), 2), dtype=np.int64)
-    for at in range(len(places)):
-        place = places[len(places) - 1 - at]
-        cells[at, 0], cells[at, 1] = place % width - 1, place // width - 1
-    return cells
+        heading = int(by)
+    return np.array([[place % width - 1, place // width - 1] for place in reversed(places)])
+
+
+@compiled
+def _begin_of_stretch(reached_by: NDArray[np.uint8], width: int, cell: int, heading: int) -> int:
+    """Go back straight on to where the robot turned to a heading."""
+    offset = int(_DY[heading]) * width + int(_DX[heading])
+    while reached_by[HEADINGS * cell + heading] & _PREVIOUS == _BY_A_STEP:
+        cell -= offset
+    return cell

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from quad_common.errors import ParameterError
 from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask, Bits
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
 from quad_planner.potential_field import critical_point
 
@@ -243,7 +243,7 @@ class MapPotential:
         return np.concatenate([*parts, points[:1]]), outcome == _ARRIVED
 
 
-@compiled
+@compiled_part
 def _distance(distances: Floats, x: float, y: float) -> tuple[float, float, float]:
     """Return the distance between the centres [m], and its slopes along x and y [m/cell]."""
     height, width = distances.shape
@@ -310,7 +310,7 @@ def _gradient(
     return pull * along + push * slope_x, pull * across + push * slope_y
 
 
-@compiled
+@compiled_part
 def _lower(
     distances: Floats,
     resolution: float,

@@ -28,7 +28,7 @@ from quad_planner.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Mask, Points
 
 Floats = NDArray[np.float64]
@@ -189,7 +189,7 @@ def _expand(
     return False
 
 
-@compiled
+@compiled_part
 def _upwind(a: float, b: float, slow: float) -> float:
     """Return T with max(T - a, 0)^2 + max(T - b, 0)^2 = slow^2, a and b the neighbours' T."""
     low, high = min(a, b), max(a, b)
@@ -277,7 +277,7 @@ def _descend(
     return len(points), False
 
 
-@compiled
+@compiled_part
 def _gradient_step(times: Floats, forbidden: Bits, x: float, y: float) -> tuple[float, float]:
     """Return the point a step down the gradient, or the same point if one must not be there."""
     height, width = times.shape
@@ -299,7 +299,7 @@ def _gradient_step(times: Floats, forbidden: Bits, x: float, y: float) -> tuple[
     return (new_x, new_y) if sees(forbidden, width, x, y, new_x, new_y) else (x, y)
 
 
-@compiled
+@compiled_part
 def _slope(times: Floats, x: int, y: int) -> tuple[float, float]:
     """Return the upwind gradient of T at a cell's centre, towards what is later."""
     height, width = times.shape
@@ -313,7 +313,7 @@ def _slope(times: Floats, x: int, y: int) -> tuple[float, float]:
     return (along if west <= east else -along), (across if south <= north else -across)
 
 
-@compiled
+@compiled_part
 def _earlier_centre(times: Floats, x: int, y: int) -> tuple[float, float]:
     """Return the centre of the earliest neighbour, with no corner cut."""
     height, width = times.shape

@@ -124,18 +124,20 @@ class Planner(Generic[Prepared]):
 
     def warm_up(self) -> None:
         """
-        Plan once on a small map of its own, so that the compiled code is ready.
+        Plan on a small map of its own, around a wall and not, so that the compiled code is ready.
 
-        It takes half a second, and after an installation the ten seconds of compiling.
+        It takes half a second, and after an installation that of compiling: up to ten.
         """
         cells = np.zeros((48, 48), dtype=np.int8)
         cells[16:32, 22:26] = OCCUPIED
         side = self._method.clearance_radius / 2.0
         grid = OccupancyGrid(cells, side, Pose2D(0.0, 0.0, 0.0))
-        start, goal = (Pose2D(x * side, 24.3 * side, 0.3) for x in (8.6, 40.2))
-        # Whether there is a plan does not matter.
-        with suppress(PlannerError):
-            self._method.plan(self._method.prepare(grid), start, goal)
+        start, behind, before = (Pose2D(x * side, 24.3 * side, 0.3) for x in (8.6, 40.2, 15.4))
+        prepared = self._method.prepare(grid)
+        for goal in (behind, before):
+            # Whether there is a plan does not matter.
+            with suppress(PlannerError):
+                self._method.plan(prepared, start, goal)
 
     def plan(self, start: Pose2D, goal: Pose2D) -> Plan:
         """

@@ -22,7 +22,7 @@ from quad_planner.any_angle import convex_corners, taut_path
 from quad_planner.bit_grid import BitGrid, Bits, is_set
 from quad_planner.cell_costs import Floats, cell_costs
 from quad_planner.cell_request import CellRequest
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
 from quad_planner.jump_points import JumpPointSearch, without_straights
 from quad_planner.lattice_search import fewest_turns
@@ -176,7 +176,6 @@ def _length(points: Points) -> float:
     return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
-@compiled
 def turns_saved(cells: NDArray[np.int64], forbidden: Bits) -> NDArray[np.int64]:
     """
     Walk each leg of a path straight or diagonal first, so that there are few turns.
@@ -194,27 +193,37 @@ def turns_saved(cells: NDArray[np.int64], forbidden: Bits) -> NDArray[np.int64]:
         As short, with no more turns.
     """
     kept = cells.copy()
-    count, at = len(kept), 0
-    while at + 3 < count:
-        x, y = _moved_corner(kept[at : at + 4], forbidden)
-        if x >= 0:
-            # Two corners become one.
-            kept[at + 1] = x, y
-            kept[at + 2 : count - 1] = kept[at + 3 : count].copy()
-            count -= 1
-            at = max(at - 2, -1)
-        at += 1
-    return without_straights(kept[:count])
+    return without_straights(kept[: _save_turns(kept, forbidden)])
 
 
 @compiled
-def _moved_corner(way: NDArray[np.int64], forbidden: Bits) -> tuple[int, int]:
+def _save_turns(cells: NDArray[np.int64], forbidden: Bits) -> int:
+    """Change a path; return how many of its places are left."""
+    count, at = len(cells), 0
+    while at + 3 < count:
+        x, y = _moved_corner(cells, at, forbidden)
+        if x >= 0:
+            # Two corners become one.
+            cells[at + 1, 0], cells[at + 1, 1] = x, y
+            count -= 1
+            for k in range(at + 2, count):
+                cells[k, 0], cells[k, 1] = cells[k + 1, 0], cells[k + 1, 1]
+            at = max(at - 2, -1)
+        at += 1
+    return count
+
+
+@compiled_part
+def _moved_corner(cells: NDArray[np.int64], at: int, forbidden: Bits) -> tuple[int, int]:
     """
-    Find one corner in the place of two: three pieces a, b, a become b, a or a, b.
+    Find one corner in the place of two: three pieces a, b, a from a place become b, a or a, b.
 
     Returns x and y, or -1, -1 if the pieces are others, or there is no room.
     """
-    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = way[0], way[1], way[2], way[3]
+    x0, y0 = cells[at, 0], cells[at, 1]
+    x1, y1 = cells[at + 1, 0], cells[at + 1, 1]
+    x2, y2 = cells[at + 2, 0], cells[at + 2, 1]
+    x3, y3 = cells[at + 3, 0], cells[at + 3, 1]
     if _direction(x0, y0, x1, y1) == _direction(x2, y2, x3, y3):
         for x, y in ((x0 + x2 - x1, y0 + y2 - y1), (x1 + x3 - x2, y1 + y3 - y2)):
             if _is_free(x0, y0, x, y, forbidden) and _is_free(x, y, x3, y3, forbidden):
@@ -222,12 +231,12 @@ def _moved_corner(way: NDArray[np.int64], forbidden: Bits) -> tuple[int, int]:
     return -1, -1
 
 
-@compiled
+@compiled_part
 def _direction(x: int, y: int, to_x: int, to_y: int) -> tuple[int, int]:
     return int(to_x > x) - int(to_x < x), int(to_y > y) - int(to_y < y)
 
 
-@compiled
+@compiled_part
 def _is_free(x: int, y: int, to_x: int, to_y: int, forbidden: Bits) -> bool:
     """Return whether one may step from cell to cell along a straight or a diagonal."""
     dx, dy = _direction(x, y, to_x, to_y)

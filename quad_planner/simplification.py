@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from quad_common.errors import ParameterError
 from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask, Bits
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
 
 Floats = NDArray[np.float64]
@@ -158,7 +158,7 @@ def _go_on(
                     break
 
 
-@compiled
+@compiled_part
 def _is_near(points: Points, i: int, j: int, deviation: float) -> bool:
     """Return whether the points between two are near to the segment that joins these."""
     x, y = points[i]

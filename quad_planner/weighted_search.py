@@ -24,7 +24,7 @@ from quad_planner.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.compiled import compiled
+from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
 from quad_planner.jump_points import DIAGONAL, STRAIGHT, without_straights
 
@@ -202,7 +202,7 @@ def _straighten(
             before[other] = at
 
 
-@compiled
+@compiled_part
 def _octile(cell: int, goal: int, width: int) -> int:
     along, across = abs(cell % width - goal % width), abs(cell // width - goal // width)
     return STRAIGHT * max(along, across) + (DIAGONAL - STRAIGHT) * min(along, across)
