@@ -1,0 +1,180 @@
+"""
+A pinhole camera with lens distortion: from points in the world to pixels and back.
+
+The frame of the camera is ROS's optical one (REP-103): x to the right of the picture, y
+down, z along the view. Lens distortion is OpenCV's model of five numbers, ``plumb_bob``
+in sensor_msgs/CameraInfo.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from quad_common.errors import ParameterError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CameraModel:
+    """
+    What maps the world to a picture.
+
+    Raises
+    ------
+    ParameterError
+        If a field is not what its description says.
+    """
+
+    width: int
+    """Of the picture [pixels]."""
+    height: int
+    """Of the picture [pixels]."""
+    matrix: Array
+    """Shape (3, 3): focal lengths and principal point, K of sensor_msgs/CameraInfo [pixels]."""
+    rotation: Array
+    """Shape (3, 3): from the camera's frame to the world."""
+    position: Array
+    """Of the camera in the world, shape (3,) [m]."""
+    distortion: Array
+    """k1, k2, p1, p2, k3, shape (5,)."""
+
+    def __post_init__(self) -> None:
+        """Check shapes, and whether the rotation is one."""
+        if not (self.width > 0 and self.height > 0):
+            raise ParameterError('width', (self.width, self.height), 'positive numbers of pixels')
+        for name, shape in (
+            ('matrix', (3, 3)),
+            ('rotation', (3, 3)),
+            ('position', (3,)),
+            ('distortion', (5,)),
+        ):
+            value = getattr(self, name)
+            if value.shape != shape or not np.isfinite(value).all():
+                raise ParameterError(name, value.tolist(), f'finite numbers of shape {shape}')
+        if not (self.matrix[0, 0] > 0.0 and self.matrix[1, 1] > 0.0):
+            raise ParameterError('matrix', self.matrix.tolist(), 'one with focal lengths above 0')
+        if not np.allclose(self.rotation @ self.rotation.T, np.eye(3), atol=1e-6):
+            raise ParameterError('rotation', self.rotation.tolist(), 'a rotation matrix')
+
+    @classmethod
+    def looking_down(
+        cls,
+        position: ArrayLike,
+        yaw: float,
+        field_of_view: float,
+        size: tuple[int, int] = (640, 640),
+        distortion: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> CameraModel:
+        """
+        Make a camera under the ceiling.
+
+        Parameters
+        ----------
+        position : array_like, shape (3,)
+            In the world [m].
+        yaw : float
+            Direction in the world of the picture's right side [rad].
+        field_of_view : float
+            Angle that the picture's width spans, without distortion [rad].
+        size : tuple of int
+            Width and height of the picture [pixels].
+        distortion : array_like, shape (5,)
+            k1, k2, p1, p2, k3.
+
+        Returns
+        -------
+        CameraModel
+            It looks straight down.
+        """
+        if not 0.0 < field_of_view < math.pi:
+            raise ParameterError('field_of_view', field_of_view, 'between 0 and pi')
+        width, height = size
+        focal = width / 2.0 / math.tan(field_of_view / 2.0)
+        matrix = np.array([[focal, 0.0, width / 2.0], [0.0, focal, height / 2.0], [0.0, 0.0, 1.0]])
+        c, s = math.cos(yaw), math.sin(yaw)
+        # Right, down in the picture, and straight down, as columns.
+        rotation = np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, -1.0]])
+        numbers = (np.asarray(value, dtype=float) for value in (position, distortion))
+        return cls(width, height, matrix, rotation, *numbers)
+
+    def project(self, points: ArrayLike) -> Array:
+        """
+        Find where points of the world are in the picture.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, 3)
+            In front of the camera, in the world [m].
+
+        Returns
+        -------
+        ndarray, shape (n, 2)
+            Column and row; (0, 0) is the outer corner of the first pixel, whose centre is
+            at (0.5, 0.5). NaN for points that are not in front of the camera.
+        """
+        seen = (
+            np.reshape(np.asarray(points, dtype=float), (-1, 3)) - self.position
+        ) @ self.rotation
+        pixels = np.full((len(seen), 2), np.nan)
+        ahead = seen[:, 2] > 1e-9
+        if ahead.any():
+            none = np.zeros(3)
+            found, _ = cv2.projectPoints(seen[ahead], none, none, self.matrix, self.distortion)
+            pixels[ahead] = found.reshape(-1, 2)
+        return pixels
+
+    def on_plane(self, pixels: ArrayLike, height: float = 0.0) -> Array:
+        """
+        Find the points at a height that are seen in pixels.
+
+        Parameters
+        ----------
+        pixels : array_like, shape (n, 2)
+            Columns and rows, as from :meth:`project`.
+        height : float
+            Of the horizontal plane in the world [m].
+
+        Returns
+        -------
+        ndarray, shape (n, 2)
+            x and y in the world [m]; NaN where the view does not meet the plane.
+        """
+        directions = self.directions(pixels)
+        down = directions[:, 2]
+        with np.errstate(divide='ignore', invalid='ignore'):
+            along = (height - self.position[2]) / down
+        points: Array = self.position[:2] + along[:, None] * directions[:, :2]
+        points[~(along > 0.0)] = np.nan
+        return points
+
+    def directions(self, pixels: ArrayLike) -> Array:
+        """
+        Find where pixels look.
+
+        Parameters
+        ----------
+        pixels : array_like, shape (n, 2)
+            Columns and rows.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Unit vectors in the world.
+        """
+        given = np.reshape(np.asarray(pixels, dtype=float), (-1, 1, 2))
+        straight = cv2.undistortPoints(given, self.matrix, self.distortion).reshape(-1, 2)
+        rays = np.column_stack((straight, np.ones(len(straight)))) @ self.rotation.T
+        unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+        return unit
+
+    def without_distortion(self) -> CameraModel:
+        """Return the same camera with a perfect lens."""
+        return CameraModel(
+            self.width, self.height, self.matrix, self.rotation, self.position, np.zeros(5)
+        )
