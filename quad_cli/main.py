@@ -41,18 +41,21 @@ def main(args: list[str] | None = None) -> int:
         prog='quadwalk', description='Walk a quadruped robot from a map to a goal.'
     )
     commands = parser.add_subparsers(dest='command', metavar='command', required=True)
+    args = sys.argv[1:] if args is None else args
     for name, summary in COMMANDS.items():
-        module = importlib.import_module(f'quad_cli.{name}')
         command = commands.add_parser(
             name,
             help=summary,
             description=summary[0].upper() + summary[1:] + '.',
-            epilog=module.EXAMPLES,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        module.add_arguments(command)
-        command.set_defaults(run=module.run)
-    arguments = parser.parse_args(with_negative_values(sys.argv[1:] if args is None else args))
+        # Some commands are slow to import: only the one that is asked for is.
+        if args[:1] == [name]:
+            module = importlib.import_module(f'quad_cli.{name}')
+            command.epilog = module.EXAMPLES
+            module.add_arguments(command)
+            command.set_defaults(run=module.run)
+    arguments = parser.parse_args(with_negative_values(args))
     try:
         code: int = arguments.run(arguments)
         return code

@@ -16,9 +16,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-
 from quad_cli.arguments import map_argument, pose_argument
 from quad_common.errors import ParameterError, PlannerError
 from quad_common.map_file import load_map
@@ -212,6 +209,10 @@ def _print_plan(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> None:
 
 
 def _print_comparison(outcomes: list[_Outcome], start: Pose2D, pace: Pace | None) -> None:
+    # Imported late: a single plan is printed without.
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table('method', 'length', 'turning points', 'gait cycles', 'walking', 'search')
     for outcome in outcomes:
         plan = outcome.plan

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from quad_common.planar_pose import Pose2D, Twist2D, wrap_angle
 
@@ -124,6 +123,9 @@ def smooth_progress(knots: tuple[tuple[float, float], ...], times: Array) -> tup
     tuple of ndarray, each of shape (n,)
         Value, and rate [1/s].
     """
+    # Imported late: it is slow to import, and a gait's curves are drawn once.
+    from scipy.interpolate import PchipInterpolator
+
     t, values = (np.array(column) for column in zip(*knots))
     # A zero slope at both ends comes from holding the end values a little longer.
     padded_t = np.concatenate([[t[0] - 1.0], t, [t[-1] + 1.0]])

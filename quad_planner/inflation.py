@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -390,6 +389,9 @@ def combined_obstacles(grid: OccupancyGrid, forbidden: Mask) -> CombinedObstacle
     CombinedObstacles
         The connected parts of the forbidden zone and the lines around them.
     """
+    # Imported late: plans can do without.
+    import cv2
+
     image = forbidden.astype(np.uint8)
     count, labels = cv2.connectedComponents(image, connectivity=8)
     contours, _ = cv2.findContours(image, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,6 +85,9 @@ def boundary_distances(
     ndarray, shape (height, width)
         From the middle of the side of the nearest blocked cell, less the radius [m].
     """
+    # Imported late: other methods can do without.
+    import cv2
+
     mask = blocked.unpacked()
     if not mask.any():
         return np.full(mask.shape, farthest)

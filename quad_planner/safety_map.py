@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -134,6 +133,9 @@ class SafetyMap:
     @cached_property
     def areas(self) -> NDArray[np.int32]:
         """Return the number of the connected free area of each cell, 0 if forbidden."""
+        # Imported late: only where there is no path it is asked why.
+        import cv2
+
         image = self.allowed.astype(np.uint8)
         return np.asarray(cv2.connectedComponents(image, connectivity=8)[1], dtype=np.int32)
 

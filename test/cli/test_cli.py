@@ -188,6 +188,26 @@ def test_arguments_that_are_not_understood_end_with_code_2(capsys, arguments):
     assert 'usage: quadwalk' in capsys.readouterr().err
 
 
+def imported_by(arguments):
+    """Run a command in an interpreter of its own; return the names of all its modules."""
+    code = (
+        'import sys; from quad_cli.main import main; code = main(sys.argv[1:]); '
+        'print(*sys.modules); sys.exit(code)'
+    )
+    command = [sys.executable, '-c', code, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def test_a_command_imports_what_it_needs_and_no_more():
+    plan = imported_by([*PLAN, '--method', 'shortest', '--json'])
+    assert 'quad_planner.jump_points' in plan
+    slow = {'quad_gait', 'quad_sim', 'scipy.interpolate', 'matplotlib', 'cv2', 'rich.console'}
+    assert plan & slow == set()
+    check = imported_by(['robot', 'check', 'titan_viii', '--json'])
+    assert check & {*slow, 'quad_planner', 'numba'} == set()
+
+
 @pytest.mark.parametrize('command', COMMANDS)
 def test_every_command_explains_itself_with_examples(capsys, command):
     with pytest.raises(SystemExit) as caught:
