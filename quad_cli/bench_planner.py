@@ -20,6 +20,7 @@ from scipy.ndimage import distance_transform_edt
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_fields import field_bars
+from quad_cli.bench_first_call import first_call_times
 from quad_cli.bench_quickest import walking_bars
 from quad_cli.bench_searches import scenario_bars, search_bars
 from quad_cli.planner_peers import available_peers
@@ -39,21 +40,17 @@ _RESOLUTION = 0.05
 _ENOUGH = 0.5
 """What took less is measured again, for others share the machine [s]."""
 
-_FIRST_PLAN = """
+_ONE_PLAN = """
 import pathlib
 import sys
-import time
-began = time.perf_counter()
 import numpy as np
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_planner.inflation import inflate
 from quad_planner.shortest_planner import ShortestPlanner
 planner = ShortestPlanner(clearance_radius=0.4)
 size = int(sys.argv[1])
 grid = OccupancyGrid(np.zeros((size, size), dtype=np.int8), 0.05, Pose2D(0.0, 0.0, 0.0))
 planner.plan(planner.prepare(grid), Pose2D(1.0, 1.0, 0.0), Pose2D(4.0, 4.0, 0.0))
-print(time.perf_counter() - began)
 status = pathlib.Path('/proc/self/status').read_text()
 print(status.split('VmHWM:')[1].split()[0])
 """
@@ -131,9 +128,8 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     bars += field_bars({'streets': streets, 'noise': noise}, quick, seed)
     bars += search_bars({'streets': streets, 'noise': noise}, quick, seed)
     bars += scenario_bars(quick)
-    starts = [_first_plan(100)[0] for _ in range(2)]
-    bars.append(at_most('from a start of Python to the first plan', min(starts), 's', 1.5))
-    _, memory = _first_plan(sizes[-1])
+    bars += first_call_times(console, quick)
+    memory = _memory_of_a_plan(sizes[-1])
     bars.append(at_most(f'memory of a plan on a map of {sizes[-1]}', memory, 'MiB', 512.0))
     bars += _node_bars(sizes[-1], seed)
     walk_bars, walks = walking_bars(console, quick, seed)
@@ -220,26 +216,13 @@ def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
     return min(times), result
 
 
-def _first_plan(size: int) -> tuple[float, float]:
-    """
-    Start Python anew, for one plan.
-
-    Parameters
-    ----------
-    size : int
-        Side of the map [cells].
-
-    Returns
-    -------
-    seconds, memory : float
-        All the time up to the plan [s], and the most memory that the process had [MiB].
-    """
+def _memory_of_a_plan(size: int) -> float:
+    """Start Python anew for one plan on a map of a size; return its peak memory [MiB]."""
     result = subprocess.run(
-        [sys.executable, '-c', _FIRST_PLAN, str(size)],
+        [sys.executable, '-c', _ONE_PLAN, str(size)],
         capture_output=True,
         text=True,
         check=True,
         cwd=Path(__file__).parents[1],
     )
-    seconds, kibibytes = map(float, result.stdout.split())
-    return seconds, kibibytes / 1024.0
+    return float(result.stdout) / 1024.0
