@@ -454,20 +454,17 @@ def _reach(
 
 def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
     """Go back from the goal to the start; list where the path begins, turns and ends."""
+    offsets = (_DY * width + _DX).tolist()
+    step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
+    # Python's own numbers: quick to read one by one, and nothing to compile.
+    ways = reached_by.data
     places = [goal]
-    while True:
-        places.append(_begin_of_stretch(reached_by, width, places[-1], heading))
-        by = reached_by[HEADINGS * places[-1] + heading] & _PREVIOUS
-        if by == _AT_THE_START:
-            break
-        heading = int(by)
+    cell, by = goal, step
+    while by != start:
+        by = ways[HEADINGS * cell + heading] & previous
+        if by == step:
+            cell -= offsets[heading]
+        else:
+            places.append(cell)
+            heading = by
     return np.array([[place % width - 1, place // width - 1] for place in reversed(places)])
-
-
-@compiled
-def _begin_of_stretch(reached_by: NDArray[np.uint8], width: int, cell: int, heading: int) -> int:
-    """Go back straight on to where the robot turned to a heading."""
-    offset = int(_DY[heading]) * width + int(_DX[heading])
-    while reached_by[HEADINGS * cell + heading] & _PREVIOUS == _BY_A_STEP:
-        cell -= offset
-    return cell
