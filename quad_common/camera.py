@@ -19,6 +19,12 @@ from quad_common.errors import ParameterError
 
 Array = NDArray[np.float64]
 
+_ROUNDS = 50
+"""Of tracing light back through a lens, at most."""
+
+_EXACT = 1e-6
+"""How exactly light is traced back [pixels]."""
+
 
 @dataclass(frozen=True, eq=False)
 class CameraModel:
@@ -59,6 +65,12 @@ class CameraModel:
                 raise ParameterError(name, value.tolist(), f'finite numbers of shape {shape}')
         if not (self.matrix[0, 0] > 0.0 and self.matrix[1, 1] > 0.0):
             raise ParameterError('matrix', self.matrix.tolist(), 'one with focal lengths above 0')
+        (fx, _, cx), (_, fy, cy), _ = self.matrix
+        if not np.array_equal(self.matrix, [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]):
+            # OpenCV takes no notice of what else a matrix may hold.
+            raise ParameterError(
+                'matrix', self.matrix.tolist(), '[[fx, 0, cx], [0, fy, cy], [0, 0, 1]], no skew'
+            )
         if not np.allclose(self.rotation @ self.rotation.T, np.eye(3), atol=1e-6):
             raise ParameterError('rotation', self.rotation.tolist(), 'a rotation matrix')
 
@@ -169,6 +181,16 @@ class CameraModel:
         """
         given = np.reshape(np.asarray(pixels, dtype=float), (-1, 1, 2))
         straight = cv2.undistortPoints(given, self.matrix, self.distortion).reshape(-1, 2)
+        # OpenCV stops after five rounds, which leaves tenths of a pixel at the rim of wide lenses.
+        none = np.zeros(3)
+        focal = (self.matrix[0, 0], self.matrix[1, 1])
+        for _ in range(_ROUNDS if len(given) and self.distortion.any() else 0):
+            rays = np.column_stack((straight, np.ones(len(straight))))
+            seen, _ = cv2.projectPoints(rays, none, none, self.matrix, self.distortion)
+            missed = (given - seen).reshape(-1, 2)
+            if not np.abs(missed).max() > _EXACT:
+                break
+            straight += missed / focal
         rays = np.column_stack((straight, np.ones(len(straight)))) @ self.rotation.T
         unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
         return unit

@@ -45,6 +45,13 @@ def test_a_pixel_looks_at_the_point_that_is_seen_in_it(distortion, height):
     assert model.on_plane(pixels, height) == pytest.approx(places, abs=1e-4)
 
 
+def test_the_corners_of_a_wide_lens_are_traced_back_as_exactly_as_its_middle():
+    model = camera(field_of_view=1.4, distortion=(-0.25, 0.06, 0.001, -0.0005, 0.0))
+    pixels = np.array([(0.0, 0.0), (640.0, 0.0), (0.0, 640.0), (640.0, 640.0), (320.0, 320.0)])
+    seen = model.project(model.position + model.directions(pixels))
+    assert seen == pytest.approx(pixels, abs=1e-5)
+
+
 def test_a_tall_point_is_displaced_away_from_below_the_camera():
     model = camera()
     low, high = model.project([(2.0, 2.0, 0.0), (2.0, 2.0, 1.0)])
@@ -79,3 +86,11 @@ def test_a_lens_without_distortion_is_straight():
 def test_numbers_that_are_not_valid_are_refused(name, value):
     with pytest.raises(ParameterError):
         camera(**{name: value})
+
+
+def test_a_matrix_with_skew_is_refused():
+    straight = camera()
+    matrix = straight.matrix.copy()
+    matrix[0, 1] = 3.0
+    with pytest.raises(ParameterError, match='no skew'):
+        CameraModel(640, 640, matrix, straight.rotation, straight.position, straight.distortion)
