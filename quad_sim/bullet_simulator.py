@@ -10,7 +10,7 @@ import os
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,10 @@ from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import LEGS, Robot
 from quad_common.urdf import urdf_from_robot
+from quad_sim.appearance import Appearance
+from quad_sim.bullet_scene import BulletScene
 from quad_sim.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
-from quad_sim.world import World
+from quad_sim.world import Obstacle, World
 
 
 @contextlib.contextmanager
@@ -84,6 +86,8 @@ class BulletSimulator:
         Fixed step [s].
     gui : bool
         Show PyBullet's own window.
+    appearance : Appearance, optional
+        Of the world in pictures.
 
     Raises
     ------
@@ -92,10 +96,20 @@ class BulletSimulator:
     """
 
     def __init__(
-        self, robot: Robot, world: World, time_step: float = 0.005, gui: bool = False
+        self,
+        robot: Robot,
+        world: World,
+        time_step: float = 0.005,
+        gui: bool = False,
+        appearance: Appearance | None = None,
     ) -> None:
         self.time_step = time_step
         self._robot = robot
+        self._world = world
+        self._appearance = Appearance() if appearance is None else appearance
+        self._scene: BulletScene | None = None
+        self._goal: Pose2D | None = None
+        self._placed: dict[Hashable, tuple[Obstacle, int]] = {}
         self._steps = 0
         with _silenced():
             self._bullet: Any = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
@@ -106,7 +120,9 @@ class BulletSimulator:
             deterministicOverlappingPairs=1,
         )
         self._ground = self._make_ground(world)
-        self._obstacles = self._make_obstacles(world)
+        self._make_walls(world)
+        for index, obstacle in enumerate(world.obstacles):
+            self.put_obstacle(('', index), obstacle)
         self._body, self._joints, self._link_names = self._load_robot()
         self._feet = frozenset(f'{leg}_foot' for leg in LEGS)
         self._falls = {Contact('base_link', 'ground')}
@@ -181,8 +197,64 @@ class BulletSimulator:
             has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
         )
 
+    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
+        """
+        Put an obstacle, in the place of the one of that name if there is one.
+
+        Parameters
+        ----------
+        name : hashable
+            Of the obstacle; those of the world are ('', 0), ('', 1) and so on.
+        obstacle : Obstacle
+            It stands fast.
+        """
+        self.remove_obstacle(name)
+        half = (obstacle.length / 2.0, obstacle.width / 2.0, obstacle.height / 2.0)
+        if obstacle.kind == 'box':
+            shape = self._bullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
+        else:
+            shape = self._bullet.createCollisionShape(
+                pybullet.GEOM_CYLINDER, radius=half[0], height=obstacle.height
+            )
+        pose = obstacle.pose
+        turned = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
+        place = (pose.x, pose.y, half[2])
+        body = self._bullet.createMultiBody(0, shape, -1, place, turned)
+        self._placed[name] = obstacle, body
+        if self._scene is not None:
+            self._scene.put_obstacle(name, obstacle)
+
+    def remove_obstacle(self, name: Hashable) -> None:
+        """Take an obstacle away, if it is there."""
+        if name in self._placed:
+            self._bullet.removeBody(self._placed.pop(name)[1])
+        if self._scene is not None:
+            self._scene.remove_obstacle(name)
+
+    @property
+    def obstacles(self) -> dict[Hashable, Obstacle]:
+        """Those that stand there now, besides the walls."""
+        return {name: obstacle for name, (obstacle, _) in self._placed.items()}
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it; nothing collides with it."""
+        self._goal = pose
+        if self._scene is not None:
+            self._scene.put_goal_marker(pose)
+
+    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw a picture; see :class:`quad_sim.camera.Scene`. The physics do not notice."""
+        if self._scene is None:
+            self._scene = self._make_scene()
+        center, orientation = self._bullet.getBasePositionAndOrientation(self._body)
+        states = self._bullet.getJointStates(self._body, self._joints)
+        self._scene.put_robot(center, orientation, [state[0] for state in states])
+        return self._scene.render(view, projection, width, height)
+
     def close(self) -> None:
         """Disconnect from the physics server."""
+        if self._scene is not None:
+            self._scene.close()
         if self._bullet.isConnected():
             self._bullet.disconnect()
 
@@ -210,13 +282,26 @@ class BulletSimulator:
         self._bullet.changeDynamics(ground, -1, lateralFriction=world.friction, restitution=0.0)
         return ground
 
-    def _make_obstacles(self, world: World) -> frozenset[int]:
+    def _make_scene(self) -> BulletScene:
+        """Make what pictures are taken of, a second world with the same things in it."""
+        with _silenced():
+            client: Any = BulletClient(pybullet.DIRECT)
+        body = _load_urdf(client, self._robot)
+        names = _joint_indices(client, body)
+        joints = [names[name] for name in self._robot.joint_names]
+        scene = BulletScene(client, body, joints, self._robot, self._world, self._appearance)
+        for name, obstacle in self.obstacles.items():
+            scene.put_obstacle(name, obstacle)
+        if self._goal is not None:
+            scene.put_goal_marker(self._goal)
+        return scene
+
+    def _make_walls(self, world: World) -> None:
         """Build the boxes as one static mesh per tile of the floor."""
         tiles: dict[tuple[int, int], list[Array]] = defaultdict(list)
         for box in world.boxes:
             column, row = np.floor(box.mean(axis=0) / _TILE).astype(int)
             tiles[column, row].append(box)
-        bodies = []
         with tempfile.TemporaryDirectory() as folder:
             for index, boxes in enumerate(tiles.values()):
                 path = Path(folder) / f'{index}.obj'
@@ -226,25 +311,20 @@ class BulletSimulator:
                     fileName=str(path),
                     flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
                 )
-                bodies.append(self._bullet.createMultiBody(0, shape))
-        return frozenset(bodies)
+                self._bullet.createMultiBody(0, shape)
 
     def _load_robot(self) -> tuple[int, list[int], dict[int, str]]:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f'{self._robot.name}.urdf'
-            path.write_text(urdf_from_robot(self._robot), encoding='utf-8')
-            flags = (
-                pybullet.URDF_USE_INERTIA_FROM_FILE
-                | pybullet.URDF_USE_SELF_COLLISION
-                | pybullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT
-            )
-            body = self._bullet.loadURDF(str(path), flags=flags)
-        by_name = {}
+        body = _load_urdf(
+            self._bullet,
+            self._robot,
+            pybullet.URDF_USE_INERTIA_FROM_FILE
+            | pybullet.URDF_USE_SELF_COLLISION
+            | pybullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT,
+        )
+        by_name = _joint_indices(self._bullet, body)
         links = {-1: 'base_link'}
         for index in range(self._bullet.getNumJoints(body)):
-            info = self._bullet.getJointInfo(body, index)
-            by_name[info[1].decode()] = index
-            links[index] = info[12].decode()
+            links[index] = self._bullet.getJointInfo(body, index)[12].decode()
         for link in links:
             self._bullet.changeDynamics(
                 body,
@@ -273,6 +353,21 @@ class BulletSimulator:
             else:
                 found.add(Contact(name, 'ground' if other_body == self._ground else 'obstacle'))
         return tuple(sorted(found, key=str))
+
+
+def _load_urdf(client: Any, robot: Robot, flags: int = 0) -> int:
+    """Load a robot into a world, and return its body."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f'{robot.name}.urdf'
+        path.write_text(urdf_from_robot(robot), encoding='utf-8')
+        body: int = client.loadURDF(str(path), flags=flags)
+    return body
+
+
+def _joint_indices(client: Any, body: int) -> dict[str, int]:
+    """Return the index of each joint of a body."""
+    count = client.getNumJoints(body)
+    return {client.getJointInfo(body, index)[1].decode(): index for index in range(count)}
 
 
 def _cross(a: Array, b: Array) -> Array:
