@@ -69,8 +69,7 @@ class CellRequest:
         InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
             As :meth:`SafetyMap.check_ends`.
         """
-        leave_at = safety.check_ends(start, goal, start_tolerance)
-        s, g = (safety.grid.world_to_map(np.array([p.x, p.y])) for p in (start, goal))
+        (s, g), leave_at = safety.check_ends(start, goal, start_tolerance)
         return cls(safety, start, goal, s, g, leave_at, check)
 
     @property

@@ -156,8 +156,10 @@ class SafetyMap:
 
     def _cell_of(self, point: Points) -> tuple[int, int]:
         """Return the row and column of the cell of the map that is nearest to a point."""
-        column, row = math.floor(point[0]), math.floor(point[1])
-        return min(max(row, 0), self.grid.height - 1), min(max(column, 0), self.grid.width - 1)
+        # As Python's numbers, which are faster one by one.
+        x, y = point.tolist()
+        height, width = self.grid.cells.shape
+        return min(max(math.floor(y), 0), height - 1), min(max(math.floor(x), 0), width - 1)
 
     def _box(self, lowest: Points, highest: Points) -> tuple[int, int, int, int]:
         """Return the window of the map between two points: left, bottom, right, top."""
@@ -211,7 +213,9 @@ class SafetyMap:
                 return [(int(cells[k, 0]), int(cells[k, 1]))]
         return []
 
-    def check_ends(self, start: Pose2D, goal: Pose2D, start_tolerance: float) -> float:
+    def check_ends(
+        self, start: Pose2D, goal: Pose2D, start_tolerance: float
+    ) -> tuple[Points, float]:
         """
         Check both poses.
 
@@ -224,7 +228,9 @@ class SafetyMap:
 
         Returns
         -------
-        float
+        points : ndarray, shape (2, 2)
+            Where start and goal are [cells].
+        leave_at : float
             The clearance to keep on leaving the start [cells].
 
         Raises
@@ -241,7 +247,7 @@ class SafetyMap:
             if not pose.is_finite():
                 reason = f'({pose.x}, {pose.y}, {pose.yaw}) must be three finite numbers'
                 raise InvalidPose(what, reason)
-        points = [grid.world_to_map(np.array([pose.x, pose.y])) for pose in (start, goal)]
+        points = grid.world_to_map(np.array([[start.x, start.y], [goal.x, goal.y]]))
         for pose, point, outside in zip((start, goal), points, (StartOutsideMap, GoalOutsideMap)):
             if not (0.0 <= point[0] <= grid.width and 0.0 <= point[1] <= grid.height):
                 raise outside(pose.x, pose.y, grid.bounds())
@@ -256,7 +262,7 @@ class SafetyMap:
             if keep <= 0.0 or keep < (radius - tolerance) * (1.0 - 1e-9):
                 raise error(pose.x, pose.y, keep * grid.resolution, self.clearance_radius)
             keeps.append(keep)
-        return keeps[0]
+        return points, keeps[0]
 
     def not_connected(self, s: Points, g: Points) -> str | None:
         """Say that two points [cells] lie in different free areas; None if they do not."""
