@@ -39,6 +39,8 @@ _RESOLUTION = 0.05
 
 _ENOUGH = 0.5
 """What took less is measured again, for others share the machine [s]."""
+_ROUNDS = 15
+"""Work that takes less is done so often at most: the shortest time counts, for all alike."""
 
 _ONE_PLAN = """
 import pathlib
@@ -209,7 +211,7 @@ def _compare(
 def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
     """Return the least time that some work took [s], and its result."""
     times: list[float] = []
-    while not times or (sum(times) < _ENOUGH and len(times) < 5):
+    while not times or (sum(times) < _ENOUGH and len(times) < _ROUNDS):
         began = time.perf_counter()
         result = work()
         times.append(time.perf_counter() - began)
