@@ -289,6 +289,44 @@ class SimulatorError(QuadError):
     """The simulator cannot do what it was asked to."""
 
 
+class NotSimulated(SimulatorError):
+    """
+    The simulator's backend leaves out what is asked for.
+
+    Parameters
+    ----------
+    what : str
+        What is asked for, with its article.
+    backend : str
+        The backend that has it.
+    """
+
+    def __init__(self, what: str, backend: str) -> None:
+        super().__init__(
+            f"{what} cannot be had: this simulator has nothing to see but the robot's numbers; "
+            f"set 'backend' to '{backend}'"
+        )
+
+
+class ObstacleOnRobot(SimulatorError):
+    """
+    An obstacle would stand where the robot is.
+
+    Parameters
+    ----------
+    name : str
+        Of the obstacle.
+    distance, required : float
+        From base_link to the obstacle, and what the robot needs [m].
+    """
+
+    def __init__(self, name: str, distance: float, required: float) -> None:
+        super().__init__(
+            f'obstacle {name} would stand {distance:.2f} m from the middle of the robot; '
+            f'it must be at least {required:.2f} m away'
+        )
+
+
 class JointNotFound(SimulatorError):
     """A joint of that name does not exist."""
 

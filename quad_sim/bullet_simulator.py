@@ -24,7 +24,7 @@ from quad_common.urdf import urdf_from_robot
 from quad_sim.appearance import Appearance
 from quad_sim.bullet_scene import BulletScene
 from quad_sim.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
-from quad_sim.world import Obstacle, World
+from quad_sim.world import OF_WORLD, Obstacle, World
 
 
 @contextlib.contextmanager
@@ -122,7 +122,7 @@ class BulletSimulator:
         self._ground = self._make_ground(world)
         self._make_walls(world)
         for index, obstacle in enumerate(world.obstacles):
-            self.put_obstacle(('', index), obstacle)
+            self.put_obstacle((OF_WORLD, index), obstacle)
         self._body, self._joints, self._link_names = self._load_robot()
         self._feet = frozenset(f'{leg}_foot' for leg in LEGS)
         self._falls = {Contact('base_link', 'ground')}
@@ -204,7 +204,7 @@ class BulletSimulator:
         Parameters
         ----------
         name : hashable
-            Of the obstacle; those of the world are ('', 0), ('', 1) and so on.
+            Of the obstacle; those of the world are ('room', 0), ('room', 1) and so on.
         obstacle : Obstacle
             It stands fast.
         """

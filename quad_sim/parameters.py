@@ -16,6 +16,15 @@ class SimParameters:
     map_file: str = parameter(
         '', "Nav2 map file; empty: the sample map 'room'; 'none': an empty floor, no map."
     )
+    publish_map: bool = parameter(
+        True, 'Publish the map; false: whoever needs one has to see for himself.'
+    )
+    room_seed: int = parameter(
+        -1, 'Of a room of obstacles at random, in place of a map; -1: none.', lower=-1
+    )
+    room_obstacles: int = parameter(
+        -1, 'How many obstacles the room has; -1: 3 to 12, drawn.', lower=-1, upper=12
+    )
     start_pose: list[float] = parameter(
         [1.2, 1.2, 0.0], 'Where the robot stands at first: x, y, yaw in the map.', 'm, m, rad'
     )
@@ -49,6 +58,49 @@ class SimParameters:
     )
     odom_yaw_noise: float = parameter(
         0.0, "Standard deviation of odom's heading.", 'rad', lower=0.0
+    )
+    camera: bool = parameter(False, 'Publish pictures of a camera under the ceiling.')
+    camera_rate: float = parameter(
+        2.0, 'How often there is a picture, in simulated time.', 'Hz', lower=0.01, upper=100.0
+    )
+    camera_position: list[float] = parameter(
+        [4.0, 4.0, 6.0], 'Where the camera is in the map; it looks straight down.', 'm'
+    )
+    camera_yaw: float = parameter(0.0, "Direction in the map of the picture's right side.", 'rad')
+    camera_field_of_view: float = parameter(
+        1.4, "Angle that the picture's width spans.", 'rad', lower=0.01, upper=3.0
+    )
+    camera_size: list[float] = parameter(
+        [640.0, 640.0], 'Width and height of the picture, 16 to 2048 each.', 'pixels'
+    )
+    camera_distortion: list[float] = parameter(
+        [0.0, 0.0, 0.0, 0.0, 0.0], 'Of the lens, plumb_bob: k1, k2, p1, p2, k3.'
+    )
+    camera_noise: float = parameter(
+        0.0, 'Standard deviation of each number in a picture, of 255.', lower=0.0, upper=255.0
+    )
+    camera_brightness: float = parameter(
+        1.0, 'By which the numbers in a picture are multiplied.', lower=0.0, upper=10.0
+    )
+    obstacle_colour: list[float] = parameter(
+        [205.0, 50.0, 35.0], 'Of walls and obstacles: red, green, blue, 0 to 255.'
+    )
+    floor_colour: list[float] = parameter([205.0, 205.0, 200.0], 'Of the floor, likewise.')
+    floor_checker: float = parameter(
+        0.0, 'Side of the squares of a pattern on the floor; 0: none.', 'm', lower=0.0, upper=10.0
+    )
+    front_colour: list[float] = parameter(
+        [30.0, 80.0, 230.0], "Of the front disc on the robot's back, likewise."
+    )
+    rear_colour: list[float] = parameter(
+        [250.0, 210.0, 0.0], "Of the rear disc on the robot's back, likewise."
+    )
+    goal_colour: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
+    goal_heading_colour: list[float] = parameter(
+        [215.0, 40.0, 200.0], "Of the disc that shows the goal's heading, likewise."
+    )
+    camera_frame: str = parameter(
+        'ceiling_camera', 'Frame of the camera: x right and y down in the picture.'
     )
     map_frame: str = parameter('map', 'Frame of the map.')
     odom_frame: str = parameter('odom', 'Frame of the odometry; it coincides with the map.')

@@ -100,7 +100,7 @@ def random_room(
         keep <= min(start.x, start.y) <= max(start.x, start.y) <= size - keep
     ):
         raise ParameterError(
-            'start', [start.x, start.y], f'from {keep:.2f} to {size - keep:.2f} m in x and y'
+            'start_pose', [start.x, start.y], f'from {keep:.2f} to {size - keep:.2f} m in x and y'
         )
     narrowest = 2.0 * clearance + 0.1
     drawn = rng.uniform(narrowest, narrowest + _WIDEST_GAP)

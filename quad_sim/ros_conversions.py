@@ -4,8 +4,10 @@ Conversions between ROS messages and the simulator's values.
 
 from __future__ import annotations
 
+import math
 from array import array
 
+import cv2
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
@@ -14,8 +16,10 @@ from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
+from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.errors import TrajectoryError
+from quad_common.camera import CameraModel
+from quad_common.errors import InvalidMessage, InvalidPose, ParameterError, TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.ros_conversions import (
@@ -25,7 +29,12 @@ from quad_common.ros_conversions import (
     seconds_from_time,
 )
 from quad_sim.parameters import SimParameters
+from quad_sim.simulation import ObstacleChange
 from quad_sim.simulator import Observation
+from quad_sim.world import Obstacle
+
+_LARGEST = 100.0
+"""Side of an obstacle [m]."""
 
 _EXACT = 1e-12
 """Variance of what is known exactly: zero would mean unknown."""
@@ -213,6 +222,91 @@ def identity_transform(parent: str, child: str, stamp: Time) -> TransformStamped
     transform.header.stamp = stamp
     transform.transform.rotation = quaternion_from_yaw(0.0)
     return transform
+
+
+def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -> TransformStamped:
+    """Write where a camera is and how it looks."""
+    transform = identity_transform(parent, child, stamp)
+    transform.transform.translation = _vector(model.position)
+    turn = cv2.Rodrigues(model.rotation)[0].reshape(3)
+    angle = float(np.linalg.norm(turn))
+    x, y, z = (float(v) for v in turn * (math.sin(angle / 2.0) / max(angle, 1e-12)))
+    transform.transform.rotation = Quaternion(x=x, y=y, z=z, w=math.cos(angle / 2.0))
+    return transform
+
+
+def obstacle_changes_from_message(
+    message: MarkerArray, frames: tuple[str, ...]
+) -> list[ObstacleChange]:
+    """
+    Read which obstacles come and go.
+
+    Parameters
+    ----------
+    message : visualization_msgs/MarkerArray
+        Cubes and cylinders that are added, moved or deleted. They stand on the floor: heights
+        of their poses, and roll and pitch, are not used.
+    frames : tuple of str
+        In which poses may be given.
+
+    Returns
+    -------
+    list of ObstacleChange
+        In order; names are namespace and id.
+
+    Raises
+    ------
+    InvalidMessage
+        If a marker is something else.
+    """
+    return [_obstacle_change(marker, frames) for marker in message.markers]
+
+
+def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
+    name = (marker.ns, marker.id)
+    what = f"marker '{marker.ns}' {marker.id} on 'obstacles'"
+    if marker.action == Marker.DELETEALL:
+        return ObstacleChange(None, None)
+    if marker.action == Marker.DELETE:
+        return ObstacleChange(name, None)
+    if marker.action != Marker.ADD:
+        raise InvalidMessage(
+            what, f'its action is {marker.action}; known are ADD 0, DELETE 2 and DELETEALL 3'
+        )
+    kinds = {Marker.CUBE: 'box', Marker.CYLINDER: 'cylinder'}
+    if marker.type not in kinds:
+        raise InvalidMessage(what, f'its type is {marker.type}; known are CUBE 1 and CYLINDER 3')
+    check_frame(what, marker.header.frame_id, frames)
+    colour = marker.color
+    parts = (colour.r, colour.g, colour.b, colour.a)
+    if not all(0.0 <= part <= 1.0 for part in parts):
+        raise InvalidMessage(what, f'its colour r, g, b, a is {parts}; each must be from 0 to 1')
+    red, green, blue = (round(255.0 * part) for part in parts[:3])
+    size = marker.scale
+    if max(size.x, size.y, size.z) > _LARGEST:
+        raise InvalidMessage(
+            what, f'it is ({size.x}, {size.y}, {size.z}) m large; {_LARGEST:g} m are the most'
+        )
+    try:
+        pose = pose_from_message(marker.pose)
+        obstacle = Obstacle(
+            kinds[marker.type],
+            pose,
+            size.x,
+            size.y,
+            size.z,
+            # A colour that nobody has set is black and transparent.
+            (red, green, blue) if any(parts) else None,
+        )
+    except (InvalidPose, ParameterError) as error:
+        raise InvalidMessage(what, str(error)) from error
+    return ObstacleChange(name, obstacle)
+
+
+def check_frame(what: str, frame: str, frames: tuple[str, ...]) -> None:
+    """Raise InvalidMessage unless a frame is one of those that coincide with the world."""
+    if frame not in frames:
+        raise InvalidMessage(what, f"it is in frame '{frame}'; give it in '{frames[0]}'")
 
 
 def _vector(values: NDArray[np.float64]) -> Vector3:

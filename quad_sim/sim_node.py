@@ -8,6 +8,7 @@ import time
 from typing import Any
 
 import numpy as np
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import (
     DurabilityPolicy,
@@ -16,30 +17,37 @@ from rclpy.qos import (
     qos_profile_sensor_data,
 )
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import MarkerArray
 
-from quad_common.map_file import load_map
-from quad_common.planar_pose import Pose2D
-from quad_common.resources import sample_map
 from quad_common.robot import load_robot
-from quad_common.ros_conversions import time_from_seconds
+from quad_common.ros_conversions import (
+    camera_info_message,
+    image_message,
+    pose_from_message,
+    time_from_seconds,
+)
 from quad_common.ros_node import ERROR, OK, WARN, QuadNode, run_node
 from quad_common.urdf import urdf_from_robot
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     base_transform,
+    camera_transform,
+    check_frame,
     footprint_transform,
     grid_message,
     identity_transform,
     imu_message,
     joint_state_message,
+    obstacle_changes_from_message,
     odometry_message,
     trajectory_from_message,
 )
-from quad_sim.simulation import Simulation, check_start, make_simulator
+from quad_sim.scenery import appearance_from, camera_from, scenery_from
+from quad_sim.simulation import Simulation, make_simulator
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -64,21 +72,23 @@ class SimNode(QuadNode[SimParameters]):
         super().__init__('sim_node', SimParameters, use_sim_time=False, **kwargs)
         p = self.parameters
         robot = load_robot(p.robot)
-        grid = None if p.map_file == 'none' else load_map(p.map_file or sample_map())
-        start = Pose2D(*p.start_pose)
-        if grid is not None and p.backend == 'bullet':
-            check_start(robot, grid, start)
-        simulator = make_simulator(p.backend, robot, grid, p.time_step, p.friction, p.gui)
-        self._simulation = Simulation(simulator, robot, start)
+        scenery = scenery_from(p, robot)
+        look = appearance_from(p, robot)
+        self._camera = camera_from(p) if p.camera else None
+        simulator = make_simulator(p.backend, robot, scenery.world, p.time_step, p.gui, look)
+        self._simulation = Simulation(simulator, robot, scenery.start)
+        if scenery.goal is not None:
+            self._simulation.put_goal_marker(scenery.goal)
         self._joint_names = robot.joint_names
         self._rng = np.random.default_rng(p.seed)
         self._is_paused = False
         self._steps = 0
         self._steps_per_clock = max(1, int(1.0 / (_CLOCK_RATE * p.time_step) + 1e-9))
         self._steps_per_observation = max(1, round(1.0 / (p.sensor_rate * p.time_step)))
+        self._steps_per_picture = max(1, round(1.0 / (p.camera_rate * p.time_step)))
         self._pace_from = (time.monotonic(), 0.0)
         self._speed_from = (time.monotonic(), 0.0)
-        self._spent = {'physics': 0.0, 'publishing': 0.0}
+        self._spent = {'physics': 0.0, 'publishing': 0.0, 'pictures': 0.0}
 
         sensor = qos_profile_sensor_data
         self._clock_publisher = self.create_publisher(Clock, '/clock', _CLOCK)
@@ -87,17 +97,23 @@ class SimNode(QuadNode[SimParameters]):
         self._imu = self.create_publisher(Imu, 'imu', sensor)
         self._description = self.create_publisher(String, 'robot_description', _LATCHED)
         self._map = self.create_publisher(OccupancyGrid, 'map', _LATCHED)
+        if self._camera is not None:
+            self._simulation.check_visible('a camera')
+            self._images = self.create_publisher(Image, 'ceiling_camera/image_raw', sensor)
+            self._infos = self.create_publisher(CameraInfo, 'ceiling_camera/camera_info', sensor)
         self._transforms = self._make_transforms()
         self.create_subscription(
             JointTrajectory, 'joint_trajectory', self.guarded(self._on_trajectory), 10
         )
+        self.create_subscription(MarkerArray, 'obstacles', self.guarded(self._on_obstacles), 10)
+        self.create_subscription(PoseStamped, 'goal_marker', self.guarded(self._on_goal_marker), 10)
         self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)
 
         self._description.publish(String(data=urdf_from_robot(robot)))
-        if grid is not None:
-            self._map.publish(grid_message(grid, p.map_frame, time_from_seconds(0.0)))
+        if scenery.grid is not None:
+            self._map.publish(grid_message(scenery.grid, p.map_frame, time_from_seconds(0.0)))
         self._observe()
         self.update_status()
 
@@ -123,6 +139,8 @@ class SimNode(QuadNode[SimParameters]):
             if self._steps % self._steps_per_clock == 0:
                 stamp = time_from_seconds(self._simulation.time)
                 self._clock_publisher.publish(Clock(clock=stamp))
+            if self._camera is not None and self._steps % self._steps_per_picture == 0:
+                self._take_picture()
         began = time.perf_counter()
         self._observe()
         self._spent['publishing'] += time.perf_counter() - began
@@ -140,6 +158,7 @@ class SimNode(QuadNode[SimParameters]):
             'late_trajectories': simulation.late_trajectories,
             'seconds_in_physics': f'{self._spent["physics"]:.3f}',
             'seconds_publishing': f'{self._spent["publishing"]:.3f}',
+            'seconds_in_pictures': f'{self._spent["pictures"]:.3f}',
         }
         if simulation.has_fallen:
             self.report(ERROR, 'the robot has fallen; reset stands it up again', **values)
@@ -193,18 +212,47 @@ class SimNode(QuadNode[SimParameters]):
         if fine and (self._simulation.contacts_seen or self._simulation.has_fallen):
             self.update_status()
 
+    def _take_picture(self) -> None:
+        """Publish what the camera sees, if somebody looks."""
+        assert self._camera is not None
+        began = time.perf_counter()
+        p = self.parameters
+        stamp = time_from_seconds(self._simulation.time)
+        if self._infos.get_subscription_count() > 0:
+            self._infos.publish(camera_info_message(self._camera.model, p.camera_frame, stamp))
+        if self._images.get_subscription_count() > 0:
+            # Each picture has noise of its own: who looked at the others must not change it.
+            rng = np.random.default_rng((p.seed, self._steps))
+            picture = self._simulation.picture(self._camera, rng)
+            self._images.publish(image_message(picture, p.camera_frame, stamp))
+        self._spent['pictures'] += time.perf_counter() - began
+
     def _make_transforms(self) -> Any:
         if TFMessage is None:
             self.get_logger().info('tf2_msgs is not installed: no transforms are published')
             return None
         p = self.parameters
         static = self.create_publisher(TFMessage, 'tf_static', _LATCHED)
-        identity = identity_transform(p.map_frame, p.odom_frame, time_from_seconds(0.0))
-        static.publish(TFMessage(transforms=[identity]))
+        zero = time_from_seconds(0.0)
+        fixed = [identity_transform(p.map_frame, p.odom_frame, zero)]
+        if self._camera is not None:
+            model = self._camera.model
+            fixed.append(camera_transform(model, p.map_frame, p.camera_frame, zero))
+        static.publish(TFMessage(transforms=fixed))
         return self.create_publisher(TFMessage, 'tf', 100)
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         self._simulation.accept(trajectory_from_message(message))
+
+    def _on_obstacles(self, message: MarkerArray) -> None:
+        p = self.parameters
+        frames = (p.map_frame, p.odom_frame)
+        self._simulation.change_obstacles(obstacle_changes_from_message(message, frames))
+
+    def _on_goal_marker(self, message: PoseStamped) -> None:
+        p = self.parameters
+        check_frame('goal_marker', message.header.frame_id, (p.map_frame, p.odom_frame))
+        self._simulation.put_goal_marker(pose_from_message(message.pose, 'goal_marker'))
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._simulation.reset()

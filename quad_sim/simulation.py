@@ -4,18 +4,23 @@ A robot under its trajectory controller in a simulator: what ``sim_node`` steps.
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import ParameterError
+from quad_common.errors import NotSimulated, ObstacleOnRobot, ParameterError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
+from quad_sim.appearance import Appearance
+from quad_sim.camera import Picture, SimulatedCamera
 from quad_sim.kinematic_simulator import KinematicSimulator
-from quad_sim.simulator import Contact, Observation, Simulator
+from quad_sim.simulator import Contact, Observation, Simulator, VisibleSimulator
 from quad_sim.trajectory_executor import TrajectoryExecutor
-from quad_sim.world import world_from_map
+from quad_sim.world import Obstacle, World, world_from_map
 
 Array = NDArray[np.float64]
 
@@ -28,10 +33,10 @@ BACKENDS = ('bullet', 'kinematic')
 def make_simulator(
     backend: str,
     robot: Robot,
-    grid: OccupancyGrid | None,
+    world: World | None,
     time_step: float = 0.005,
-    friction: float = 0.8,
     gui: bool = False,
+    appearance: Appearance | None = None,
 ) -> Simulator:
     """
     Make a simulator by the name of its backend.
@@ -42,14 +47,14 @@ def make_simulator(
         One of :data:`BACKENDS`.
     robot : Robot
         The robot.
-    grid : OccupancyGrid or None
-        Map whose occupied cells become obstacles; the kinematic one has none.
+    world : World or None
+        Ground and obstacles, an empty floor if None; the kinematic one has none in any case.
     time_step : float
         Fixed step [s].
-    friction : float
-        Between feet and ground.
     gui : bool
         Show PyBullet's own window.
+    appearance : Appearance, optional
+        Of the world in pictures.
 
     Returns
     -------
@@ -69,7 +74,8 @@ def make_simulator(
         # Imported here, so that the kinematic one works where PyBullet is not installed.
         from quad_sim.bullet_simulator import BulletSimulator
 
-        return BulletSimulator(robot, world_from_map(grid, friction=friction), time_step, gui)
+        world = world_from_map(None) if world is None else world
+        return BulletSimulator(robot, world, time_step, gui, appearance)
     raise ParameterError('backend', backend, f'one of {", ".join(BACKENDS)}')
 
 
@@ -102,6 +108,16 @@ def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
         )
 
 
+@dataclass(frozen=True)
+class ObstacleChange:
+    """An obstacle comes, moves or goes."""
+
+    name: Hashable
+    """None: all of them."""
+    obstacle: Obstacle | None
+    """None: it goes."""
+
+
 class Simulation:
     """
     Steps a simulator with the commands of the current trajectory, and keeps the record.
@@ -118,6 +134,7 @@ class Simulation:
 
     def __init__(self, simulator: Simulator, robot: Robot, start_pose: Pose2D) -> None:
         self._simulator = simulator
+        self._footprint_radius = robot.footprint_radius
         self._initial_joints = robot.initial_joint_angles.reshape(-1)
         self._executor = TrajectoryExecutor(robot.joint_names, self._initial_joints)
         self._start_pose = start_pose
@@ -167,6 +184,64 @@ class Simulation:
         self.contacts_seen.update(observation.contacts)
         self.has_fallen = self.has_fallen or observation.has_fallen
         return observation
+
+    def check_visible(self, what: str) -> VisibleSimulator:
+        """
+        Return the simulator, if it has a world to look at.
+
+        Parameters
+        ----------
+        what : str
+            What that is wanted for, with its article.
+
+        Raises
+        ------
+        NotSimulated
+            If it has none.
+        """
+        if not isinstance(self._simulator, VisibleSimulator):
+            raise NotSimulated(what, 'bullet')
+        return self._simulator
+
+    def change_obstacles(self, changes: Iterable[ObstacleChange]) -> None:
+        """
+        Put and remove obstacles, all or, if there is an error, none.
+
+        Parameters
+        ----------
+        changes : iterable of ObstacleChange
+            In order.
+
+        Raises
+        ------
+        NotSimulated
+            If the simulator has no obstacles.
+        ObstacleOnRobot
+            If one would stand where the robot is.
+        """
+        changes = list(changes)
+        world = self.check_visible('an obstacle')
+        pose = self._simulator.observe().pose
+        for change in changes:
+            if change.obstacle is not None:
+                distance = float(change.obstacle.distance_to(np.array([pose.x, pose.y])))
+                if distance < self._footprint_radius:
+                    raise ObstacleOnRobot(str(change.name), distance, self._footprint_radius)
+        for change in changes:
+            if change.obstacle is not None:
+                world.put_obstacle(change.name, change.obstacle)
+            else:
+                gone = list(world.obstacles) if change.name is None else [change.name]
+                for name in gone:
+                    world.remove_obstacle(name)
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""
+        self.check_visible('a goal marker').put_goal_marker(pose)
+
+    def picture(self, camera: SimulatedCamera, rng: np.random.Generator) -> Picture:
+        """Take a picture of the world as it is now; see :meth:`SimulatedCamera.take`."""
+        return camera.take(self.check_visible('a camera'), rng)
 
     def close(self) -> None:
         """Release the simulator."""

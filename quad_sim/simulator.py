@@ -4,13 +4,15 @@ What every simulator offers: reset, step, observe, close.
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
+from quad_sim.world import Obstacle
 
 Array = NDArray[np.float64]
 
@@ -82,6 +84,27 @@ class Simulator(Protocol):
 
     def close(self) -> None:
         """Release what the simulator holds."""
+
+
+@runtime_checkable
+class VisibleSimulator(Simulator, Protocol):
+    """One that also has a world to look at, in which obstacles come and go."""
+
+    @property
+    def obstacles(self) -> Mapping[Hashable, Obstacle]:
+        """Those that stand there now, besides the walls."""
+
+    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
+        """Put an obstacle, in the place of the one of that name if there is one."""
+
+    def remove_obstacle(self, name: Hashable) -> None:
+        """Take an obstacle away, if it is there."""
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it."""
+
+    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw a picture; see :class:`quad_sim.camera.Scene`."""
 
 
 TILT_OF_A_FALL = np.deg2rad(45.0)

@@ -21,6 +21,10 @@ KINDS = ('box', 'cylinder')
 """Of obstacles."""
 
 
+OF_WORLD = 'room'
+"""The namespace in the names of the obstacles that a world begins with."""
+
+
 @dataclass(frozen=True)
 class Obstacle:
     """

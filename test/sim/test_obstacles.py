@@ -5,10 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.errors import MapError, ParameterError
+from quad_common.camera import CameraModel
+from quad_common.errors import MapError, NotSimulated, ObstacleOnRobot, ParameterError
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
+from quad_sim.camera import SimulatedCamera
+from quad_sim.kinematic_simulator import KinematicSimulator
+from quad_sim.simulation import ObstacleChange, Simulation
 from quad_sim.world import Obstacle, World, occupancy_of, world_from_map
 
 ROBOT = load_robot('titan_viii')
@@ -146,14 +150,14 @@ def test_obstacles_come_go_and_take_the_place_of_their_namesakes(make):
     near, far = NEAR_FOOT['box'](-0.004), CYLINDER
     assert touching(simulator) == set()
     simulator.put_obstacle('crate', near)
-    assert simulator.obstacles == {('', 0): BOX, 'crate': near}
+    assert simulator.obstacles == {('room', 0): BOX, 'crate': near}
     assert touching(simulator, steps=1) == {'obstacle'}
     simulator.put_obstacle('crate', far)
-    assert simulator.obstacles == {('', 0): BOX, 'crate': far}
+    assert simulator.obstacles == {('room', 0): BOX, 'crate': far}
     assert touching(simulator) == set()
     simulator.remove_obstacle('crate')
     simulator.remove_obstacle('crate')
-    assert simulator.obstacles == {('', 0): BOX}
+    assert simulator.obstacles == {('room', 0): BOX}
 
 
 def test_an_obstacle_far_away_does_not_change_the_run(make):
@@ -166,3 +170,28 @@ def test_an_obstacle_far_away_does_not_change_the_run(make):
             simulator.step(POSTURE + 0.1 * math.sin(0.1 * k), np.zeros(12))
         states.append(simulator.observe().position)
     assert (states[0] == states[1]).all()
+
+
+def test_changes_of_obstacles_are_made_all_or_none(make):
+    simulator = make(BOX)
+    simulation = Simulation(simulator, ROBOT, Pose2D(-2.0, -2.0, 0.0))
+    there = Obstacle.box(Pose2D(-2.0, -1.5, 0.0), 0.4, 0.4, 0.4)
+    with pytest.raises(ObstacleOnRobot, match=r'would stand 0\.30 m from the middle of the robot'):
+        simulation.change_obstacles([ObstacleChange('a', CYLINDER), ObstacleChange('b', there)])
+    assert simulator.obstacles == {('room', 0): BOX}
+    simulation.change_obstacles([ObstacleChange('a', CYLINDER), ObstacleChange('x', None)])
+    assert simulator.obstacles == {('room', 0): BOX, 'a': CYLINDER}
+    simulation.change_obstacles([ObstacleChange(None, None), ObstacleChange('c', BOX)])
+    assert simulator.obstacles == {'c': BOX}
+
+
+def test_without_physics_there_are_neither_obstacles_nor_pictures():
+    simulation = Simulation(KinematicSimulator(ROBOT), ROBOT, Pose2D(0.0, 0.0, 0.0))
+    camera = SimulatedCamera(CameraModel.looking_down((0.0, 0.0, 3.0), 0.0, 1.0))
+    for ask in (
+        lambda: simulation.change_obstacles([ObstacleChange('a', CYLINDER)]),
+        lambda: simulation.put_goal_marker(Pose2D(0.0, 0.0, 0.0)),
+        lambda: simulation.picture(camera, np.random.default_rng(0)),
+    ):
+        with pytest.raises(NotSimulated, match="set 'backend' to 'bullet'"):
+            ask()

@@ -84,7 +84,7 @@ def test_the_start_may_be_given():
     'start', [Pose2D(0.1, 4.0, 0.0), Pose2D(4.0, 9.0, 0.0), Pose2D(math.nan, 1.0, 0.0)]
 )
 def test_a_start_outside_the_room_is_refused(start):
-    with pytest.raises(ParameterError, match=r"'start' is .* from 0.60 to 7.40 m in x and y"):
+    with pytest.raises(ParameterError, match=r"'start_pose' is .* from 0.60 to 7.40 m in x and y"):
         random_room(0, 3, start)
 
 

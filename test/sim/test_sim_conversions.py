@@ -10,14 +10,25 @@ pytest.importorskip('rclpy')
 pytest.importorskip('trajectory_msgs')
 
 from builtin_interfaces.msg import Time
+from sensor_msgs.msg import CameraInfo, Image
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
+from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.errors import TrajectoryError
+from quad_common.camera import CameraModel
+from quad_common.errors import InvalidMessage, TrajectoryError
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
-from quad_common.ros_conversions import pose_from_message, tilt_from_odometry
+from quad_common.ros_conversions import (
+    camera_info_message,
+    camera_model_from_info,
+    image_message,
+    pose_from_message,
+    pose_message,
+    rgb_from_image,
+    tilt_from_odometry,
+)
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait
 from quad_gait.gait_generator import generate_cycle
@@ -26,13 +37,16 @@ from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     base_transform,
+    camera_transform,
     footprint_transform,
     grid_message,
     imu_message,
     joint_state_message,
+    obstacle_changes_from_message,
     odometry_message,
     trajectory_from_message,
 )
+from quad_sim.simulation import ObstacleChange
 
 ROBOT = load_robot('titan_viii')
 STAMP = Time(sec=12, nanosec=345)
@@ -224,3 +238,152 @@ def test_a_grid_is_written_row_by_row_with_its_place():
     assert list(message.data) == cells.reshape(-1).tolist()
     origin = pose_from_message(message.info.origin)
     assert (origin.x, origin.y, origin.yaw) == pytest.approx((POSE.x, POSE.y, POSE.yaw))
+
+
+CAMERA = CameraModel.looking_down(
+    (4.0, 3.0, 6.0), 0.7, 1.3, (64, 48), (-0.2, 0.05, 0.001, -0.002, 0.01)
+)
+
+
+def test_a_picture_comes_through_a_message_unharmed():
+    rgb = np.random.default_rng(5).integers(0, 256, (48, 64, 3)).astype(np.uint8)
+    message = image_message(rgb, 'ceiling_camera', STAMP)
+    assert (message.encoding, message.step) == ('rgb8', 192)
+    assert (message.header.frame_id, message.header.stamp) == ('ceiling_camera', STAMP)
+    assert (rgb_from_image(message) == rgb).all()
+    # Columns of a larger picture are not next to each other in memory.
+    assert (rgb_from_image(image_message(rgb[:, 10:30], 'c', STAMP)) == rgb[:, 10:30]).all()
+
+
+@pytest.mark.parametrize('padding', [0, 5])
+@pytest.mark.parametrize('encoding', ['rgb8', 'bgr8', 'mono8'])
+def test_pictures_of_other_encodings_and_with_padded_rows_are_read(encoding, padding):
+    rgb = np.random.default_rng(6).integers(0, 256, (5, 7, 3)).astype(np.uint8)
+    if encoding == 'mono8':
+        rgb = np.repeat(rgb[..., :1], 3, axis=2)
+    pixels = {'rgb8': rgb, 'bgr8': rgb[..., ::-1], 'mono8': rgb[..., :1]}[encoding]
+    rows = np.pad(pixels.reshape(5, -1), ((0, 0), (0, padding)), constant_values=99)
+    message = Image(height=5, width=7, encoding=encoding, step=rows.shape[1], data=rows.tobytes())
+    assert (rgb_from_image(message) == rgb).all()
+
+
+@pytest.mark.parametrize(
+    ('changes', 'told'),
+    [
+        ({'encoding': '16UC1'}, "its encoding is '16UC1'; known are rgb8, bgr8, mono8"),
+        ({'encoding': ''}, "its encoding is ''"),
+        ({'width': 0}, 'it has 0 x 4 pixels'),
+        ({'step': 5}, r'4 x 4 pixels in rgb8 take 4 rows of at least 12 bytes; it has 48 bytes'),
+        ({'step': 13}, 'it has 48 bytes in rows of 13'),
+        ({'data': bytes(47)}, 'it has 47 bytes in rows of 12'),
+        ({'height': 3}, 'take 3 rows'),
+    ],
+)
+def test_a_malformed_picture_is_refused_in_a_sentence(changes, told):
+    fields = {'height': 4, 'width': 4, 'encoding': 'rgb8', 'step': 12, 'data': bytes(48)}
+    with pytest.raises(InvalidMessage, match=told):
+        rgb_from_image(Image(**{**fields, **changes}))
+
+
+def test_a_camera_comes_through_its_info_unharmed():
+    message = camera_info_message(CAMERA, 'ceiling_camera', STAMP)
+    again = camera_model_from_info(message, CAMERA.rotation, CAMERA.position)
+    points = np.random.default_rng(7).uniform((2.0, 1.0, 0.0), (6.0, 5.0, 1.0), (50, 3))
+    assert again.project(points) == pytest.approx(CAMERA.project(points), abs=1e-9)
+    assert (again.width, again.height) == (64, 48)
+    assert message.distortion_model == 'plumb_bob'
+    # For ROS the first pixel's centre is at 0, so the middle of 64 is at 31.5.
+    assert (message.k[2], message.k[5]) == pytest.approx((31.5, 23.5))
+    assert np.reshape(message.p, (3, 4))[:, :3] == pytest.approx(np.reshape(message.k, (3, 3)))
+
+
+def test_a_camera_without_distortion_may_leave_it_out():
+    message = camera_info_message(CAMERA, 'c', STAMP)
+    message.d, message.distortion_model = [], ''
+    assert not camera_model_from_info(message, np.eye(3), np.zeros(3)).distortion.any()
+
+
+@pytest.mark.parametrize(
+    ('changes', 'told'),
+    [
+        ({'k': np.zeros(9)}, 'the camera is not calibrated'),
+        ({'distortion_model': 'equidistant', 'd': [0.1] * 4}, "it must be 'plumb_bob'"),
+        ({'d': [0.1] * 8}, "'plumb_bob' with 8 numbers"),
+        ({'binning_x': 2}, 'binning'),
+    ],
+)
+def test_an_info_that_is_not_understood_is_refused_in_a_sentence(changes, told):
+    message = camera_info_message(CAMERA, 'c', STAMP)
+    for name, value in changes.items():
+        setattr(message, name, value)
+    with pytest.raises(InvalidMessage, match=told):
+        camera_model_from_info(message, np.eye(3), np.zeros(3))
+    assert camera_model_from_info(camera_info_message(CAMERA, 'c', STAMP), np.eye(3), np.zeros(3))
+
+
+def test_no_info_at_all_is_refused():
+    with pytest.raises(InvalidMessage, match='not calibrated'):
+        camera_model_from_info(CameraInfo(), np.eye(3), np.zeros(3))
+
+
+@pytest.mark.parametrize('yaw', [0.0, 0.7, math.pi / 2, math.pi, -2.5])
+def test_the_cameras_transform_is_its_pose(yaw):
+    model = CameraModel.looking_down((1.0, 2.0, 3.0), yaw, 1.0)
+    transform = camera_transform(model, 'map', 'ceiling_camera', STAMP)
+    x, y, z, w = numbers(transform.transform.rotation)
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    assert rotation == pytest.approx(model.rotation, abs=1e-9)
+    assert numbers(transform.transform.translation) == pytest.approx([1.0, 2.0, 3.0])
+    assert (transform.header.frame_id, transform.child_frame_id) == ('map', 'ceiling_camera')
+
+
+def marker(**fields):
+    one = Marker(ns='n', id=4, type=Marker.CUBE, action=Marker.ADD)
+    one.header.frame_id = 'odom'
+    one.pose = pose_message(POSE)
+    one.scale.x, one.scale.y, one.scale.z = 0.8, 0.4, 0.6
+    for name, value in fields.items():
+        setattr(one, name, value)
+    return one
+
+
+def changes_from(*markers):
+    return obstacle_changes_from_message(MarkerArray(markers=list(markers)), ('map', 'odom'))
+
+
+def test_markers_become_obstacles_in_order():
+    gone = Marker(ns='n', id=5, action=Marker.DELETE)
+    put, removed, cleared = changes_from(marker(), gone, Marker(action=Marker.DELETEALL))
+    assert put.name == ('n', 4)
+    assert (put.obstacle.kind, put.obstacle.colour) == ('box', None)
+    assert (put.obstacle.length, put.obstacle.width, put.obstacle.height) == (0.8, 0.4, 0.6)
+    assert put.obstacle.pose.distance_to(POSE) < 1e-9
+    assert removed == ObstacleChange(('n', 5), None)
+    assert cleared == ObstacleChange(None, None)
+
+
+def test_a_markers_colour_is_the_obstacles_and_a_cylinders_scale_its_diameter():
+    one = marker(type=Marker.CYLINDER)
+    one.scale.y = 0.8
+    one.color.r, one.color.b, one.color.a = 1.0, 0.5, 1.0
+    (put,) = changes_from(one)
+    assert put.obstacle.kind == 'cylinder'
+    assert put.obstacle.outer_radius == 0.4
+    assert put.obstacle.colour == (255, 0, 128)
+
+
+def test_a_marker_with_a_colour_out_of_range_or_too_large_is_refused():
+    one = marker()
+    one.color.g = 2.0
+    with pytest.raises(InvalidMessage, match=r"marker 'n' 4 on 'obstacles' .* from 0 to 1"):
+        changes_from(one)
+    one = marker()
+    one.scale.x = 1e6
+    with pytest.raises(InvalidMessage, match='100 m are the most'):
+        changes_from(one)

@@ -1,0 +1,133 @@
+"""
+What the parameters of ``sim_node`` say of the world and of the camera.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from quad_common.camera import CameraModel
+from quad_common.errors import ParameterError
+from quad_common.map_file import load_map
+from quad_common.markers import Colour, GoalMarker, RobotMarker
+from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.robot import Robot
+from quad_sim.appearance import Appearance
+from quad_sim.camera import SimulatedCamera
+from quad_sim.parameters import SimParameters
+from quad_sim.random_room import random_room
+from quad_sim.simulation import check_start
+from quad_sim.world import World, occupancy_of, world_from_map
+
+_SIZES = (16, 2048)
+"""Least and largest side of a picture [pixels]."""
+
+_CLEARANCE = 0.5
+"""Radius of the disc that finds a way through a room, or that of a larger robot's feet [m]."""
+
+_RESOLUTION = 0.05
+"""Of a room's map [m]."""
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """What is in the world at first."""
+
+    world: World
+    grid: OccupancyGrid | None
+    """Its map; None where nobody is told."""
+    start: Pose2D
+    goal: Pose2D | None
+    """Where the goal's marker lies at first; None: nowhere, or there is nothing to see."""
+
+
+def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
+    """
+    Read a map, or draw a room.
+
+    Parameters
+    ----------
+    parameters : SimParameters
+        Of the node.
+    robot : Robot
+        The robot, which needs room.
+
+    Returns
+    -------
+    Scenery
+        The world, its map, the robot's start and, in a room, a goal.
+
+    Raises
+    ------
+    ParameterError
+        If parameters contradict each other, or the start is taken.
+    MapError
+        If the map file cannot be used.
+    """
+    p = parameters
+    start = Pose2D(*p.start_pose)
+    if p.room_seed >= 0:
+        if p.map_file:
+            raise ParameterError('room_seed', p.room_seed, f"-1 with 'map_file' {p.map_file!r}")
+        room = random_room(
+            p.room_seed,
+            None if p.room_obstacles < 0 else p.room_obstacles,
+            start,
+            clearance=max(_CLEARANCE, robot.footprint_radius),
+            friction=p.friction,
+        )
+        grid = occupancy_of(room.world, _RESOLUTION, room.bounds)
+        goal = room.goal if p.backend == 'bullet' else None
+        return Scenery(room.world, grid if p.publish_map else None, start, goal)
+    if p.room_obstacles >= 0:
+        raise ParameterError('room_obstacles', p.room_obstacles, "-1 without a 'room_seed'")
+    walls = None if p.map_file == 'none' else load_map(p.map_file or sample_map())
+    if walls is not None and p.backend == 'bullet':
+        check_start(robot, walls, start)
+    world = world_from_map(walls, friction=p.friction)
+    return Scenery(world, walls if p.publish_map else None, start, None)
+
+
+def appearance_from(parameters: SimParameters, robot: Robot) -> Appearance:
+    """Return colours and markers; ParameterError if a colour is none."""
+    p = parameters
+    return Appearance(
+        floor_colour=_colour(p, 'floor_colour'),
+        obstacle_colour=_colour(p, 'obstacle_colour'),
+        checker_size=p.floor_checker,
+        robot_marker=RobotMarker.on(robot, _colour(p, 'front_colour'), _colour(p, 'rear_colour')),
+        goal_marker=GoalMarker(
+            colour=_colour(p, 'goal_colour'), heading_colour=_colour(p, 'goal_heading_colour')
+        ),
+    )
+
+
+def camera_from(parameters: SimParameters) -> SimulatedCamera:
+    """Return the camera; ParameterError if it cannot be made."""
+    p = parameters
+    low, high = _SIZES
+    width, height = p.camera_size
+    if not all(low <= side <= high and side == int(side) for side in (width, height)):
+        raise ParameterError(
+            'camera_size', p.camera_size, f'two whole numbers from {low} to {high} pixels'
+        )
+    model = CameraModel.looking_down(
+        p.camera_position,
+        p.camera_yaw,
+        p.camera_field_of_view,
+        (int(width), int(height)),
+        p.camera_distortion,
+    )
+    if not model.position[2] > 0.0:
+        raise ParameterError('camera_position', p.camera_position, 'above the floor')
+    return SimulatedCamera(model, p.camera_noise, p.camera_brightness)
+
+
+def _colour(parameters: SimParameters, name: str) -> Colour:
+    values = getattr(parameters, name)
+    if not all(0.0 <= value <= 255.0 for value in values):
+        raise ParameterError(name, values, 'red, green and blue, from 0 to 255')
+    red, green, blue = (round(value) for value in values)
+    return red, green, blue
