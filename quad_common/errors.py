@@ -202,6 +202,89 @@ class DescentStuck(NoPathFound):
         )
 
 
+class CameraError(QuadError):
+    """A camera's file cannot be used, or a camera cannot be calibrated from what is given."""
+
+
+class PerceptionError(QuadError):
+    """Something cannot be made out in a picture."""
+
+
+class PictureUnusable(PerceptionError):
+    """
+    A picture shows nothing.
+
+    Parameters
+    ----------
+    reason : str
+        What is wrong with it, as the end of the sentence "the picture ...".
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(f'the picture {reason}')
+
+
+class MarkerNotSeen(PerceptionError):
+    """
+    There is nothing of a marker in the picture.
+
+    Parameters
+    ----------
+    what : str
+        What carries the marker, for example ``robot``.
+    colors : iterable of str
+        Names of the ranges of colours that were looked for.
+    """
+
+    def __init__(self, what: str, colors: Iterable[str]) -> None:
+        super().__init__(
+            f'the {what} is not seen: there is no disc of the colours {_listed(colors)} '
+            'in the picture'
+        )
+
+
+class MarkerHidden(PerceptionError):
+    """
+    A part of a marker is seen, and not enough of it for a pose.
+
+    Parameters
+    ----------
+    what : str
+        What carries the marker.
+    color : str
+        Name of the range of colours of the disc that lacks.
+    seen : float
+        Share of the disc that is seen, 0 to 1.
+    why : str
+        What hides it, or that it is not known.
+    """
+
+    def __init__(self, what: str, color: str, seen: float, why: str) -> None:
+        self.seen = seen
+        super().__init__(
+            f"of the {what}'s disc '{color}' only {100.0 * seen:.0f} % is seen, which is too "
+            f'little for a pose: {why}'
+        )
+
+
+class SeveralMarkers(PerceptionError):
+    """
+    A marker is seen more than once.
+
+    Parameters
+    ----------
+    what : str
+        What carries the marker.
+    places : sequence of sequence of float
+        Where they are: x and y [m].
+    """
+
+    def __init__(self, what: str, places: Sequence[Sequence[float]]) -> None:
+        self.places = [(float(place[0]), float(place[1])) for place in places]
+        where = ' and '.join(f'({x:.2f}, {y:.2f}) m' for x, y in self.places)
+        super().__init__(f'the {what} is seen {len(self.places)} times, at {where}: leave one')
+
+
 class GaitError(QuadError):
     """A gait cycle cannot be generated."""
 
