@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = sorted(path.name for path in ROOT.glob('quad_*') if path.is_dir())
 SOURCES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob('*.py'))
 
-MIDDLE = {'quad_planner', 'quad_gait', 'quad_sim', 'quad_view'}
+MIDDLE = {'quad_planner', 'quad_gait', 'quad_sim', 'quad_perception', 'quad_view'}
 
 SHELLS = {'ros_conversions', 'ros_node', 'bullet_simulator'}
 """Modules whose work it is to talk to ROS or PyBullet, besides the nodes ``*_node``."""
