@@ -19,6 +19,7 @@ NODES = {
     'planner_node': 'quad_planner.planner_node:main',
     'gait_node': 'quad_gait.gait_node:main',
     'sim_node': 'quad_sim.sim_node:main',
+    'ceiling_camera_node': 'quad_perception.ceiling_camera_node:main',
 }
 COMMANDS = {'quadwalk': 'quad_cli.main:main'}
 

@@ -30,6 +30,7 @@ EXAMPLES = """examples:
   quadwalk demo --map office --start 1.5,1.5,0 --goal 12,8,90deg
   quadwalk demo --robot cuhk --gait trot --turning arc
   quadwalk demo --method quickest
+  quadwalk demo --perception camera
   quadwalk demo --map warehouse.yaml --start 0,0,0 --goal 5,3,1.57 --seed 3 --json
 """
 
@@ -60,6 +61,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--backend', choices=('bullet', 'kinematic'), default='bullet', help='the simulator'
     )
+    parser.add_argument(
+        '--perception',
+        choices=('truth', 'camera'),
+        default='truth',
+        help='what tells of room and robot: the simulator, or its ceiling camera alone',
+    )
     parser.add_argument('--safety-distance', type=float, default=None, help='around the feet [m]')
     parser.add_argument(
         '--real-time-factor', type=float, default=0.0, help='0: as fast as possible (default)'
@@ -87,6 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
         gait=arguments.gait,
         turning=arguments.turning,
         backend=arguments.backend,
+        perception=arguments.perception,
         safety_distance=arguments.safety_distance,
         seed=arguments.seed,
         real_time_factor=arguments.real_time_factor,

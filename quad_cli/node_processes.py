@@ -25,6 +25,7 @@ NODES = {
     'planner_node': 'quad_planner.planner_node',
     'gait_node': 'quad_gait.gait_node',
     'sim_node': 'quad_sim.sim_node',
+    'ceiling_camera_node': 'quad_perception.ceiling_camera_node',
 }
 """The module behind each node's executable."""
 

@@ -8,6 +8,7 @@ import argparse
 
 from quad_common.parameters import parameters_of, yaml_from_parameters
 from quad_gait.parameters import GaitParameters
+from quad_perception.parameters import CeilingCameraParameters
 from quad_planner.parameters import PlannerParameters
 from quad_sim.parameters import SimParameters
 
@@ -15,6 +16,7 @@ TABLES = {
     'planner_node': PlannerParameters,
     'gait_node': GaitParameters,
     'sim_node': SimParameters,
+    'ceiling_camera_node': CeilingCameraParameters,
 }
 """The parameter table of each node."""
 

@@ -4,16 +4,21 @@ One walk over topics: starts the nodes, gives the goal, watches until it ends.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from quad_cli.node_processes import NodeProcesses, isolated_domain
 from quad_cli.recording import Recording
 from quad_cli.walk_observer import WalkObserver
 from quad_cli.walk_record import WalkRecord
 from quad_common.errors import QuadError
+from quad_common.map_file import load_map
+from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 
 START_TIMEOUT = 90.0
@@ -30,6 +35,16 @@ _PATIENCE = 30.0
 
 _WORST_SPEED = 0.004
 """A robot slower than this over its whole path gets nowhere [m/s]."""
+
+
+_CAMERA_VIEW = math.radians(70.0)
+"""Field of view of the camera under the ceiling [rad]."""
+
+_CAMERA_MARGIN = 1.05
+"""It hangs so much higher than it must to see the whole map."""
+
+_CAMERA_RESOLUTION = 0.05
+"""Side of the cells of the map that the camera makes [m]."""
 
 
 class WalkFailed(QuadError):
@@ -56,6 +71,8 @@ class WalkOptions:
     """0: as fast as possible."""
     gui: bool = False
     recording: Path | None = None
+    perception: str = 'truth'
+    """``truth``: map, goal and pose come from the simulator; ``camera``: from its pictures."""
 
 
 def walk(
@@ -85,34 +102,71 @@ def walk(
         If a node ends on its own.
     """
     with isolated_domain(), NodeProcesses() as nodes:
-        planner: dict[str, object] = {
-            'robot': options.robot,
-            'method': options.method,
-            'any_angle': True,
-            'gait': options.gait,
-        }
-        if options.safety_distance is not None:
-            planner['safety_distance'] = options.safety_distance
-        nodes.start(
-            'sim_node',
-            robot=options.robot,
-            map_file=str(options.map_file.resolve()),
-            start_pose=[float(v) for v in (options.start.x, options.start.y, options.start.yaw)],
-            real_time_factor=float(options.real_time_factor),
-            backend=options.backend,
-            seed=options.seed,
-            gui=options.gui,
-        )
-        nodes.start('planner_node', **planner)
-        nodes.start('gait_node', robot=options.robot, gait=options.gait, turning=options.turning)
+        _start_nodes(nodes, options)
+        by_marker = options.perception == 'camera'
         if options.recording is None:
-            with WalkObserver(options.goal) as observer:
+            with WalkObserver(options.goal, by_marker=by_marker) as observer:
                 return _watch(observer, nodes, on_progress)
         with (
             Recording(options.recording) as recording,
-            WalkObserver(options.goal, recording) as observer,
+            WalkObserver(options.goal, recording, by_marker) as observer,
         ):
             return _watch(observer, nodes, on_progress)
+
+
+def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
+    simulator: dict[str, object] = {
+        'robot': options.robot,
+        'map_file': str(options.map_file.resolve()),
+        'start_pose': [float(v) for v in (options.start.x, options.start.y, options.start.yaw)],
+        'real_time_factor': float(options.real_time_factor),
+        'backend': options.backend,
+        'seed': options.seed,
+        'gui': options.gui,
+    }
+    planner: dict[str, object] = {
+        'robot': options.robot,
+        'method': options.method,
+        'any_angle': True,
+        'gait': options.gait,
+    }
+    gait: dict[str, object] = {
+        'robot': options.robot,
+        'gait': options.gait,
+        'turning': options.turning,
+    }
+    if options.safety_distance is not None:
+        planner['safety_distance'] = options.safety_distance
+    if options.perception == 'camera':
+        # One camera under the ceiling is all that tells of the room; the legs tell between
+        # its pictures.
+        place = _camera_over(load_map(options.map_file))
+        simulator |= {'camera': True, 'publish_map': False, **place}
+        planner['odom_topic'] = 'odom/camera'
+        gait |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
+        position, yaw = place['camera_position'], place['camera_yaw']
+        nodes.start(
+            'ceiling_camera_node',
+            robot=options.robot,
+            camera_position=position,
+            camera_yaw=yaw,
+            resolution=_CAMERA_RESOLUTION,
+        )
+    nodes.start('sim_node', **simulator)
+    nodes.start('planner_node', **planner)
+    nodes.start('gait_node', **gait)
+
+
+def _camera_over(grid: OccupancyGrid) -> dict[str, object]:
+    """Hang a camera where it sees a whole map."""
+    middle = grid.map_to_world(np.array([grid.width / 2.0, grid.height / 2.0]))
+    half = grid.resolution * max(grid.width, grid.height) / 2.0
+    height = half / math.tan(_CAMERA_VIEW / 2.0) * _CAMERA_MARGIN
+    return {
+        'camera_position': [float(middle[0]), float(middle[1]), height],
+        'camera_yaw': grid.origin.yaw,
+        'camera_field_of_view': _CAMERA_VIEW,
+    }
 
 
 def _watch(

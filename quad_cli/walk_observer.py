@@ -46,9 +46,13 @@ class WalkObserver:
         Where the robot is to go.
     recording : Recording, optional
         Where every message heard goes.
+    by_marker : bool
+        Whether the goal is given by a marker that a camera has to see.
     """
 
-    def __init__(self, goal: Pose2D, recording: Recording | None = None) -> None:
+    def __init__(
+        self, goal: Pose2D, recording: Recording | None = None, by_marker: bool = False
+    ) -> None:
         self.record = WalkRecord(goal)
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
         """Level, message and values of each node, as last heard on diagnostics."""
@@ -63,7 +67,10 @@ class WalkObserver:
         self._node = rclpy.create_node('quadwalk_cli', context=self._context)
         self._executor = make_executor(self._context)
         self._executor.add_node(self._node)
-        self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
+        if by_marker:
+            self._goals = self._node.create_publisher(PoseStamped, 'goal_marker', 10)
+        else:
+            self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
         sensor = qos_profile_sensor_data
         self._listen(Odometry, 'odom', sensor, self._on_odometry)
         self._listen(Path, 'plan', _LATCHED, self._on_plan)

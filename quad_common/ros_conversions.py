@@ -10,12 +10,14 @@ from array import array
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Pose, Quaternion
+from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import CameraInfo, Image
 
 from quad_common.camera import CameraModel
 from quad_common.errors import InvalidMessage, InvalidPose
+from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 
@@ -115,6 +117,21 @@ def plan_from_message(message: Path) -> Plan | None:
             for index, stamped in enumerate(message.poses)
         )
     )
+
+
+def grid_message(grid: OccupancyGrid, frame: str, stamp: Time) -> OccupancyGridMessage:
+    """Write an occupancy grid, without walking over its cells."""
+    message = OccupancyGridMessage()
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.info.resolution = float(grid.resolution)
+    message.info.width = grid.width
+    message.info.height = grid.height
+    message.info.origin = pose_message(grid.origin)
+    data = array('b')
+    data.frombytes(np.ascontiguousarray(grid.cells).tobytes())
+    message.data = data
+    return message
 
 
 def image_message(rgb: NDArray[np.uint8], frame: str, stamp: Time) -> Image:

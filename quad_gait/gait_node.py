@@ -82,7 +82,7 @@ class GaitNode(QuadNode[GaitParameters]):
         )
         self._controller.prepare()
         self._odometry = LegOdometry(self._robot)
-        self._is_placed = p.odom_topic == 'odom/legs'
+        self._is_placed = p.odom_topic == 'odom/legs' or p.leg_odometry_start == 'origin'
         self._joints: tuple[Any, Any] = (None, None)
         self._imu: tuple[Any, float | None] = (None, None)
         self._heard_odometry_at: float | None = None
@@ -166,7 +166,9 @@ class GaitNode(QuadNode[GaitParameters]):
             odometry = self._odometry
             odometry.update(seconds_from_time(stamp), self._joints[0], None, *self._imu)
             if self._leg_odometry.get_subscription_count() > 0:
-                self._leg_odometry.publish(leg_odometry_message(odometry, self._frame, stamp))
+                is_own = self.parameters.leg_odometry_start == 'origin'
+                frame = 'odom' if is_own else self._frame
+                self._leg_odometry.publish(leg_odometry_message(odometry, frame, stamp))
 
     def _on_odometry(self, message: Odometry) -> None:
         self._heard_odometry_at = time.monotonic()

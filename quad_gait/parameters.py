@@ -52,6 +52,12 @@ class GaitParameters:
     odom_topic: str = parameter(
         'odom', "Where the robot's pose comes from; 'odom/legs' for the node's own odometry."
     )
+    leg_odometry_start: str = parameter(
+        'odom',
+        "Where odom/legs begins: where odom_topic first has the robot, or at its own frame's "
+        'origin, for others to place it on the map.',
+        choices=('odom', 'origin'),
+    )
     cmd_vel_timeout: float = parameter(
         1.0, 'Steering older than this is over.', 's', lower=0.05, upper=60.0
     )

@@ -11,7 +11,6 @@ import cv2
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
-from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
@@ -21,10 +20,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 from quad_common.camera import CameraModel
 from quad_common.errors import InvalidMessage, InvalidPose, ParameterError, TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
-from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.ros_conversions import (
     pose_from_message,
-    pose_message,
     quaternion_from_yaw,
     seconds_from_time,
 )
@@ -79,21 +76,6 @@ def trajectory_from_message(message: JointTrajectoryMessage) -> JointTrajectory:
             [p.velocities if len(p.velocities) else [0.0] * joints for p in message.points]
         ).reshape(-1, joints),
     )
-
-
-def grid_message(grid: OccupancyGrid, frame: str, stamp: Time) -> OccupancyGridMessage:
-    """Write an occupancy grid, without walking over its cells."""
-    message = OccupancyGridMessage()
-    message.header.frame_id = frame
-    message.header.stamp = stamp
-    message.info.resolution = float(grid.resolution)
-    message.info.width = grid.width
-    message.info.height = grid.height
-    message.info.origin = pose_message(grid.origin)
-    data = array('b')
-    data.frombytes(np.ascontiguousarray(grid.cells).tobytes())
-    message.data = data
-    return message
 
 
 def odometry_message(

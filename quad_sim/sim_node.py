@@ -26,6 +26,7 @@ from visualization_msgs.msg import MarkerArray
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     camera_info_message,
+    grid_message,
     image_message,
     pose_from_message,
     time_from_seconds,
@@ -38,7 +39,6 @@ from quad_sim.ros_conversions import (
     camera_transform,
     check_frame,
     footprint_transform,
-    grid_message,
     identity_transform,
     imu_message,
     joint_state_message,

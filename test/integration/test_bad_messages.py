@@ -18,8 +18,7 @@ from sensor_msgs.msg import JointState
 from quad_common.occupancy_grid import OccupancyGrid as Grid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
-from quad_common.ros_conversions import pose_message
-from quad_sim.ros_conversions import grid_message
+from quad_common.ros_conversions import grid_message, pose_message
 
 pytestmark = pytest.mark.ros
 

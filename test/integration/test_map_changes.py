@@ -13,7 +13,7 @@ from harness import ERROR, OK, Bench
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import load_robot
-from quad_sim.ros_conversions import grid_message
+from quad_common.ros_conversions import grid_message
 
 pytestmark = pytest.mark.ros
 

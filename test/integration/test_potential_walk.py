@@ -12,7 +12,7 @@ from harness import ERROR, OK, Bench
 
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_sim.ros_conversions import grid_message
+from quad_common.ros_conversions import grid_message
 
 pytestmark = pytest.mark.ros
 

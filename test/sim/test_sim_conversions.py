@@ -23,6 +23,7 @@ from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     camera_info_message,
     camera_model_from_info,
+    grid_message,
     image_message,
     pose_from_message,
     pose_message,
@@ -39,7 +40,6 @@ from quad_sim.ros_conversions import (
     base_transform,
     camera_transform,
     footprint_transform,
-    grid_message,
     imu_message,
     joint_state_message,
     obstacle_changes_from_message,

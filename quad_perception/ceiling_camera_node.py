@@ -1,0 +1,223 @@
+"""
+The node that sees the room from the ceiling: map, goal and the robot's pose (S1).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from nav_msgs.msg import OccupancyGrid, Odometry
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import CameraInfo, Image
+
+from quad_common.camera import CameraModel
+from quad_common.camera_file import load_camera
+from quad_common.errors import QuadError
+from quad_common.markers import Colour, GoalMarker, RobotMarker
+from quad_common.robot import load_robot
+from quad_common.ros_conversions import (
+    camera_model_from_info,
+    grid_message,
+    image_message,
+    pose_from_message,
+    pose_message,
+    rgb_from_image,
+    seconds_from_time,
+)
+from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
+from quad_perception.annotated import annotated
+from quad_perception.marker_poses import MarkerShape
+from quad_perception.parameters import CeilingCameraParameters
+from quad_perception.perception import Perceiver, default_ranges
+from quad_perception.pose_fusion import FusionOptions
+from quad_perception.room_watch import RoomWatch, Sighting, WatchOptions
+from quad_perception.ros_conversions import fused_odometry, seen_pose_message
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_AROUND_FEET = 0.15
+"""That the robot has to itself, beyond the circle of its feet [m]."""
+
+
+class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
+    """Publishes the map, the goal, and where the robot is: the fused pose as odometry."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('ceiling_camera_node', CeilingCameraParameters, **kwargs)
+        p = self.parameters
+        self._robot = load_robot(p.robot)
+        self._robot_marker = RobotMarker.on(
+            self._robot, colour_of(p.front_colour), colour_of(p.rear_colour)
+        )
+        self._goal_marker = GoalMarker(
+            colour=colour_of(p.goal_colour), heading_colour=colour_of(p.goal_heading_colour)
+        )
+        self._place = self._camera_place()
+        self._info: CameraInfo | None = None
+        self._watch: RoomWatch | None = None
+        self._camera_problem: QuadError | None = None
+        self._picture_problem: QuadError | None = None
+        self._robot_problem: QuadError | None = None
+        self._has_odometry = False
+        self._seen_at: float | None = None
+        self._goal: PoseStamped | None = None
+
+        sensor = qos_profile_sensor_data
+        self._maps = self.create_publisher(OccupancyGrid, 'map', _LATCHED)
+        self._goals = self.create_publisher(PoseStamped, 'goal_pose', 10)
+        self._poses = self.create_publisher(
+            PoseWithCovarianceStamped, 'ceiling_camera/robot_pose', 10
+        )
+        self._odometry = self.create_publisher(Odometry, 'odom/camera', sensor)
+        self._pictures = self.create_publisher(Image, 'ceiling_camera/image_annotated', sensor)
+        self.create_subscription(
+            CameraInfo, 'ceiling_camera/camera_info', self.guarded(self._on_info), sensor
+        )
+        self.create_subscription(
+            Image, 'ceiling_camera/image_raw', self.guarded(self._on_picture), sensor
+        )
+        self.create_subscription(
+            Odometry, p.odometry_topic, self.guarded(self._on_odometry), sensor
+        )
+        self.update_status()
+
+    def update_status(self) -> None:
+        """Say what is seen, or what is missing."""
+        clock_problem = self.clock_problem()
+        problem = self._camera_problem or self._picture_problem
+        if clock_problem is not None:
+            self.report(STALE, clock_problem)
+        elif self._info is None:
+            self.report(WARN, "no camera_info: waiting for it on 'ceiling_camera/camera_info'")
+        elif problem is not None:
+            self.report_error(problem)
+        elif self._seen_at is None:
+            self.report(WARN, "no picture: waiting for one on 'ceiling_camera/image_raw'")
+        elif self._since_picture() > self.parameters.largest_age:
+            self.report(WARN, f'the last picture is {self._since_picture():.1f} s old')
+        elif self._robot_problem is not None:
+            self.report(WARN, str(self._robot_problem))
+        elif not self._has_odometry:
+            topic = self.parameters.odometry_topic
+            self.report(WARN, f"no odometry: waiting for it on '{topic}'")
+        else:
+            self.report(OK, 'the map, and the robot on it, are seen')
+
+    def _since_picture(self) -> float:
+        now = float(self.get_clock().now().nanoseconds) * 1e-9
+        return now - (self._seen_at if self._seen_at is not None else now)
+
+    def _camera_place(self) -> CameraModel:
+        """Return where the camera is; its lens comes with camera_info."""
+        p = self.parameters
+        if p.camera_file:
+            return load_camera(p.camera_file)
+        return CameraModel.looking_down(p.camera_position, p.camera_yaw, 1.0)
+
+    def _on_info(self, message: CameraInfo) -> None:
+        before = self._info
+        if (
+            before is not None
+            and before.k.tolist() == message.k.tolist()
+            and (before.d == message.d and before.width == message.width)
+        ):
+            return
+        try:
+            camera = camera_model_from_info(message, self._place.rotation, self._place.position)
+            self._watch = self._make_watch(camera)
+        except QuadError as error:
+            self._camera_problem = error
+            raise
+        finally:
+            self._info = message
+        self._camera_problem = None
+        self.update_status()
+
+    def _make_watch(self, camera: CameraModel) -> RoomWatch:
+        p = self.parameters
+        robot, goal = self._robot_marker, self._goal_marker
+        radius = self._robot.footprint_radius + _AROUND_FEET
+        perceiver = Perceiver(
+            camera,
+            default_ranges(colour_of(p.obstacle_colour), robot, goal),
+            MarkerShape.of_robot(robot, self._robot.standing_height),
+            MarkerShape.of_goal(goal),
+            resolution=p.resolution,
+            bounds=bounds_of(p.map_bounds),
+            robot_radius=radius,
+        )
+        # No ring of cells is left that the one circle covers and the other does not free.
+        standing = radius + 2.0 * p.resolution
+        return RoomWatch(
+            perceiver,
+            WatchOptions(p.confirmations, p.goal_distance, p.goal_angle, standing, p.largest_age),
+            FusionOptions(p.slip, p.turning_slip),
+        )
+
+    def _on_picture(self, message: Image) -> None:
+        if self._watch is None:
+            return
+        time = seconds_from_time(message.header.stamp)
+        try:
+            rgb = rgb_from_image(message)
+            sighting = self._watch.add_picture(time, rgb)
+        except QuadError as error:
+            self._picture_problem = error
+            raise
+        self._picture_problem = None
+        self._seen_at = time
+        self._robot_problem = sighting.problem
+        self._publish(sighting, message)
+        if self._pictures.get_subscription_count() > 0:
+            picture = annotated(rgb, self._watch.perceiver, sighting.perception)
+            self._pictures.publish(
+                image_message(picture, message.header.frame_id, message.header.stamp)
+            )
+        self.update_status()
+
+    def _publish(self, sighting: Sighting, message: Image) -> None:
+        frame, stamp = self.parameters.map_frame, message.header.stamp
+        if sighting.map is not None:
+            self._maps.publish(grid_message(sighting.map, frame, stamp))
+        if sighting.goal is not None:
+            self._goal = PoseStamped(pose=pose_message(sighting.goal))
+            self._goal.header.frame_id, self._goal.header.stamp = frame, stamp
+        if self._goal is not None and self._goals.get_subscription_count() > 0:
+            # Once, and not before somebody hears it.
+            self._goals.publish(self._goal)
+            self._goal = None
+        robot = sighting.perception.robot
+        if robot is not None:
+            self._poses.publish(seen_pose_message(robot, frame, stamp))
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self._has_odometry = True
+        if self._watch is None:
+            return
+        time = seconds_from_time(message.header.stamp)
+        self._watch.add_odometry(time, pose_from_message(message.pose.pose, 'odometry'))
+        if self._watch.is_lost:
+            return
+        self._odometry.publish(
+            fused_odometry(message, self._watch.fusion, self.parameters.map_frame)
+        )
+
+
+def colour_of(numbers: list[float]) -> Colour:
+    """Read red, green and blue; whatever is wrong with them is said by who takes them."""
+    return tuple(round(number) for number in numbers)  # type: ignore[return-value]
+
+
+def bounds_of(numbers: list[float]) -> tuple[float, float, float, float] | None:
+    """Read the corners of the map; None if there are none."""
+    return tuple(numbers) if numbers else None  # type: ignore[return-value]
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the ceiling camera node."""
+    return run_node(CeilingCameraNode, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,228 @@
+"""
+The robot's pose on the map, from a camera's rare pictures and the legs' steady odometry.
+
+Leg odometry tells every step, but drifts; a camera tells where the robot was when it took
+the picture, late and with noise. What is estimated is the transform from the odometry's
+frame to the map's, map -> odom of REP-105: it changes only by the drift. A Kalman filter
+with one state, this transform, seen from the robot:
+
+- between pictures its covariance grows with the way walked and the angle turned,
+- a picture corrects it by the difference between the camera's pose and where odometry had
+  the robot at the picture's own time, however late the picture comes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import ParameterError, QuadError
+from quad_common.planar_pose import Pose2D, wrap_angle
+
+Array = NDArray[np.float64]
+
+_GATE = 16.27
+"""Of the squared Mahalanobis distance: one in a thousand is farther (chi-square, 3)."""
+
+_LARGEST_GAP = 0.5
+"""Between two odometries, to interpolate between them [s]."""
+
+
+class PictureTooOld(QuadError):
+    """A camera's pose is from before all that is remembered of the odometry, or after it."""
+
+    def __init__(self, stamp: float, first: float, last: float) -> None:
+        super().__init__(
+            f'the camera saw the robot at {stamp:.2f} s; odometry is known from {first:.2f} s '
+            f'to {last:.2f} s'
+        )
+
+
+class PoseRefused(QuadError):
+    """A camera's pose is too far from where the robot must be."""
+
+    def __init__(self, distance: float, angle: float) -> None:
+        super().__init__(
+            f'the camera saw the robot {distance:.2f} m and {math.degrees(angle):.0f} degrees '
+            f'from where it must be; it was not believed'
+        )
+
+
+@dataclass(frozen=True)
+class FusionOptions:
+    """
+    How much odometry and camera are believed.
+
+    Raises
+    ------
+    ParameterError
+        If a number is not positive and finite.
+    """
+
+    slip: float = 0.03
+    """Drift of the odometry: standard deviation for a metre walked [m]."""
+    turning_slip: float = 0.03
+    """Of the heading, for a radian turned, and for a metre walked [rad]."""
+    memory: float = 5.0
+    """Pictures may be so late [s]."""
+    patience: int = 5
+    """After so many poses in a row that were not believed, the next one is: it was moved."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name in ('slip', 'turning_slip', 'memory', 'patience'):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ParameterError(name, value, 'positive and finite')
+
+
+class PoseFusion:
+    """
+    A filter for one robot.
+
+    Parameters
+    ----------
+    options : FusionOptions
+        How much odometry and camera are believed.
+    """
+
+    def __init__(self, options: FusionOptions | None = None) -> None:
+        self._options = options or FusionOptions()
+        self._odometry: deque[tuple[float, Pose2D]] = deque()
+        self._correction: Pose2D | None = None
+        self._covariance = np.zeros((3, 3))
+        self._refused = 0
+        self._corrected_at = -math.inf
+
+    @property
+    def correction(self) -> Pose2D | None:
+        """The odometry's frame in the map's, map -> odom; None before the first picture."""
+        return self._correction
+
+    @property
+    def pose(self) -> Pose2D | None:
+        """Of the robot on the map at the last odometry; None before picture and odometry."""
+        if self._correction is None or not self._odometry:
+            return None
+        return self._correction @ self._odometry[-1][1]
+
+    @property
+    def covariance(self) -> Array:
+        """Of x, y [m] and yaw [rad] of the pose, in the map's axes, shape (3, 3)."""
+        return self._covariance.copy()
+
+    def age(self, time: float) -> float:
+        """Return how long ago the last picture was taken that was believed [s]."""
+        return time - self._corrected_at
+
+    def add_odometry(self, time: float, pose: Pose2D) -> None:
+        """
+        Take an odometry.
+
+        Parameters
+        ----------
+        time : float
+            Of the pose [s]. A time before the last one begins all anew.
+        pose : Pose2D
+            Of the robot in the odometry's frame.
+        """
+        if self._odometry and time < self._odometry[-1][0]:
+            self.reset()
+        if self._odometry and self._correction is not None:
+            self._drift(self._correction @ self._odometry[-1][1], self._correction @ pose)
+        self._odometry.append((time, pose))
+        while self._odometry[0][0] < time - self._options.memory:
+            self._odometry.popleft()
+
+    def add_picture(self, time: float, pose: Pose2D, covariance: Array) -> None:
+        """
+        Take where a camera saw the robot.
+
+        Parameters
+        ----------
+        time : float
+            When the picture was taken [s].
+        pose : Pose2D
+            Of the robot on the map.
+        covariance : ndarray, shape (3, 3)
+            Of x, y [m] and yaw [rad], in the map's axes.
+
+        Raises
+        ------
+        PictureTooOld
+            If odometry at that time is not known.
+        PoseRefused
+            If it is too far from where the robot must be.
+        """
+        then = self._odometry_at(time)
+        if self._correction is None or self._refused >= self._options.patience:
+            self._begin(time, pose, then, covariance)
+            return
+        expected = self._correction @ then
+        off = np.array(
+            [pose.x - expected.x, pose.y - expected.y, wrap_angle(pose.yaw - expected.yaw)]
+        )
+        total = self._covariance + covariance
+        if float(off @ np.linalg.solve(total, off)) > _GATE:
+            self._refused += 1
+            raise PoseRefused(float(np.hypot(off[0], off[1])), abs(float(off[2])))
+        gain = np.linalg.solve(total.T, self._covariance.T).T
+        x, y, yaw = (gain @ off).tolist()
+        seen = Pose2D(expected.x + x, expected.y + y, wrap_angle(expected.yaw + yaw))
+        self._correction = seen @ then.inverse()
+        # Joseph's form: it stays symmetric and positive.
+        left = np.eye(3) - gain
+        self._covariance = left @ self._covariance @ left.T + gain @ covariance @ gain.T
+        self._refused = 0
+        self._corrected_at = time
+
+    def reset(self) -> None:
+        """Forget all."""
+        self._odometry.clear()
+        self._correction = None
+        self._covariance = np.zeros((3, 3))
+        self._refused = 0
+        self._corrected_at = -math.inf
+
+    def _begin(self, time: float, pose: Pose2D, then: Pose2D, covariance: Array) -> None:
+        self._correction = pose @ then.inverse()
+        self._covariance = np.array(covariance, dtype=float)
+        self._refused = 0
+        self._corrected_at = time
+
+    def _drift(self, before: Pose2D, after: Pose2D) -> None:
+        """Let the covariance grow by a random walk; poses on the map."""
+        way = before.distance_to(after)
+        # An error of the heading leads sideways.
+        lead = np.eye(3)
+        lead[:2, 2] = before.y - after.y, after.x - before.x
+        along = self._options.slip**2 * way
+        around = self._options.turning_slip**2 * (way + abs(wrap_angle(after.yaw - before.yaw)))
+        drift = np.diag([along, along, around])
+        self._covariance = lead @ self._covariance @ lead.T + drift
+
+    def _odometry_at(self, time: float) -> Pose2D:
+        """Interpolate the odometry."""
+        known = self._odometry
+        if not known or not known[0][0] <= time <= known[-1][0] + _LARGEST_GAP:
+            ends = (known[0][0], known[-1][0]) if known else (math.nan, math.nan)
+            raise PictureTooOld(time, *ends)
+        after = known[-1]
+        for entry in reversed(known):
+            if entry[0] <= time:
+                before = entry
+                break
+            after = entry
+        if after[0] <= before[0]:
+            return before[1]
+        share = min(1.0, (time - before[0]) / (after[0] - before[0]))
+        a, b = before[1], after[1]
+        return Pose2D(
+            a.x + share * (b.x - a.x),
+            a.y + share * (b.y - a.y),
+            wrap_angle(a.yaw + share * wrap_angle(b.yaw - a.yaw)),
+        )

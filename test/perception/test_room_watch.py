@@ -1,0 +1,127 @@
+"""Picture after picture: the map, the goal and the robot's pose, steadily."""
+
+import math
+
+import numpy as np
+import pytest
+from pictures import Obstacle, ceiling_camera, goal_plates, paint, robot_plates
+
+from quad_common.errors import MarkerNotSeen, PictureUnusable
+from quad_common.markers import GoalMarker, RobotMarker
+from quad_common.planar_pose import Pose2D
+from quad_perception.perception import Perceiver, default_ranges
+from quad_perception.room_watch import RoomWatch, WatchOptions
+
+CAMERA = ceiling_camera()
+PERCEIVER = Perceiver(CAMERA, default_ranges((210, 40, 35)))
+BOX = Obstacle(1.5, 1.5, 0.5, 0.6, 0.6)
+ROBOT = Pose2D(-1.0, -1.0, 0.4)
+
+
+def picture(robot=ROBOT, goal=None, obstacles=(BOX,)):
+    plates = [] if robot is None else robot_plates(robot, RobotMarker())
+    below = [] if goal is None else goal_plates(goal, GoalMarker())
+    return paint(CAMERA, obstacles, plates, below=below)
+
+
+def watch(**options):
+    room = RoomWatch(PERCEIVER, WatchOptions(**options))
+    room.add_odometry(0.0, Pose2D(0.0, 0.0, 0.0))
+    return room
+
+
+def cell(grid, x, y):
+    column, row = np.floor(grid.world_to_map(np.array([x, y]))).astype(int)
+    return int(grid.cells[row, column])
+
+
+def test_the_first_picture_gives_map_goal_and_pose():
+    room = watch()
+    assert room.is_lost
+    goal = Pose2D(2.0, -2.0, 1.0)
+    sighting = room.add_picture(0.0, picture(goal=goal))
+    assert sighting.problem is None
+    assert cell(sighting.map, 1.5, 1.5) == 100
+    assert cell(sighting.map, 0.0, 1.0) == 0
+    assert sighting.goal.distance_to(goal) < 0.03
+    assert not room.is_lost
+    assert room.fusion.pose.distance_to(ROBOT) < 0.03
+    assert room.fusion.pose.yaw == pytest.approx(ROBOT.yaw, abs=0.05)
+
+
+def test_the_robot_is_not_in_the_map_and_stands_on_free_floor():
+    room = watch(standing_radius=0.6)
+    grid = room.add_picture(0.0, picture()).map
+    for angle in np.linspace(0.0, 2.0 * math.pi, 12):
+        for radius in (0.0, 0.2, 0.4, 0.55):
+            x = ROBOT.x + radius * math.cos(angle)
+            y = ROBOT.y + radius * math.sin(angle)
+            assert cell(grid, x, y) == 0
+
+
+def test_the_same_room_again_changes_nothing():
+    room = watch()
+    goal = Pose2D(2.0, -2.0, 1.0)
+    room.add_picture(0.0, picture(goal=goal))
+    again = room.add_picture(0.0, picture(goal=goal))
+    assert again.map is None
+    assert again.goal is None
+
+
+def test_an_obstacle_that_is_put_there_is_in_the_map_when_it_is_confirmed():
+    room = watch(confirmations=2)
+    room.add_picture(0.0, picture())
+    new = (BOX, Obstacle(-2.0, 2.0, 0.4, 0.5, 0.5))
+    assert room.add_picture(0.0, picture(obstacles=new)).map is None
+    grid = room.add_picture(0.0, picture(obstacles=new)).map
+    assert cell(grid, -2.0, 2.0) == 100
+
+
+def test_a_goal_that_moves_is_new():
+    room = watch(goal_distance=0.1)
+    room.add_picture(0.0, picture(goal=Pose2D(2.0, -2.0, 1.0)))
+    assert room.add_picture(0.0, picture(goal=Pose2D(2.05, -2.0, 1.0))).goal is None
+    moved = Pose2D(2.5, -2.0, 1.0)
+    assert room.add_picture(0.0, picture(goal=moved)).goal.distance_to(moved) < 0.03
+
+
+def test_a_robot_that_is_not_seen_is_carried_on_by_its_legs_for_a_while():
+    room = watch(largest_age=2.0)
+    room.add_picture(0.0, picture())
+    room.add_odometry(1.0, Pose2D(0.5, 0.0, 0.0))
+    sighting = room.add_picture(1.0, picture(robot=None))
+    assert isinstance(sighting.problem, MarkerNotSeen)
+    assert not room.is_lost
+    ahead = ROBOT @ Pose2D(0.5, 0.0, 0.0)
+    assert room.fusion.pose.distance_to(ahead) < 0.04
+    room.add_odometry(2.5, Pose2D(0.9, 0.0, 0.0))
+    assert room.is_lost
+    room.add_picture(2.5, picture(robot=ROBOT @ Pose2D(0.9, 0.0, 0.0)))
+    assert not room.is_lost
+
+
+def test_a_black_picture_is_refused_and_the_map_stays():
+    room = watch()
+    room.add_picture(0.0, picture())
+    before = room.map
+    with pytest.raises(PictureUnusable, match='black'):
+        room.add_picture(0.1, np.zeros((640, 640, 3), dtype=np.uint8))
+    assert room.map is before
+
+
+def test_a_frozen_picture_is_noticed_when_the_robot_has_walked():
+    room = watch()
+    still = picture()
+    for k in range(5):
+        room.add_odometry(0.1 * k, Pose2D(0.0, 0.0, 0.0))
+        room.add_picture(0.1 * k, still.copy())
+    room.add_odometry(1.0, Pose2D(0.3, 0.0, 0.0))
+    with pytest.raises(PictureUnusable, match=r'frozen: .* walked 0\.30 m'):
+        room.add_picture(1.0, still.copy())
+    room.add_picture(1.0, picture(robot=ROBOT @ Pose2D(0.3, 0.0, 0.0)))
+    assert room.fusion.pose.distance_to(ROBOT @ Pose2D(0.3, 0.0, 0.0)) < 0.04
+
+
+def test_markers_have_their_usual_colours():
+    names = {color.name for color in default_ranges(robot=RobotMarker(), goal=GoalMarker())}
+    assert {'robot_front', 'robot_rear', 'goal', 'goal_heading'} <= names
