@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from geometry_msgs.msg import PoseStamped
-from harness import ERROR, LATCHED, SENSOR, Bench
+from harness import ERROR, LATCHED, SENSOR, WARN, Bench
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import CameraInfo, Image
 from visualization_msgs.msg import Marker, MarkerArray
@@ -154,6 +154,16 @@ def test_obstacles_and_goal_marker_come_move_and_go(bench: Bench, pictures):
 
     obstacles.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
     pictures.wait_until('an empty floor', lambda image: red(image) == [False, False, False])
+
+
+def test_a_robot_walks_into_an_obstacle_that_is_dropped_before_it_and_nobody_sees(bench: Bench):
+    north = math.pi / 2.0
+    bench.start_robot(backend='bullet', start_pose=[1.5, 1.2, north])
+    bench.give_goal(Pose2D(1.5, 3.0, north))
+    bench.wait_for_walking()
+    box = marker(Marker.CUBE, 1.5, bench.pose.y + 1.0, (1.0, 0.3, 0.5))
+    bench.publisher(MarkerArray, 'obstacles').publish(MarkerArray(markers=[box]))
+    bench.wait_for_status('sim_node', 'touches obstacle', level=WARN)
 
 
 def test_obstacles_that_cannot_be_are_refused_with_a_sentence_and_change_nothing(
