@@ -17,6 +17,7 @@ BENCHMARKS = {
     'walk': 'quad_cli.bench_walk',
     'gaits': 'quad_cli.bench_gaits',
     'planner': 'quad_cli.bench_planner',
+    'camera': 'quad_cli.bench_camera',
 }
 """The module of each benchmark."""
 
@@ -25,6 +26,7 @@ EXAMPLES = """examples:
   quadwalk bench walk --json > walk.json
   quadwalk bench gaits
   quadwalk bench planner --quick
+  quadwalk bench camera --quick
 """
 
 

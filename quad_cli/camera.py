@@ -1,0 +1,283 @@
+"""
+``quadwalk camera``: what a ceiling camera's pictures show, and where the camera is.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.camera_file import load_camera, save_camera
+from quad_common.errors import CameraError, PerceptionError
+from quad_common.map_file import save_map
+from quad_common.markers import RobotMarker
+from quad_common.occupancy_grid import FREE, OccupancyGrid
+from quad_common.robot import load_robot
+from quad_perception.camera_calibration import calibrate_pose
+from quad_perception.color_segmentation import ColorRange, Picture, load_ranges, segment
+from quad_perception.marker_poses import MarkerPose, MarkerShape
+from quad_perception.mask_picture import draw_masks
+from quad_perception.perception import Perceiver, Perception, default_ranges
+
+EXAMPLES = """examples:
+  quadwalk camera masks room.png --output masks.png
+  quadwalk camera calibrate --camera lens.yaml --points points.txt --output camera.yaml
+  quadwalk camera map room.png --camera camera.yaml --bounds 0,0,8,8 --output room.yaml
+  quadwalk camera map walk.mp4 --camera camera.yaml --every 10 --json
+
+A file of points has a line for each: x and y in the world [m], column and row in the picture,
+as an image viewer shows them; lines that begin with # are comments.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    actions = parser.add_subparsers(dest='action', metavar='action', required=True)
+    masks = actions.add_parser('masks', help='draw which pixels each range of colours catches')
+    masks.add_argument('picture', type=Path, help='of the room')
+    masks.add_argument('--output', type=Path, default=Path('masks.png'), help='picture to write')
+    mapping = actions.add_parser('map', help='make a map from a picture, and find robot and goal')
+    mapping.add_argument('picture', type=Path, help='of the room, or a video')
+    mapping.add_argument('--camera', type=Path, required=True, help='its file')
+    mapping.add_argument('--output', type=Path, default=None, help='Nav2 map file to write')
+    mapping.add_argument('--robot', default='titan_viii', help='name or data file')
+    mapping.add_argument('--resolution', type=float, default=0.05, help='side of a cell [m]')
+    mapping.add_argument(
+        '--bounds', type=_bounds, default=None, help='x_min,y_min,x_max,y_max of the map [m]'
+    )
+    mapping.add_argument(
+        '--every', type=_count, default=1, help='of a video, take one picture of so many'
+    )
+    calibrating = actions.add_parser('calibrate', help='find where a camera is')
+    calibrating.add_argument('--camera', type=Path, required=True, help='its lens, or its old file')
+    calibrating.add_argument('--points', type=Path, required=True, help='file of four or more')
+    calibrating.add_argument('--output', type=Path, default=None, help='camera file to write')
+    for action in (masks, mapping):
+        action.add_argument(
+            '--colors', type=Path, default=None, help='YAML file of ranges, instead of the usual'
+        )
+    for action in (masks, mapping, calibrating):
+        action.add_argument('--json', action='store_true', help='print one JSON object only')
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    actions = {'masks': _masks, 'map': _map, 'calibrate': _calibrate}
+    return actions[arguments.action](arguments)
+
+
+def _masks(arguments: argparse.Namespace) -> int:
+    ranges = _ranges(arguments.colors)
+    picture = next(_pictures(arguments.picture))
+    seen = segment(picture, ranges)
+    drawn = draw_masks(picture, seen, ranges)
+    _write_picture(arguments.output, drawn)
+    shares = {name: float(np.mean(mask > 0)) for name, mask in seen.masks.items()}
+    if arguments.json:
+        print(json.dumps({'picture': str(arguments.output), 'shares': shares}))
+        return 0
+    for name, share in shares.items():
+        print(f'{name:16} {100.0 * share:7.3f} % of the picture')
+    print(f'drawn in {arguments.output}')
+    return 0
+
+
+def _map(arguments: argparse.Namespace) -> int:
+    """Make a map; return 1 if no picture of a video could be used."""
+    robot = load_robot(arguments.robot)
+    perceiver = Perceiver(
+        load_camera(arguments.camera),
+        _ranges(arguments.colors),
+        MarkerShape.of_robot(RobotMarker.on(robot), robot.standing_height),
+        resolution=arguments.resolution,
+        bounds=arguments.bounds,
+        robot_radius=robot.footprint_radius + 0.1,
+    )
+    grid: OccupancyGrid | None = None
+    entries: list[dict[str, Any]] = []
+    for number, picture in enumerate(_pictures(arguments.picture)):
+        if number % arguments.every:
+            continue
+        entry: dict[str, Any] = {'picture': number}
+        try:
+            seen = perceiver.perceive(picture, grid)
+        except PerceptionError as problem:
+            entries.append({**entry, 'problem': str(problem)})
+            continue
+        grid = seen.map
+        entries.append({**entry, **_described(seen)})
+    if arguments.output is not None and grid is not None:
+        save_map(grid, arguments.output)
+    if arguments.json:
+        # A still picture is one object, a video has one for each picture.
+        print(json.dumps(entries[0] if len(entries) == 1 else {'pictures': entries}))
+    else:
+        for entry in entries:
+            _print_entry(entry)
+        if arguments.output is not None and grid is not None:
+            print(f'map written to {arguments.output}')
+    return 0 if grid is not None else 1
+
+
+def _described(seen: Perception) -> dict[str, Any]:
+    """Say in numbers what a picture shows."""
+    cells = seen.map.cells
+    return {
+        'obstacles': len(seen.footprints),
+        'occupied': float(np.mean(seen.map.occupied())),
+        'free': float(np.mean(cells == FREE)),
+        'unknown': float(np.mean(seen.map.unknown())),
+        'robot': _pose(seen.robot),
+        'robot_problem': None if seen.robot_problem is None else str(seen.robot_problem),
+        'goal': _pose(seen.goal),
+        'goal_problem': None if seen.goal_problem is None else str(seen.goal_problem),
+    }
+
+
+def _pose(found: MarkerPose | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    pose = found.pose
+    return {'pose': [pose.x, pose.y, pose.yaw], 'covariance': found.covariance.tolist()}
+
+
+def _print_entry(entry: dict[str, Any]) -> None:
+    print(f'picture {entry["picture"]}:')
+    if 'problem' in entry:
+        print(f'  {entry["problem"]}')
+        return
+    print(
+        f'  {entry["obstacles"]} obstacles; {100.0 * entry["occupied"]:.1f} % of the map is '
+        f'occupied, {100.0 * entry["free"]:.1f} % free, {100.0 * entry["unknown"]:.1f} % unknown'
+    )
+    for name in ('robot', 'goal'):
+        found = entry[name]
+        if found is None:
+            print(f'  {entry[f"{name}_problem"]}')
+            continue
+        x, y, yaw = found['pose']
+        deviations = np.sqrt(np.diag(found['covariance']))
+        print(
+            f'  {name} at ({x:.3f}, {y:.3f}) m +- {1e3 * max(deviations[:2]):.0f} mm, heading '
+            f'{math.degrees(yaw):.1f} deg +- {math.degrees(deviations[2]):.1f} deg'
+        )
+
+
+def _calibrate(arguments: argparse.Namespace) -> int:
+    lens = load_camera(arguments.camera, needs_pose=False)
+    points, pixels = _points(arguments.points)
+    # An image viewer counts whole pixels: what is meant is their middle.
+    found = calibrate_pose(lens, points, pixels + 0.5)
+    if arguments.output is not None:
+        save_camera(found.camera, arguments.output)
+    x, y, z = (float(value) for value in found.camera.position)
+    tilt = math.degrees(math.acos(min(1.0, max(-1.0, -float(found.camera.rotation[2, 2])))))
+    if arguments.json:
+        figures = {
+            'position': [x, y, z],
+            'position_deviation': found.position_deviation.tolist(),
+            'rotation': found.camera.rotation.tolist(),
+            'tilt_deg': tilt,
+            'reprojection_error': found.reprojection_error,
+            'errors': found.errors.tolist(),
+        }
+        print(json.dumps(figures))
+        return 0
+    worst = int(np.argmax(found.errors))
+    print(f'camera at ({x:.3f}, {y:.3f}, {z:.3f}) m, {tilt:.2f} deg from straight down')
+    print(
+        f'reprojection error {found.reprojection_error:.2f} pixels; the worst is point '
+        f'{worst + 1} with {found.errors[worst]:.2f}'
+    )
+    deviations = ', '.join(f'{1e3 * value:.0f}' for value in found.position_deviation)
+    print(f'standard deviation of the position: {deviations} mm')
+    if arguments.output is not None:
+        print(f'camera written to {arguments.output}')
+    return 0
+
+
+def _ranges(path: Path | None) -> tuple[ColorRange, ...]:
+    """Return the usual ranges, with those of a file in their places."""
+    ranges = {color.name: color for color in default_ranges()}
+    if path is not None:
+        ranges |= {color.name: color for color in load_ranges(path)}
+    return tuple(ranges.values())
+
+
+def _pictures(path: Path) -> Iterator[Picture]:
+    """Yield a still picture, or those of a video."""
+    if not path.is_file():
+        raise CameraError(f"there is no picture '{path}'")
+    still = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    if still is not None:
+        yield np.asarray(cv2.cvtColor(still, cv2.COLOR_BGR2RGB), np.uint8)
+        return
+    video = cv2.VideoCapture(str(path))
+    has_pictures = False
+    try:
+        while True:
+            is_there, frame = video.read()
+            if not is_there:
+                break
+            has_pictures = True
+            yield np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8)
+    finally:
+        video.release()
+    if not has_pictures:
+        raise CameraError(f"'{path}' is neither a picture nor a video that OpenCV reads")
+
+
+def _write_picture(path: Path, rgb: Picture) -> None:
+    try:
+        is_written = cv2.imwrite(str(path), cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
+    except cv2.error:
+        is_written = False
+    if not is_written:
+        raise CameraError(f"'{path}' cannot be written as a picture; try a name with .png")
+
+
+def _points(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Read places and pixels."""
+    try:
+        lines = path.read_text(encoding='utf-8').splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise CameraError(f'file of points {path} cannot be read: {error}') from error
+    rows = []
+    for number, line in enumerate(lines, 1):
+        text = line.partition('#')[0].replace(',', ' ').split()
+        if not text:
+            continue
+        try:
+            rows.append([float(part) for part in text])
+        except ValueError:
+            rows.append([])
+        if len(rows[-1]) != 4:
+            raise CameraError(
+                f'file of points {path}, line {number}: it must hold x, y, column and row'
+            )
+    values = np.array(rows, dtype=float).reshape(-1, 4)
+    return values[:, :2], values[:, 2:]
+
+
+def _bounds(text: str) -> tuple[float, float, float, float]:
+    try:
+        x_min, y_min, x_max, y_max = (float(part) for part in text.split(','))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not x_min,y_min,x_max,y_max, for example 0,0,8,8"
+        ) from None
+    return x_min, y_min, x_max, y_max
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above 0")
+    return int(text)
