@@ -49,6 +49,12 @@ _LEAST_BLOB = 0.05
 """Blobs of a smaller area than the square of this are noise [m]."""
 _LEAST_RADIUS = 8.0
 """Sides nearer to below the camera are too short to be measured [points of the plan]."""
+_SAME_HEIGHT = 0.08
+"""Rays whose heights differ by more are of different obstacles [m]."""
+_LEAST_GROUP = 0.2
+"""So large a share of a top's rays is an obstacle of its own."""
+_GRAZING = 3.0
+"""A side that is shorter is no proof of a second obstacle [points of the plan]."""
 _LEAST_RAYS = 4
 """Fewer rays than this that end on the floor do not make a height."""
 
@@ -103,12 +109,11 @@ class FootprintFinder:
         tops = self._tops(obstacles, value)
         # Nothing, a side, or a top.
         surfaces = cv2.bitwise_or(cv2.bitwise_and(obstacles, _SIDE), cv2.bitwise_and(tops, _TOP))
-        found = []
-        for top, corner in self._components(tops):
-            u, is_measured = self._scale(top, corner, surfaces)
-            height = float(self.view.camera.position[2] * (1.0 - u)) if is_measured else None
-            found.append(self._brought_back(top, corner, u, height))
-        return found
+        return [
+            self._brought_back(part, corner, u, height)
+            for top, corner in self._components(tops)
+            for part, u, height in self._scaled(top, corner, surfaces)
+        ]
 
     def _tops(self, obstacles: Mask, value: Mask) -> Mask:
         """Return 255 where an obstacle's top is seen."""
@@ -131,13 +136,16 @@ class FootprintFinder:
             bordered = cv2.copyMakeBorder(own, 2, 2, 2, 2, cv2.BORDER_CONSTANT)
             yield bordered, (columns.start - 2, rows.start - 2)
 
-    def _scale(self, top: Mask, corner: tuple[int, int], surfaces: Mask) -> tuple[float, bool]:
-        """Return u of a top, and whether it was measured."""
+    def _scaled(
+        self, top: Mask, corner: tuple[int, int], surfaces: Mask
+    ) -> Iterator[tuple[Mask, float, float | None]]:
+        """Yield the parts of a top that have one height each: mask, u, and height if measured."""
         camera_height = float(self.view.camera.position[2])
         assumed = 1.0 - self.assumed_height / camera_height
         points, inward, radii = self._near_edge(top, corner)
         if len(points) < _LEAST_RAYS:
-            return assumed, False
+            yield top, assumed, None
+            return
         reach = radii.max() * self.view.largest_height / camera_height
         along = np.arange(-_INSIDE, reach + 2.0, _STEP) + _STEP / 2.0
         surface = _looked_up(surfaces, points[:, None] + along[:, None] * inward[:, None])
@@ -149,13 +157,37 @@ class FootprintFinder:
         ends_on_floor = has_ended & (surface[np.arange(len(points)), last_side] == 0)
         edge_radii = radii + _INSIDE - _STEP * first_side
         ratios = _STEP * (last_side - first_side) / edge_radii
-        if np.count_nonzero(ends_on_floor) < _LEAST_RAYS:
-            longest = float(ratios[has_ended].max()) if has_ended.any() else 0.0
-            return min(assumed, 1.0 - longest), False
         measured, weights = ratios[ends_on_floor], edge_radii[ends_on_floor]
-        middle = np.median(measured)
-        close = np.abs(measured - middle) <= np.maximum(2.0 / weights, 0.1 * middle)
-        return float(1.0 - np.average(measured[close], weights=weights[close])), True
+        groups = _groups(measured, np.maximum(2.0 / weights, _SAME_HEIGHT / camera_height))
+        # Rays that graze an obstacle along its edge see nothing of its side.
+        if len(groups) > 1:
+            lengths = measured * weights
+            sides = [group for group in groups if np.median(lengths[group]) > _GRAZING]
+            groups = sides or [max(groups, key=len)]
+        if not groups:
+            longest = float(ratios[has_ended].max()) if has_ended.any() else 0.0
+            yield top, min(assumed, 1.0 - longest), None
+            return
+        parts = [top]
+        if len(groups) > 1:
+            rays = [inward[ends_on_floor][group] for group in groups]
+            parts = self._split(top, corner, rays)
+        for part, group in zip(parts, groups):
+            ratio = float(np.average(measured[group], weights=weights[group]))
+            yield part, 1.0 - ratio, camera_height * ratio
+
+    def _split(self, top: Mask, corner: tuple[int, int], rays: list[Array]) -> list[Mask]:
+        """Split a top that two obstacles share: each point is of the group with the nearest ray."""
+        rows, columns = np.nonzero(top)
+        outward = np.column_stack((columns, rows)) + 0.5 + corner - self.view.nadir
+        outward /= np.maximum(np.hypot(outward[:, 0], outward[:, 1]), 1e-9)[:, None]
+        nearest = np.argmax([(-outward @ group.T).max(axis=1) for group in rays], axis=0)
+        parts = []
+        for k in range(len(rays)):
+            part = np.zeros_like(top)
+            part[rows[nearest == k], columns[nearest == k]] = 255
+            parts.append(part)
+        return parts
 
     def _near_edge(self, top: Mask, corner: tuple[int, int]) -> tuple[Array, Array, Array]:
         """
@@ -221,6 +253,39 @@ def _parts(
         label = cv2.bitwise_and(filled, mask[part]) > 0
         if np.count_nonzero(label) >= least_area:
             yield label, part
+
+
+def _groups(values: Array, tolerances: Array) -> list[NDArray[np.int64]]:
+    """
+    Put values that agree into groups.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        What was measured.
+    tolerances : ndarray, shape (n,)
+        By how much a value may differ from the next one of its group.
+
+    Returns
+    -------
+    list of ndarray of int
+        Indices of the values of each group that has enough of them.
+    """
+    if len(values) < _LEAST_RAYS:
+        return []
+    order = np.argsort(values)
+    ends = np.flatnonzero(np.diff(values[order]) > tolerances[order][1:]) + 1
+    groups = np.split(order, ends)
+    least = max(_LEAST_RAYS, _LEAST_GROUP * len(values))
+    large = [group for group in groups if len(group) >= least]
+    if not large:
+        return [max(groups, key=len)]
+    kept = []
+    for group in large:
+        # Where a ray grazes the obstacle, its edge lies anywhere.
+        middle = values[group[len(group) // 2]]
+        kept.append(group[np.abs(values[group] - middle) <= 2.0 * tolerances[group]])
+    return kept
 
 
 def _looked_up(mask: Mask, places: Array) -> Mask:

@@ -127,6 +127,32 @@ def test_a_tall_obstacle_in_front_of_another_hides_a_part_of_it_and_not_all(perc
     assert overlap(seen.map, both) > 0.8
 
 
+@pytest.mark.parametrize('heights', [(0.9, 0.3), (0.3, 0.9), (0.5, 0.5)])
+def test_tops_that_touch_are_brought_back_each_by_its_height(perceivers, heights):
+    # Side by side, seen from the camera, and nearer to each other than a pixel.
+    both = [
+        Obstacle(2.5, 0.305, heights[0], 0.6, 0.6),
+        Obstacle(2.5, -0.305, heights[1], 0.6, 0.6),
+    ]
+    seen = perceivers['straight'].perceive(paint(CAMERAS['straight'], both))
+    assert overlap(seen.map, both) > 0.85
+    for one in both:
+        assert seen.map.occupied()[truth(seen.map, [one])].mean() > 0.85
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_in_a_crowd_none_is_missed_and_none_taken_for_floor(perceivers, seed):
+    rng = np.random.default_rng(seed)
+    obstacles = random_obstacles(rng, 12, gap=0.05)
+    picture = paint(CAMERAS['straight'], obstacles, floor=(205, 205, 200))
+    grid = perceivers['straight'].perceive(picture).map
+    assert overlap(grid, obstacles) > 0.9
+    for one in obstacles:
+        cells = truth(grid, [one])
+        assert grid.occupied()[cells].mean() > 0.4
+        assert (grid.cells[cells] == 0).mean() < 0.15
+
+
 def test_an_obstacle_that_the_border_cuts_is_occupied_where_it_is_sure():
     camera = room_camera(4.0)
     cut = Obstacle(3.4, 0.0, 0.8, 0.9, 0.6)
