@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.bench_camera_walks import walk_bars
 from quad_common.camera import CameraModel
 from quad_common.markers import RobotMarker
 from quad_common.planar_pose import Pose2D, wrap_angle
@@ -133,6 +134,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
         figure('cv2.inRange on the same picture, once', 1e3 * plain, 'ms'),
         figure('time for a picture', took / plain, 'x inRange'),
     ]
+    bars += walk_bars(quick, seed)
     details = {f'{name}_overlaps': kind.figures.overlaps for name, kind in kinds.items()}
     return bars, details
 

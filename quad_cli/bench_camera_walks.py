@@ -1,0 +1,161 @@
+"""
+Part of ``quadwalk bench camera``: whole walks by the camera alone, in physics.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.camera_walk import CameraWalk, CameraWalkOptions
+from quad_common.errors import PlannerError
+from quad_common.planar_pose import Pose2D
+from quad_common.robot import load_robot
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner import make_planner
+from quad_sim.random_room import Room, random_room
+from quad_sim.simulation import ObstacleChange
+from quad_sim.world import Obstacle, occupancy_of
+
+_ROBOT = 'titan_viii'
+_START = Pose2D(1.0, 1.0, 0.0)
+
+_ROOMS, _DROPS = 20, 10
+
+_DROP_AT = 20.0
+"""When an obstacle is dropped [s]."""
+_DROP_AHEAD = 1.5
+"""It is dropped at least so far from robot and goal [m]."""
+_DROP_RADIUS, _DROP_HEIGHT = 0.15, 0.5
+"""[m]"""
+
+_RESOLUTION = 0.05
+"""Of the true map [m]."""
+
+_TIMEOUT = 900.0
+"""A walk that takes longer has failed [s], simulated."""
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """Of one walk."""
+
+    arrived: bool
+    contacts: int
+    largest_error: float
+    """Of the fused pose [m]."""
+    rms_error: float
+    """[m]"""
+    dropped: bool
+    """Whether an obstacle was dropped."""
+
+
+def walk_bars(quick: bool, seed: int) -> list[Bar]:
+    """
+    Walk through random rooms, and through some where an obstacle is dropped on the path.
+
+    Parameters
+    ----------
+    quick : bool
+        No walk: they take too long.
+    seed : int
+        Of the first room.
+
+    Returns
+    -------
+    list of Bar
+        Not measured if there is no time for it.
+    """
+    if quick:
+        return [figure('walks by the camera alone: in the full run only', None, '')]
+    jobs = [(seed + k, False) for k in range(_ROOMS)]
+    jobs += [(seed + 100 + k, True) for k in range(_DROPS)]
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        outcomes = list(pool.map(_walk, *zip(*jobs)))
+    plain, drops = outcomes[:_ROOMS], outcomes[_ROOMS:]
+    dropped = sum(outcome.dropped for outcome in drops)
+    bars = [figure('obstacles dropped on the path', float(dropped), '')]
+    for name, group in (('rooms', plain), ('rooms with an obstacle dropped', drops)):
+        arrived = sum(outcome.arrived for outcome in group)
+        contacts = sum(outcome.contacts for outcome in group)
+        bars += [
+            at_least(f'{name}: walks that arrived, of {len(group)}', arrived, '', len(group)),
+            at_most(f'{name}: kinds of contact', contacts, '', 0.0),
+        ]
+    rms = math.sqrt(float(np.mean([outcome.rms_error**2 for outcome in outcomes])))
+    return [
+        *bars,
+        at_most(
+            'fused pose while walking, largest error',
+            max(outcome.largest_error for outcome in outcomes),
+            'm',
+            0.03,
+        ),
+        figure('fused pose while walking, rms', rms, 'm'),
+    ]
+
+
+def _walk(seed: int, with_drop: bool) -> _Outcome:
+    room = random_room(seed, start=_START)
+    options = CameraWalkOptions(method='shortest', picture_period=1.0, noise=4.0, seed=seed)
+    walk = CameraWalk(load_robot(_ROBOT), room, options)
+    has_dropped = False
+
+    def drop(walk: CameraWalk) -> None:
+        nonlocal has_dropped
+        if with_drop and not has_dropped and walk.simulation.time > _DROP_AT:
+            has_dropped = _drop_on_path(walk, room)
+
+    try:
+        record = walk.run(_TIMEOUT, drop)
+    finally:
+        walk.close()
+    errors = np.array(record.pose_errors or [math.inf])
+    return _Outcome(
+        record.arrived,
+        len(record.contacts),
+        float(errors.max()),
+        float(np.sqrt(np.mean(errors**2))),
+        has_dropped,
+    )
+
+
+def _drop_on_path(walk: CameraWalk, room: Room) -> bool:
+    """Put a pillar on the plan, ahead of the robot; return whether there is a place for it."""
+    pose = walk.watch.fusion.pose
+    if pose is None or walk.plan is None:
+        return False
+    corners = walk.plan.corners
+    for a, b in pairwise(corners):
+        for x, y in np.linspace(a, b, 8).tolist():
+            place = Pose2D(x, y, 0.0)
+            if min(place.distance_to(pose), place.distance_to(room.goal)) > _DROP_AHEAD:
+                pillar = Obstacle.cylinder(x, y, _DROP_RADIUS, _DROP_HEIGHT)
+                if _leaves_a_way(room, pillar, pose):
+                    walk.simulation.change_obstacles([ObstacleChange('dropped', pillar)])
+                    return True
+    return False
+
+
+def _leaves_a_way(room: Room, pillar: Obstacle, pose: Pose2D) -> bool:
+    """Return whether the robot still gets from a pose to the goal, by the true map."""
+    world = replace(room.world, obstacles=(*room.world.obstacles, pillar))
+    robot = load_robot(_ROBOT)
+    safety = PlannerParameters().safety_distance
+    planner = make_planner(
+        'shortest',
+        clearance_radius=robot.footprint_radius + safety,
+        start_tolerance=safety,
+    )
+    planner.set_map(occupancy_of(world, _RESOLUTION, room.bounds))
+    try:
+        planner.plan(pose, room.goal)
+    except PlannerError:
+        return False
+    return True
