@@ -142,6 +142,9 @@ class NodeProcess:
         if namespace:
             arguments += ['-r', f'__ns:=/{namespace.strip("/")}']
         environment = dict(os.environ, PYTHONUNBUFFERED='1')
+        # Threads for large matrices, which nodes do not have. Begun before a node blocks its
+        # signals, they would take these in its place.
+        environment.setdefault('OPENBLAS_NUM_THREADS', '1')
         # The wheels of rclpy leave it behind to start each python once more only.
         environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
         with log.open('ab') as output:
