@@ -18,11 +18,10 @@ from rich.console import Console
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_camera_walks import walk_bars
 from quad_common.camera import CameraModel
-from quad_common.markers import RobotMarker
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot import Robot, load_robot
 from quad_perception.color_segmentation import Picture
-from quad_perception.marker_poses import MarkerPose, MarkerShape
+from quad_perception.marker_poses import MarkerPose
 from quad_perception.perception import Perceiver
 from quad_sim.camera import Scene, SimulatedCamera
 
@@ -108,7 +107,8 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     kinds = {}
     for kind, k1 in (('clean', 0.0), ('disturbed', _DISTORTION)):
         model = _camera_model(k1)
-        kinds[kind] = _Kind(SimulatedCamera(model), _perceiver(model, robot), kind == 'disturbed')
+        perceiver = Perceiver.of_robot(model, robot, resolution=_RESOLUTION, bounds=_BOUNDS)
+        kinds[kind] = _Kind(SimulatedCamera(model), perceiver, kind == 'disturbed')
     plain = math.inf
     for number in range(rooms):
         console.print(f'room {number + 1} of {rooms}')
@@ -184,17 +184,6 @@ def _camera_model(k1: float) -> CameraModel:
         0.0,
         2.0 * math.atan(_SEEN / 2.0 / _HEIGHT),
         distortion=(k1, 0.0, 0.0, 0.0, 0.0),
-    )
-
-
-def _perceiver(camera: CameraModel, robot: Robot) -> Perceiver:
-    shape = MarkerShape.of_robot(RobotMarker.on(robot), robot.standing_height)
-    return Perceiver(
-        camera,
-        robot=shape,
-        resolution=_RESOLUTION,
-        bounds=_BOUNDS,
-        robot_radius=robot.footprint_radius + 0.1,
     )
 
 

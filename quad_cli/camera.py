@@ -18,12 +18,11 @@ from numpy.typing import NDArray
 from quad_common.camera_file import load_camera, save_camera
 from quad_common.errors import CameraError, PerceptionError
 from quad_common.map_file import save_map
-from quad_common.markers import RobotMarker
 from quad_common.occupancy_grid import FREE, OccupancyGrid
 from quad_common.robot import load_robot
 from quad_perception.camera_calibration import calibrate_pose
 from quad_perception.color_segmentation import ColorRange, Picture, load_ranges, segment
-from quad_perception.marker_poses import MarkerPose, MarkerShape
+from quad_perception.marker_poses import MarkerPose
 from quad_perception.mask_picture import draw_masks
 from quad_perception.perception import Perceiver, Perception, default_ranges
 
@@ -93,13 +92,12 @@ def _masks(arguments: argparse.Namespace) -> int:
 def _map(arguments: argparse.Namespace) -> int:
     """Make a map; return 1 if no picture of a video could be used."""
     robot = load_robot(arguments.robot)
-    perceiver = Perceiver(
+    perceiver = Perceiver.of_robot(
         load_camera(arguments.camera),
+        robot,
         _ranges(arguments.colors),
-        MarkerShape.of_robot(RobotMarker.on(robot), robot.standing_height),
         resolution=arguments.resolution,
         bounds=arguments.bounds,
-        robot_radius=robot.footprint_radius + 0.1,
     )
     grid: OccupancyGrid | None = None
     entries: list[dict[str, Any]] = []

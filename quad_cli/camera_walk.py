@@ -17,16 +17,15 @@ import numpy as np
 from quad_cli.gait_measures import make_controller
 from quad_common.camera import CameraModel
 from quad_common.errors import PlannerError, QuadError
-from quad_common.markers import GoalMarker, RobotMarker
+from quad_common.markers import RobotMarker
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.gait import load_gait
 from quad_gait.leg_odometry import LegOdometry
 from quad_gait.walk_controller import Activity, Measurement
-from quad_perception.marker_poses import MarkerShape
-from quad_perception.perception import Perceiver, default_ranges
-from quad_perception.room_watch import RoomWatch, Sighting, WatchOptions
+from quad_perception.perception import Perceiver
+from quad_perception.room_watch import RoomWatch, Sighting
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import make_planner
 from quad_sim.appearance import Appearance
@@ -37,9 +36,6 @@ from quad_sim.simulator import Observation, tilt_of
 
 _SENSOR_PERIOD = 0.02
 """Between two measurements, as sim_node publishes them [s]."""
-
-_AROUND_FEET = 0.15
-"""That the robot has to itself, beyond the circle of its feet [m]."""
 
 
 @dataclass(frozen=True)
@@ -105,16 +101,7 @@ class CameraWalk:
         half = room.size / 2.0
         lens = CameraModel.looking_down((half, half, 0.75 * room.size), 0.0, 1.4)
         self._camera = SimulatedCamera(lens, options.noise)
-        radius = robot.footprint_radius + _AROUND_FEET
-        perceiver = Perceiver(
-            lens,
-            default_ranges(robot=marker),
-            MarkerShape.of_robot(marker, robot.standing_height),
-            MarkerShape.of_goal(GoalMarker()),
-            bounds=room.bounds,
-            robot_radius=radius,
-        )
-        self.watch = RoomWatch(perceiver, WatchOptions(standing_radius=radius + 0.1))
+        self.watch = RoomWatch(Perceiver.of_robot(lens, robot, bounds=room.bounds))
         self._legs = LegOdometry(robot)
         self._controller = make_controller(robot, load_gait(options.gait, robot))
         parameters = PlannerParameters()

@@ -36,7 +36,6 @@ _PATIENCE = 30.0
 _WORST_SPEED = 0.004
 """A robot slower than this over its whole path gets nowhere [m/s]."""
 
-
 _CAMERA_VIEW = math.radians(70.0)
 """Field of view of the camera under the ceiling [rad]."""
 

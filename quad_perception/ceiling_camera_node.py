@@ -27,7 +27,6 @@ from quad_common.ros_conversions import (
 )
 from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
 from quad_perception.annotated import annotated
-from quad_perception.marker_poses import MarkerShape
 from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.perception import Perceiver, default_ranges
 from quad_perception.pose_fusion import FusionOptions
@@ -35,9 +34,6 @@ from quad_perception.room_watch import RoomWatch, Sighting, WatchOptions
 from quad_perception.ros_conversions import fused_odometry, seen_pose_message
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-_AROUND_FEET = 0.15
-"""That the robot has to itself, beyond the circle of its feet [m]."""
 
 
 class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
@@ -137,21 +133,18 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
     def _make_watch(self, camera: CameraModel) -> RoomWatch:
         p = self.parameters
         robot, goal = self._robot_marker, self._goal_marker
-        radius = self._robot.footprint_radius + _AROUND_FEET
-        perceiver = Perceiver(
+        perceiver = Perceiver.of_robot(
             camera,
+            self._robot,
             default_ranges(colour_of(p.obstacle_colour), robot, goal),
-            MarkerShape.of_robot(robot, self._robot.standing_height),
-            MarkerShape.of_goal(goal),
+            robot,
+            goal,
             resolution=p.resolution,
             bounds=bounds_of(p.map_bounds),
-            robot_radius=radius,
         )
-        # No ring of cells is left that the one circle covers and the other does not free.
-        standing = radius + 2.0 * p.resolution
         return RoomWatch(
             perceiver,
-            WatchOptions(p.confirmations, p.goal_distance, p.goal_angle, standing, p.largest_age),
+            WatchOptions(p.confirmations, p.goal_distance, p.goal_angle, p.largest_age),
             FusionOptions(p.slip, p.turning_slip),
         )
 

@@ -16,6 +16,7 @@ from quad_common.errors import ParameterError, PerceptionError
 from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_common.robot import Robot
 from quad_perception.color_segmentation import (
     ColorRange,
     Mask,
@@ -32,6 +33,9 @@ from quad_perception.picture_check import check_exposure
 
 OBSTACLE, FLOOR = 'obstacle', 'floor'
 """Names of ranges, besides those of the markers."""
+
+_AROUND_FEET = 0.15
+"""That the robot has to itself, beyond the circle of its feet [m]."""
 
 _LEAST_FLOOR = 0.6
 """The floor is brighter than this share of the median of what has its colour."""
@@ -150,7 +154,50 @@ class Perceiver:
             raise ParameterError('robot', self.robot.height, 'below the camera in height')
         self.view = FloorView(camera, resolution, bounds, largest_height)
         self._finder = FootprintFinder(self.view, assumed_height)
-        self._robot_radius = robot_radius
+        self.robot_radius = robot_radius
+
+    @classmethod
+    def of_robot(
+        cls,
+        camera: CameraModel,
+        robot: Robot,
+        ranges: Sequence[ColorRange] | None = None,
+        robot_marker: RobotMarker | None = None,
+        goal_marker: GoalMarker | None = None,
+        *,
+        resolution: float = 0.05,
+        bounds: tuple[float, float, float, float] | None = None,
+    ) -> Perceiver:
+        """
+        Make what looks for a robot that carries the marker that suits its body.
+
+        Parameters
+        ----------
+        camera, resolution, bounds
+            As for the class.
+        robot : Robot
+            The robot.
+        ranges : sequence of ColorRange, optional
+            Those of the markers with obstacles of the usual colour if not given.
+        robot_marker, goal_marker : optional
+            The markers; with their usual colours if not given.
+
+        Returns
+        -------
+        Perceiver
+            For this robot, standing at its height.
+        """
+        robot_marker = robot_marker or RobotMarker.on(robot)
+        goal_marker = goal_marker or GoalMarker()
+        return cls(
+            camera,
+            default_ranges(robot=robot_marker, goal=goal_marker) if ranges is None else ranges,
+            MarkerShape.of_robot(robot_marker, robot.standing_height),
+            MarkerShape.of_goal(goal_marker),
+            resolution=resolution,
+            bounds=bounds,
+            robot_radius=robot.footprint_radius + _AROUND_FEET,
+        )
 
     def perceive(self, rgb: Picture, previous: OccupancyGrid | None = None) -> Perception:
         """
@@ -217,7 +264,7 @@ class Perceiver:
         center = self.view.to_plan(np.array([[pose.x, pose.y]]))[0]
         turn = np.linspace(0.0, 2.0 * math.pi, 32, endpoint=False)
         circle = np.column_stack((np.cos(turn), np.sin(turn)))
-        circle = center + circle * self._robot_radius / self.view.step
+        circle = center + circle * self.robot_radius / self.view.step
         u = 1.0 - self.robot.height / float(self.camera.position[2])
         both = np.vstack((circle, nadir + (circle - nadir) / u)).astype(np.float32)
         outline = np.rint(cv2.convexHull(both)).astype(np.int32)

@@ -1,12 +1,10 @@
 """
-Pictures that show nothing: black, overexposed, or the same one again and again.
+Pictures that show nothing: black, or overexposed.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from quad_common.errors import ParameterError, PictureUnusable
+from quad_common.errors import PictureUnusable
 from quad_perception.color_segmentation import Picture
 
 _DARK = 20
@@ -42,46 +40,3 @@ def check_exposure(rgb: Picture) -> None:
         raise PictureUnusable(
             f'is overexposed: {100.0 * bright:.0f} % of it is white; make it darker'
         )
-
-
-class PictureWatch:
-    """
-    Notices a camera that sends the same picture again and again.
-
-    A real camera's pictures differ by their noise. A simulated one without noise sends equal
-    pictures while nothing moves: give it a longer patience, or none.
-
-    Parameters
-    ----------
-    patience : float
-        For how long pictures may be equal, > 0 [s]; infinite for always.
-    """
-
-    def __init__(self, patience: float = 2.0) -> None:
-        if not patience > 0.0:
-            raise ParameterError('patience', patience, 'above 0')
-        self._patience = patience
-        self._last: Picture | None = None
-        self._since = 0.0
-
-    def check(self, rgb: Picture, t: float) -> None:
-        """
-        Take notice of a picture.
-
-        Parameters
-        ----------
-        rgb : ndarray of uint8, shape (height, width, 3)
-            The picture.
-        t : float
-            When it was taken [s].
-
-        Raises
-        ------
-        PictureUnusable
-            If all pictures have been equal for longer than the patience.
-        """
-        # A clock that went back is a new start.
-        if self._last is None or t < self._since or not np.array_equal(self._last, rgb):
-            self._last, self._since = rgb.copy(), t
-        elif t - self._since > self._patience:
-            raise PictureUnusable(f'has not changed for {t - self._since:.1f} s: the camera hangs')

@@ -35,8 +35,6 @@ class WatchOptions:
     """A goal marker that moved by less is where it was [m]."""
     goal_angle: float = 0.1
     """A goal marker that turned by less is as it was [rad]."""
-    standing_radius: float = 0.5
-    """Of the circle around the robot that it has to itself [m]."""
     largest_age: float = 3.0
     """Without a picture of the robot for so long its pose is not known [s]."""
 
@@ -154,7 +152,8 @@ class RoomWatch:
         rows, columns = np.nonzero(grid.unknown())
         centres = grid.map_to_world(np.column_stack((columns, rows)) + np.float64(0.5))
         away = np.hypot(centres[:, 0] - seen.robot.pose.x, centres[:, 1] - seen.robot.pose.y)
-        under = away <= self._options.standing_radius
+        # No ring of cells is left that the perceiver's circle covers and this does not free.
+        under = away <= self._perceiver.robot_radius + 2.0 * grid.resolution
         cells = grid.cells.copy()
         cells[rows[under], columns[under]] = FREE
         return OccupancyGrid(cells, grid.resolution, grid.origin)
@@ -173,7 +172,7 @@ class RoomWatch:
     def _refuse_frozen(self, rgb: Picture) -> None:
         """Refuse a picture that shows nothing of a walk that the legs tell of."""
         if self._last is None or not np.array_equal(rgb, self._last):
-            self._last, self._last_at = rgb, self._odometry
+            self._last, self._last_at = rgb.copy(), self._odometry
             return
         if self._last_at is None or self._odometry is None:
             return

@@ -15,7 +15,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from quad_common.errors import InvalidPlanner, PlannerError
+from quad_common.errors import InvalidPlanner, PlannerError, QuadError
 from quad_common.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -133,11 +133,12 @@ class Planner(Generic[Prepared]):
         side = self._method.clearance_radius / 2.0
         grid = OccupancyGrid(cells, side, Pose2D(0.0, 0.0, 0.0))
         start, behind, before = (Pose2D(x * side, 24.3 * side, 0.3) for x in (8.6, 40.2, 15.4))
-        prepared = self._method.prepare(grid)
-        for goal in (behind, before):
-            # Whether there is a plan does not matter.
-            with suppress(PlannerError):
-                self._method.plan(prepared, start, goal)
+        # Whether there is a plan does not matter, nor whether the method can use this map.
+        with suppress(QuadError):
+            prepared = self._method.prepare(grid)
+            for goal in (behind, before):
+                with suppress(PlannerError):
+                    self._method.plan(prepared, start, goal)
 
     def plan(self, start: Pose2D, goal: Pose2D) -> Plan:
         """

@@ -18,7 +18,6 @@ from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_perception.marker_poses import DiscOnMarker, MarkerShape
 from quad_perception.perception import Perceiver
-from quad_perception.picture_check import PictureWatch
 
 ROBOT, GOAL = RobotMarker(), GoalMarker()
 CAMERAS = [
@@ -174,30 +173,6 @@ def test_pictures_that_show_nothing_are_said(value, said):
 def test_a_picture_of_another_size_is_refused():
     with pytest.raises(ParameterError, match='320 x 240 pixels'):
         PERCEIVER.perceive(np.full((240, 320, 3), 128, np.uint8))
-
-
-def test_a_picture_that_does_not_change_is_noticed():
-    watch = PictureWatch(patience=2.0)
-    picture = room()
-    for t in (0.0, 1.0, 2.0):
-        watch.check(picture, t)
-    with pytest.raises(PictureUnusable, match=r'not changed for 2\.5 s'):
-        watch.check(picture.copy(), 2.5)
-    other = picture.copy()
-    other[0, 0, 0] ^= 1
-    watch.check(other, 3.0)
-    watch.check(other, 4.0)
-    # A clock that goes back, as after a reset of a simulation, is a new start.
-    watch.check(other, 0.0)
-    watch.check(other, 1.5)
-
-
-def test_a_watch_keeps_a_picture_of_its_own():
-    watch = PictureWatch(patience=1.0)
-    picture = room()
-    watch.check(picture, 0.0)
-    picture[:] = 0
-    watch.check(picture, 5.0)
 
 
 @pytest.mark.parametrize(

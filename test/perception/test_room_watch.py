@@ -50,7 +50,7 @@ def test_the_first_picture_gives_map_goal_and_pose():
 
 
 def test_the_robot_is_not_in_the_map_and_stands_on_free_floor():
-    room = watch(standing_radius=0.6)
+    room = watch()
     grid = room.add_picture(0.0, picture()).map
     for angle in np.linspace(0.0, 2.0 * math.pi, 12):
         for radius in (0.0, 0.2, 0.4, 0.55):
