@@ -141,10 +141,7 @@ class NodeProcess:
         arguments = [part for key, value in parameters.items() for part in ('-p', _set(key, value))]
         if namespace:
             arguments += ['-r', f'__ns:=/{namespace.strip("/")}']
-        environment = dict(os.environ, PYTHONUNBUFFERED='1')
-        # Threads for large matrices, which nodes do not have. Begun before a node blocks its
-        # signals, they would take these in its place.
-        environment.setdefault('OPENBLAS_NUM_THREADS', '1')
+        environment = dict(os.environ, PYTHONUNBUFFERED='1', PYTHONFAULTHANDLER='1')
         # The wheels of rclpy leave it behind to start each python once more only.
         environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
         with log.open('ab') as output:
@@ -186,6 +183,10 @@ class NodeProcess:
                 return self._process.wait(_SHORT_WAIT)
             except subprocess.TimeoutExpired:
                 continue
+        # It hangs: Python writes into the log where, and ends.
+        self._process.send_signal(signal.SIGABRT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self._process.wait(timeout)
         self.kill()
         return self._process.returncode
 

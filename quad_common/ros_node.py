@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -256,7 +255,8 @@ def run_node(
     # thread and in the middle of whatever publishes; Python's exception could come anywhere,
     # also in the clean-up: under ros2 launch a second interrupt follows the first.
     signals: list[int] = []
-    _note_signals(signals)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, frame: signals.append(number))
     node = None
     try:
         try:
@@ -278,27 +278,6 @@ def run_node(
         rclpy.try_shutdown()
         _ignore_signals()
     return 0
-
-
-def _note_signals(signals: list[int]) -> None:
-    """
-    Append SIGINT and SIGTERM to a list when they come.
-
-    A thread waits for them, and they are blocked elsewhere: in each spin rclpy's executor
-    puts its own handler in place of Python's and back again, and a signal that comes just
-    between the two would be lost. The handlers are for threads that libraries have begun
-    before, in which signals are not blocked: OPENBLAS_NUM_THREADS=1 avoids these.
-    """
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    for number in numbers:
-        signal.signal(number, lambda number, frame: signals.append(number))
-    signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
-
-    def wait() -> None:
-        while True:
-            signals.append(signal.sigwait(numbers))
-
-    threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
 def _ignore_signals() -> None:
