@@ -100,7 +100,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     bars : list of Bar
         What was measured.
     details : dict
-        The overlap of every room.
+        The overlap of every room, and every walk.
     """
     robot = load_robot('titan_viii')
     rooms = 7 if quick else _ROOMS
@@ -134,9 +134,9 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
         figure('cv2.inRange on the same picture, once', 1e3 * plain, 'ms'),
         figure('time for a picture', took / plain, 'x inRange'),
     ]
-    bars += walk_bars(quick, seed)
+    further_bars, walks = walk_bars(console, quick, seed)
     details = {f'{name}_overlaps': kind.figures.overlaps for name, kind in kinds.items()}
-    return bars, details
+    return bars + further_bars, {**details, 'walks': walks}
 
 
 def _see_room(

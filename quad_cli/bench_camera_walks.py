@@ -7,10 +7,12 @@ from __future__ import annotations
 import math
 import os
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.camera_walk import CameraWalk, CameraWalkOptions
@@ -46,7 +48,13 @@ _TIMEOUT = 900.0
 class _Outcome:
     """Of one walk."""
 
+    room: int
+    """Its seed."""
     arrived: bool
+    problem: str
+    """Why it did not arrive."""
+    duration: float
+    """[s], simulated"""
     contacts: int
     largest_error: float
     """Of the fused pose [m]."""
@@ -56,12 +64,14 @@ class _Outcome:
     """Whether an obstacle was dropped."""
 
 
-def walk_bars(quick: bool, seed: int) -> list[Bar]:
+def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list[dict[str, Any]]]:
     """
     Walk through random rooms, and through some where an obstacle is dropped on the path.
 
     Parameters
     ----------
+    console : Console
+        Where progress is said.
     quick : bool
         No walk: they take too long.
     seed : int
@@ -69,15 +79,21 @@ def walk_bars(quick: bool, seed: int) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    bars : list of Bar
         Not measured if there is no time for it.
+    walks : list of dict
+        How each walk went.
     """
     if quick:
-        return [figure('walks by the camera alone: in the full run only', None, '')]
+        return [figure('walks by the camera alone: in the full run only', None, '')], []
     jobs = [(seed + k, False) for k in range(_ROOMS)]
     jobs += [(seed + 100 + k, True) for k in range(_DROPS)]
+    outcomes = []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
-        outcomes = list(pool.map(_walk, *zip(*jobs)))
+        for outcome in pool.map(_walk, *zip(*jobs)):
+            end = 'arrived' if outcome.arrived else outcome.problem
+            console.print(f'walk {len(outcomes) + 1} of {len(jobs)}, room {outcome.room}: {end}')
+            outcomes.append(outcome)
     plain, drops = outcomes[:_ROOMS], outcomes[_ROOMS:]
     dropped = sum(outcome.dropped for outcome in drops)
     bars = [figure('obstacles dropped on the path', float(dropped), '')]
@@ -89,8 +105,7 @@ def walk_bars(quick: bool, seed: int) -> list[Bar]:
             at_most(f'{name}: kinds of contact', contacts, '', 0.0),
         ]
     rms = math.sqrt(float(np.mean([outcome.rms_error**2 for outcome in outcomes])))
-    return [
-        *bars,
+    bars += [
         at_most(
             'fused pose while walking, largest error',
             max(outcome.largest_error for outcome in outcomes),
@@ -99,6 +114,7 @@ def walk_bars(quick: bool, seed: int) -> list[Bar]:
         ),
         figure('fused pose while walking, rms', rms, 'm'),
     ]
+    return bars, [asdict(outcome) for outcome in outcomes]
 
 
 def _walk(seed: int, with_drop: bool) -> _Outcome:
@@ -118,7 +134,10 @@ def _walk(seed: int, with_drop: bool) -> _Outcome:
         walk.close()
     errors = np.array(record.pose_errors or [math.inf])
     return _Outcome(
+        seed,
         record.arrived,
+        record.problem,
+        record.duration,
         len(record.contacts),
         float(errors.max()),
         float(np.sqrt(np.mean(errors**2))),
