@@ -88,7 +88,7 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
         return [figure('walks by the camera alone: in the full run only', None, '')], []
     jobs = [(seed + k, False) for k in range(_ROOMS)]
     jobs += [(seed + 100 + k, True) for k in range(_DROPS)]
-    outcomes = []
+    outcomes: list[_Outcome] = []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         for outcome in pool.map(_walk, *zip(*jobs)):
             end = 'arrived' if outcome.arrived else outcome.problem
