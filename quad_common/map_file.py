@@ -18,17 +18,23 @@ unscaled, and says so to nobody.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from PIL import Image
 
 from quad_common.errors import MapError
+from quad_common.map_document import (
+    InvalidEntry,
+    image_of,
+    number_of,
+    numbers_of,
+    read_document,
+    value_of,
+)
 from quad_common.occupancy_grid import (
     FREE,
     OCCUPIED,
@@ -62,28 +68,27 @@ def load_map(path: str | Path) -> OccupancyGrid:
         If the file or its image is missing, unreadable, or says what it cannot.
     """
     path = Path(path).expanduser()
-    document = _document(path)
+    document = read_document(path)
     try:
         mode = str(document.get('mode', 'trinary')).lower()
         if mode not in MODES:
-            raise _Invalid(f"'mode' is {document['mode']!r}; it must be one of {', '.join(MODES)}")
-        resolution = _number(document, 'resolution')
-        origin = _origin(document)
-        free, occupied = _number(document, 'free_thresh'), _number(document, 'occupied_thresh')
+            raise InvalidEntry(
+                f"'mode' is {document['mode']!r}; it must be one of {', '.join(MODES)}"
+            )
+        resolution = number_of(document, 'resolution')
+        origin = Pose2D(*numbers_of(document, 'origin', ('x', 'y', 'yaw')))
+        free, occupied = number_of(document, 'free_thresh'), number_of(document, 'occupied_thresh')
         if not 0.0 <= free <= occupied <= 1.0:
-            raise _Invalid(
+            raise InvalidEntry(
                 f"'free_thresh' is {free:g} and 'occupied_thresh' {occupied:g}; "
                 'they must be 0 <= free_thresh <= occupied_thresh <= 1'
             )
         negate = _flag(document, 'negate')
-        image = document.get('image')
-        if not isinstance(image, str) or not image:
-            raise _Invalid(f"'image' is {image!r}; it must be the name of an image file")
-        grey, alpha = _read_image(path.parent / image)
+        grey, alpha = _read_image(path.parent / image_of(document))
         cells = _raw(grey) if mode == 'raw' else _graded(grey, alpha, negate, free, occupied, mode)
         # The image's first row is the top of the map, the grid's first row its bottom.
         return OccupancyGrid(np.ascontiguousarray(cells[::-1]), resolution, origin)
-    except (_Invalid, MapError) as error:
+    except (InvalidEntry, MapError) as error:
         raise MapError(f'map file {path}: {error}') from error
 
 
@@ -127,55 +132,10 @@ def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25)
         raise MapError(f'map file {path} cannot be written: {error}') from error
 
 
-class _Invalid(Exception):
-    """What is wrong with a map file, still without the file's name."""
-
-
-def _document(path: Path) -> Mapping[str, Any]:
-    try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except OSError as error:
-        raise MapError(f'map file {path} cannot be read: {error.strerror}') from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise MapError(f'map file {path} is not YAML: {" ".join(str(error).split())}') from error
-    if not isinstance(document, dict):
-        raise MapError(f'map file {path} must hold keys such as image, resolution and origin')
-    return document
-
-
-def _value(document: Mapping[str, Any], key: str) -> Any:
-    if key not in document:
-        raise _Invalid(f"the key '{key}' is missing")
-    return document[key]
-
-
-def _finite(value: Any, what: str) -> float:
-    # Text is tried too: YAML 1.1 reads 5e-2 as text, and yaml-cpp reads it as a number.
-    try:
-        number = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise _Invalid(f'{what} is {value!r}; it must be a finite number')
-    return number
-
-
-def _number(document: Mapping[str, Any], key: str) -> float:
-    return _finite(_value(document, key), f"'{key}'")
-
-
-def _origin(document: Mapping[str, Any]) -> Pose2D:
-    value = _value(document, 'origin')
-    if not isinstance(value, list) or len(value) != 3:
-        raise _Invalid(f"'origin' is {value!r}; it must be [x, y, yaw]")
-    named = zip(('x', 'y', 'yaw'), value, strict=True)
-    return Pose2D(*(_finite(number, f"{name} of 'origin'") for name, number in named))
-
-
 def _flag(document: Mapping[str, Any], key: str) -> bool:
-    value = _value(document, key)
+    value = value_of(document, key)
     if not isinstance(value, (bool, int)):
-        raise _Invalid(f"'{key}' is {value!r}; it must be 0 or 1")
+        raise InvalidEntry(f"'{key}' is {value!r}; it must be 0 or 1")
     return bool(value)
 
 
@@ -192,9 +152,11 @@ def _read_image(path: Path) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None
                 return grey, alpha
             return np.asarray(image.convert('L')), None
     except FileNotFoundError as error:
-        raise _Invalid(f"the image '{path}' does not exist") from error
+        raise InvalidEntry(f"the image '{path}' does not exist") from error
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise _Invalid(f"the image '{path}' cannot be read as PGM, PNG or BMP: {error}") from error
+        raise InvalidEntry(
+            f"the image '{path}' cannot be read as PGM, PNG or BMP: {error}"
+        ) from error
 
 
 def _raw(grey: NDArray[np.uint8]) -> NDArray[np.int8]:
