@@ -175,7 +175,15 @@ class DirectWalk:
             callback(seen)
         tilt = tilt_of(seen.orientation)
         trajectory = self.controller.update(
-            Measurement(seen.time, seen.pose, tilt, seen.joint_positions, seen.joint_velocities)
+            Measurement(
+                seen.time,
+                seen.pose,
+                tilt,
+                seen.joint_positions,
+                seen.joint_velocities,
+                seen.orientation,
+                seen.joint_efforts,
+            )
         )
         if trajectory is not None:
             self._simulation.accept(trajectory)

@@ -357,6 +357,17 @@ class UnstableCycle(GaitError):
         )
 
 
+class FootholdNotFound(GaitError):
+    """A foot was lowered as far as it goes and met no ground."""
+
+    def __init__(self, leg: str, depth: float) -> None:
+        self.leg = leg
+        super().__init__(
+            f'foot {leg} met no ground, not even {1e3 * depth:.0f} mm below where it was '
+            f'expected, nor back where it had stood'
+        )
+
+
 class TrajectoryError(QuadError):
     """A joint trajectory is malformed or comes too late."""
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
+from quad_common.height_map import HeightMap
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
@@ -31,6 +32,7 @@ from quad_gait.posture import crouching_joint_angles, posture_trajectory
 from quad_gait.reference_path import Piece
 from quad_gait.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.stability import stability_margin, support_polygon
+from quad_gait.uneven_stride import Stance, UnevenOptions, UnevenStride
 
 Array = NDArray[np.float64]
 
@@ -90,6 +92,10 @@ class Measurement:
     """Shape (12,) [rad]; None before the first were heard of."""
     joint_velocities: Array | None
     """Shape (12,) [rad/s]."""
+    orientation: Array | None = None
+    """Of the body, quaternion xyzw, shape (4,); None: level."""
+    joint_efforts: Array | None = None
+    """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +126,8 @@ class ControllerOptions:
     """Whether steering also takes back what the robot drifts meanwhile."""
     follower: FollowerOptions = field(default_factory=FollowerOptions)
     """How plans are followed."""
+    uneven: UnevenOptions | None = None
+    """How to walk where the ground is not flat; None: it is flat."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +170,11 @@ class WalkController:
         self._compensation = compensation
         self._sequence = MotionSequence()
         self._busy_until = -math.inf
+        self._stride: UnevenStride | None = None
+        self._height_map: HeightMap | None = None
+        self._stride_end = Pose2D(0.0, 0.0, 0.0)
+        # In which the robot stands between two cycles.
+        self._stance = robot.initial_joint_angles
         self._take_gaits(gait, turning_gait, options.follower)
         self._new_gaits: tuple[Gait, Gait, FollowerOptions] | None = None
         self._wanted: Plan | None = None
@@ -213,6 +226,12 @@ class WalkController:
     def set_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
         """Change gaits and the way to follow plans, once the robot is at rest."""
         self._new_gaits = (gait, turning_gait, follower)
+
+    def set_height_map(self, height_map: HeightMap | None) -> None:
+        """Take a map of the ground, in the plan's frame, for walking where it is uneven."""
+        self._height_map = height_map
+        if self._stride is not None:
+            self._stride.height_map = height_map
 
     def set_plan(self, plan: Plan | None, pieces: list[Piece] | None = None) -> None:
         """
@@ -266,6 +285,7 @@ class WalkController:
         self.stop()
         self._is_to_sit = False
         self._has_fallen = False
+        self._stance = self._robot.initial_joint_angles
         return 'the robot stops at the end of its gait cycle and stands in its initial posture'
 
     def sit(self) -> str:
@@ -300,6 +320,8 @@ class WalkController:
         self._last_time = now.time
         if now.tilt > options.largest_tilt:
             return self._fall(now)
+        if self._stride is not None:
+            return self._go_on_with_stride(now)
         follow_on = self._sequence.at(now.time)
         if follow_on is not None and follow_on.cycle.exit:
             is_time = follow_on.end - options.lead_time <= now.time < follow_on.end - _LAST_MOMENT
@@ -330,6 +352,8 @@ class WalkController:
 
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
+        if self._stride is not None:
+            return self._stride.in_contact(time)
         return self._sequence.in_contact_at(time)
 
     def support_polygon_at(self, time: float, pose: Pose2D) -> Array:
@@ -384,9 +408,7 @@ class WalkController:
                 self._set_activity(Activity.WAITING, 'the joints are still moving')
             return None
         self._still_since = min(self._still_since, now.time)
-        posture = self._robot.initial_joint_angles
-        if self._is_to_sit:
-            posture = self._crouching
+        posture = self._crouching if self._is_to_sit else self._stance
         if not self._is_in_posture(now.joint_positions, posture):
             if now.time < self._still_since + _STILL_TIME:
                 # It may be in the middle of a cycle that another node began.
@@ -403,6 +425,8 @@ class WalkController:
             step = self._next_step(now.pose, STILL)
             if step is None:
                 return None
+            if self._options.uneven is not None:
+                return self._first_stride(now, step)
             return self._first_cycle(now, step)
         except GaitError as error:
             self._set_activity(Activity.STOPPED, str(error))
@@ -437,7 +461,7 @@ class WalkController:
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
         self._decided = now.pose
-        self._say(step, cycle)
+        self._say(step, cycle.motion, cycle.limit)
         return self._sequence.trajectory(self._robot, now.time)
 
     def _without_slip(self, current: ScheduledCycle, time: float, expected: Pose2D) -> Pose2D:
@@ -453,6 +477,47 @@ class WalkController:
         if following is not None:
             self._sequence.replace(following)
 
+    def _go_on_with_stride(self, now: Measurement) -> JointTrajectory | None:
+        """Carry a step over uneven ground on, until its last foot stands."""
+        stride = self._stride
+        assert stride is not None
+        try:
+            trajectory = stride.update(self._stance_at(now))
+        except GaitError as error:
+            self._end_stride(stride)
+            self._give_up(Activity.STOPPED, str(error))
+            return None
+        self._busy_until = stride.end
+        if stride.is_over:
+            self._end_stride(stride)
+        return trajectory
+
+    def _end_stride(self, stride: UnevenStride) -> None:
+        self._stance = stride.joint_positions
+        self._stride = None
+
+    def _stance_at(self, now: Measurement) -> Stance:
+        assert now.joint_positions is not None
+        orientation = now.orientation
+        if orientation is None:
+            orientation = np.array([0.0, 0.0, 0.0, 1.0])
+        return Stance.measured(
+            self._robot, now.time, now.pose, orientation, now.joint_positions, now.joint_efforts
+        )
+
+    def _first_stride(self, now: Measurement, step: Step) -> JointTrajectory | None:
+        """Begin a step over uneven ground."""
+        options = self._options.uneven
+        assert options is not None
+        self._gear_in_use = self._gear(step)
+        self._stride = UnevenStride(
+            self._robot, self._gait_for(step), step.motion, now.pose, self._height_map, options
+        )
+        self._decided = now.pose
+        self._stride_end = step.motion.end
+        self._say(step, step.motion)
+        return self._go_on_with_stride(now)
+
     def _first_cycle(self, now: Measurement, step: Step) -> JointTrajectory:
         """Begin to move."""
         assert now.joint_positions is not None
@@ -466,7 +531,7 @@ class WalkController:
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
         self._decided = now.pose
-        self._say(step, cycle)
+        self._say(step, cycle.motion, cycle.limit)
         return self._sequence.trajectory(self._robot, start)
 
     def _with_stop(self, scheduled: ScheduledCycle) -> list[ScheduledCycle]:
@@ -706,6 +771,7 @@ class WalkController:
     def _forget_schedule(self) -> None:
         self._busy_until = -math.inf
         self._still_since = math.inf
+        self._stride = None
         self._sequence.clear()
         self._decided = None
         self._course = None
@@ -717,7 +783,9 @@ class WalkController:
         if self._decided is None:
             return None
         last = self._sequence.last
-        if last is not None and expected is pose:
+        if self._options.uneven is not None:
+            expected = self._decided @ self._stride_end
+        elif last is not None and expected is pose:
             expected = last.end_pose if not last.cycle.exit else self._resting_pose()
         planned = self._decided.inverse() @ expected
         done = self._decided.inverse() @ pose
@@ -761,6 +829,7 @@ class WalkController:
         self._sequence.clear()
         self._decided = None
         self._busy_until = trajectory.end
+        self._stance = self._robot.initial_joint_angles if self._is_to_sit else posture
         if self._is_to_sit:
             self._set_activity(Activity.SITTING_DOWN, 'sitting down on request')
         else:
@@ -770,12 +839,11 @@ class WalkController:
             )
         return trajectory
 
-    def _say(self, step: Step, cycle: Cycle) -> None:
-        motion = cycle.motion
+    def _say(self, step: Step, motion: BodyMotion, limit: str = '') -> None:
         if self._steering is None:
             self.limit = ''
-        if cycle.limit:
-            self.limit = f'a cycle was shortened: {cycle.limit}'
+        if limit:
+            self.limit = f'a cycle was shortened: {limit}'
         if step.is_turn or not math.hypot(motion.forward, motion.left) > 1e-3:
             self.activity = Activity.TURNING
             self.reason = f'turning by {math.degrees(motion.turn):.1f} degrees'

@@ -1,0 +1,575 @@
+"""
+One gait cycle over ground that is not flat: a swing at a time, ended by what the foot meets.
+
+On flat ground a whole cycle is planned ahead. Here each swing is planned when it begins,
+from where the feet really stand: the body goes over the three others, level if the legs
+reach, the foot is lifted over what is in its way and lowered until it bears load. It may
+meet the ground early, or later than expected: the cycle goes on from there.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import FootholdNotFound, GaitError, JointLimitExceeded
+from quad_common.height_map import HeightMap
+from quad_common.joint_trajectory import JointTrajectory
+from quad_common.planar_pose import Pose2D
+from quad_common.robot import LEGS, Robot
+from quad_gait.body_motion import BodyMotion, minimum_jerk
+from quad_gait.body_placement import BodyPose, angles_of, balanced, body_over, rotation_of
+from quad_gait.foot_forces import foot_forces
+from quad_gait.gait import Gait
+from quad_gait.ground_model import FootholdChoice, GroundModel
+
+Array = NDArray[np.float64]
+
+_GRAVITY = 9.80665
+
+_HIP_HEIGHT = 0.243
+"""Of TITAN-VIII, for which the lengths here were chosen; other robots' are in proportion [m]."""
+
+_REACTION = 0.06
+"""A trajectory that answers to a contact begins so long after it [s]."""
+
+_SHARES = (1.0, 0.75, 0.5, 0.25, 0.0)
+"""Of a step, tried in this order until the legs reach."""
+
+_TILTS = (0.0, 0.5, 1.0)
+"""Shares of the ground's tilt that the body takes, likewise."""
+
+_LOWER = (0.0, 0.03, 0.06)
+"""How much lower than in its initial posture the body is, likewise [m]."""
+
+
+@dataclass(frozen=True)
+class UnevenOptions:
+    """How a robot walks where the ground is not flat; lengths are TITAN-VIII's."""
+
+    sample_period: float = 0.02
+    """Between a trajectory's points [s]."""
+    margin: float = 0.035
+    """How far inside its three feet the centre of mass is kept, if they give so much [m]."""
+    contact_share: float = 0.05
+    """A foot that bears more than this share of the weight stands."""
+    clearance: float = 0.03
+    """Over what a height map shows in the way of a foot [m]."""
+    search_speed: float = 0.08
+    """At which a foot is lowered where the ground may be [m/s]."""
+    search_above: float = 0.01
+    """The search begins so far above the ground that a height map shows [m]."""
+    shift_time: float = 0.5
+    """For the body to go over three feet [s]."""
+    shift_speed: float = 0.15
+    """Farther moves take longer [m/s], on average."""
+    lift_time: float = 0.25
+    """[s]"""
+    transfer_time: float = 0.4
+    """[s]"""
+    lower_time: float = 0.25
+    """[s]"""
+    foothold_reach: float = 0.06
+    """How far a foot may be put beside its place, for a better hold [m]."""
+    foothold_radius: float = 0.03
+    """Around a foot the ground should be even [m]."""
+    largest_step: float = 0.025
+    """Heights around a foot differ by at most so much on even ground [m]."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """What is known of a robot at one instant."""
+
+    time: float
+    """[s]"""
+    body: BodyPose
+    """x, y and yaw in the plan's frame; z is measured from base_link, so it is 0 here."""
+    feet: Array
+    """Their centres in the same frame, shape (4, 3) [m]."""
+    joint_positions: Array
+    """Shape (4, 3) [rad]."""
+    loads: Array | None
+    """Vertical force on each foot, shape (4,) [N]; None where motors do not tell."""
+
+    @classmethod
+    def measured(
+        cls,
+        robot: Robot,
+        time: float,
+        pose: Pose2D,
+        orientation: Array,
+        joint_positions: Array,
+        joint_efforts: Array | None,
+    ) -> Stance:
+        """
+        Find the feet and their loads.
+
+        Parameters
+        ----------
+        robot : Robot
+            The robot.
+        time : float
+            [s]
+        pose : Pose2D
+            base_link in the plan's frame.
+        orientation : ndarray, shape (4,)
+            Quaternion xyzw; its heading does not count.
+        joint_positions, joint_efforts : ndarray, shape (12,)
+            [rad] and [N m].
+
+        Returns
+        -------
+        Stance
+        """
+        roll, pitch, _ = angles_of(orientation)
+        body = BodyPose(np.array([pose.x, pose.y, 0.0]), roll, pitch, pose.yaw)
+        joints = joint_positions.reshape(4, 3)
+        loads = None
+        if joint_efforts is not None and np.any(joint_efforts):
+            up = body.rotation[2]
+            forces = foot_forces(robot, joints, joint_efforts.reshape(4, 3), up)
+            loads = np.nan_to_num(forces @ up)
+        return cls(time, body, body.transform(robot.foot_positions(joints)), joints, loads)
+
+
+class _Phase(enum.Enum):
+    SEEKING = 'seeking'
+    SWINGING = 'swinging'
+    FINISHING = 'finishing'
+    OVER = 'over'
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Joint paths of one phase."""
+
+    start: float
+    """[s]"""
+    times: Array
+    """From the start, shape (n,) [s]."""
+    positions: Array
+    """Shape (n, 4, 3) [rad]."""
+    velocities: Array
+    """Shape (n, 4, 3) [rad/s]."""
+
+    @property
+    def end(self) -> float:
+        return self.start + float(self.times[-1])
+
+    def at(self, time: float) -> Array:
+        """Return where the joints are commanded to be, shape (4, 3) [rad]."""
+        flat = self.positions.reshape(len(self.times), -1)
+        t = time - self.start
+        joints = [np.interp(t, self.times, flat[:, k]) for k in range(flat.shape[1])]
+        commanded: Array = np.reshape(joints, self.positions.shape[1:])
+        return commanded
+
+    def trajectory(self, robot: Robot) -> JointTrajectory:
+        joints = len(robot.joint_names)
+        return JointTrajectory(
+            joint_names=robot.joint_names,
+            stamp=self.start,
+            times=self.times,
+            positions=self.positions.reshape(-1, joints),
+            velocities=self.velocities.reshape(-1, joints),
+        )
+
+
+class UnevenStride:
+    """
+    Carries one step of the body out, leg by leg.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        In whose order the legs swing.
+    motion : BodyMotion
+        Where the body goes.
+    pose : Pose2D
+        From where, in the plan's frame.
+    height_map : HeightMap, optional
+        Of the ground, in the plan's frame; without one the feet feel their way.
+    options : UnevenOptions
+        How.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        gait: Gait,
+        motion: BodyMotion,
+        pose: Pose2D,
+        height_map: HeightMap | None,
+        options: UnevenOptions,
+    ) -> None:
+        self._robot = robot
+        self._options = options
+        self._scale = robot.hip_height / _HIP_HEIGHT
+        self._order = [LEGS.index(swing.leg) for swing in gait.swings]
+        self._swing_height = gait.swing_height
+        self._motion_of_body = motion
+        self._start_pose = pose
+        self._footholds = (pose @ motion.end).transform(robot.neutral_feet)[:, :2]
+        self.height_map = height_map
+        self._phase = _Phase.SEEKING
+        self._next = 0
+        self._in_a_row = 0
+        self._seeking: list[int] = []
+        self._sought: set[int] = set()
+        self._depth = 0.0
+        self._lifted_at = self._falls_from = np.inf
+        self._return_to: Array | None = None
+        self._left = np.zeros((len(LEGS), 3))
+        self._motion: _Motion | None = None
+        self.has_shortened = False
+        """Whether a leg did not get as far as it was to."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all legs have swung and the body is where it was to go."""
+        return self._phase is _Phase.OVER
+
+    @property
+    def end(self) -> float:
+        """When what was planned last is done [s]."""
+        return -np.inf if self._motion is None else self._motion.end
+
+    @property
+    def joint_positions(self) -> Array:
+        """Where the joints are commanded to end, shape (4, 3) [rad]."""
+        assert self._motion is not None
+        return self._motion.positions[-1]
+
+    @property
+    def swinging(self) -> str | None:
+        """The leg that swings, or whose turn it is."""
+        return LEGS[self._order[self._next]] if self._phase is _Phase.SWINGING else None
+
+    def in_contact(self, time: float) -> NDArray[np.bool_]:
+        """Return which feet are planned to stand at a time [s], shape (4,)."""
+        standing = np.ones(len(LEGS), dtype=bool)
+        if self._phase is _Phase.SWINGING and time >= self._lifted_at:
+            standing[self._order[self._next]] = False
+        return standing
+
+    def update(self, now: Stance) -> JointTrajectory | None:
+        """
+        Take a measurement; plan on if a foot has met the ground, or a motion is over.
+
+        Parameters
+        ----------
+        now : Stance
+            The robot as it stands.
+
+        Returns
+        -------
+        JointTrajectory or None
+            What replaces the last one, if anything does.
+
+        Raises
+        ------
+        GaitError
+            If the legs do not reach, or a foot finds no ground.
+        """
+        if self._phase is _Phase.OVER:
+            return None
+        if self._phase is _Phase.SEEKING:
+            return self._seek(now)
+        assert self._motion is not None
+        if self._phase is _Phase.FINISHING:
+            if now.time >= self._motion.end:
+                self._phase = _Phase.OVER
+            return None
+        leg = self._order[self._next]
+        if now.time < self._falls_from:
+            return None
+        if self._has_load(now, leg):
+            self._in_a_row += 1
+            if self._in_a_row >= 2:
+                return self._land(now)
+        else:
+            self._in_a_row = 0
+        if now.time < self._motion.end + _REACTION:
+            return None
+        if now.loads is None:
+            return self._land(now)
+        if self._return_to is None:
+            # No ground here: back to where the foot stood.
+            self._return_to = self._left[leg]
+            return self._swing(now)
+        raise FootholdNotFound(LEGS[leg], self._depth)
+
+    # What to do next
+
+    def _has_load(self, now: Stance, leg: int) -> bool:
+        weight = self._robot.mass * _GRAVITY
+        return now.loads is not None and bool(now.loads[leg] > self._options.contact_share * weight)
+
+    def _seek(self, now: Stance) -> JointTrajectory | None:
+        """Lower feet that bear nothing until all four stand."""
+        motion = self._motion
+        if motion is not None:
+            found = [leg for leg in self._seeking if self._has_load(now, leg)]
+            self._sought.update(found)
+            if not found and now.time < motion.end:
+                return None
+            if not found:
+                self._sought.update(self._seeking)
+        if now.loads is None:
+            self._seeking = []
+        else:
+            little = 0.2 * self._options.contact_share * self._robot.mass * _GRAVITY
+            self._seeking = [
+                leg
+                for leg in range(len(LEGS))
+                if now.loads[leg] < little and leg not in self._sought
+            ]
+        if not self._seeking:
+            self._phase = _Phase.SWINGING
+            return self._swing(now)
+        depth = 1.5 * self._robot.roughness
+        duration = depth / (self._scale * self._options.search_speed)
+        times = self._times(duration)
+        share = minimum_jerk(0.0, duration, times)[0]
+        feet = np.repeat(now.feet[None], len(times), axis=0)
+        feet[:, self._seeking, 2] -= depth * share[:, None]
+        self._motion = self._planned(now, times, now.body, now.body, share, feet, cut=True)
+        return self._motion.trajectory(self._robot)
+
+    def _land(self, now: Stance) -> JointTrajectory:
+        """Go on with the next leg, or bring the body to its place."""
+        self._return_to = None
+        self._next += 1
+        if self._next < len(self._order):
+            return self._swing(now)
+        self._phase = _Phase.FINISHING
+        self._next = len(self._order) - 1
+        return self._finish(now)
+
+    def _swing(self, now: Stance) -> JointTrajectory:
+        """Plan the next swing, shorter or with the body at a tilt if the legs do not reach."""
+        leg = self._order[self._next]
+        ground = self._ground(now, leg if self._return_to is not None else None)
+        problem: GaitError | None = None
+        for share, tilt, lower in self._ways():
+            try:
+                self._motion = self._plan_swing(now, ground, leg, share, tilt, lower)
+            except GaitError as error:
+                problem = problem or error
+                continue
+            self.has_shortened = self.has_shortened or share < 1.0
+            self._in_a_row = 0
+            return self._motion.trajectory(self._robot)
+        assert problem is not None
+        raise problem
+
+    def _finish(self, now: Stance) -> JointTrajectory:
+        """Bring the body over its four feet."""
+        ground = self._ground(now, None)
+        yaw = (self._start_pose @ self._motion_of_body.end).yaw
+        problem: GaitError | None = None
+        for tilt in _TILTS:
+            for lower in _LOWER:
+                target = body_over(self._robot, now.feet, yaw, ground.slope, tilt)
+                target = _lowered(target, self._scale * lower)
+                duration = self._shift_duration(now.body, target)
+                times = self._times(duration)
+                share = minimum_jerk(0.0, duration, times)[0]
+                feet = np.repeat(now.feet[None], len(times), axis=0)
+                try:
+                    self._motion = self._planned(now, times, now.body, target, share, feet)
+                    return self._motion.trajectory(self._robot)
+                except GaitError as error:
+                    problem = problem or error
+        assert problem is not None
+        raise problem
+
+    @staticmethod
+    def _ways() -> Iterator[tuple[float, float, float]]:
+        """List what to try: the whole step first, with the body level and high."""
+        for share in _SHARES:
+            for tilt in _TILTS:
+                for lower in _LOWER:
+                    yield share, tilt, lower
+
+    # Planning
+
+    def _ground(self, now: Stance, but: int | None) -> GroundModel:
+        """Find the ground under the feet that stand."""
+        standing = [leg for leg in range(len(LEGS)) if leg != but]
+        under = now.feet[standing] - np.array([0.0, 0.0, self._robot.foot_radius])
+        return GroundModel.through(under, self.height_map)
+
+    def _plan_swing(
+        self,
+        now: Stance,
+        ground: GroundModel,
+        leg: int,
+        share: float,
+        tilt: float,
+        lower: float,
+    ) -> _Motion:
+        options, robot, scale = self._options, self._robot, self._scale
+        start = now.feet[leg]
+        target = self._target(now, ground, leg, share)
+        feet = now.feet.copy()
+        feet[leg] = 0.5 * (start + target)
+        feet[leg, 2] = target[2]
+        yaw = self._start_pose.yaw + (self._next + 0.5) / 4.0 * self._motion_of_body.turn
+        body = _lowered(body_over(robot, feet, yaw, ground.slope, tilt), scale * lower)
+        body = self._balanced_over(body, now, leg)
+
+        shift = self._shift_duration(now.body, body)
+        top, above = self._heights(ground, start, target, now.loads is not None)
+        depth = 0.0
+        if now.loads is not None:
+            depth = robot.roughness if ground.height_map is None else 0.5 * robot.roughness
+        fall = shift + options.lift_time + 0.8 * options.transfer_time
+        low = fall + options.lower_time
+        search = (above + depth) / (scale * options.search_speed)
+        times = self._times(low + search + _ramp(search))
+        lift_end = shift + options.lift_time
+        over = minimum_jerk(
+            shift + 0.5 * options.lift_time, lift_end + options.transfer_time, times
+        )[0]
+        height = start[2] + (top - start[2]) * minimum_jerk(shift, lift_end, times)[0]
+        height += (target[2] + above - top) * minimum_jerk(fall, low, times)[0]
+        height -= _searched(times - low, scale * options.search_speed, above + depth)
+        path = np.repeat(now.feet[None], len(times), axis=0)
+        path[:, leg, :2] += over[:, None] * (target - start)[:2]
+        path[:, leg, 2] = height
+        body_share = minimum_jerk(0.0, shift, times)[0]
+        # What is below the ground only matters where it is missing: as deep as legs reach.
+        sure = int(np.searchsorted(times, low + above / (scale * options.search_speed)))
+        motion = self._planned(now, times, now.body, body, body_share, path, sure=sure + 1)
+        self._lifted_at = motion.start + shift
+        self._falls_from = motion.start + lift_end
+        self._depth = depth
+        self._left = now.feet
+        return motion
+
+    def _target(self, now: Stance, ground: GroundModel, leg: int, share: float) -> Array:
+        """Choose where a foot goes: its centre, shape (3,) [m]."""
+        options, scale = self._options, self._scale
+        if self._return_to is not None:
+            return self._return_to
+        start = now.feet[leg, :2]
+        wanted = start + share * (self._footholds[leg] - start)
+        if share > 0.0:
+            choice = FootholdChoice(
+                scale * options.foothold_reach,
+                max(scale * options.foothold_radius, self._robot.foot_radius),
+                scale * options.largest_step,
+                self._robot.roughness + scale * self._swing_height,
+            )
+            wanted = ground.best_foothold(wanted, choice)
+        return np.array([*wanted, float(ground.height(wanted)) + self._robot.foot_radius])
+
+    def _heights(
+        self, ground: GroundModel, start: Array, target: Array, feels: bool
+    ) -> tuple[float, float]:
+        """Return how high a foot is lifted, and how far above its place it begins to feel."""
+        options, robot, scale = self._options, self._robot, self._scale
+        radius = robot.foot_radius
+        highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
+        if ground.height_map is None:
+            clearance = max(self._swing_height, robot.roughness + 0.5 * scale * options.clearance)
+            above = 0.7 * robot.roughness
+        else:
+            clearance, above = scale * options.clearance, scale * options.search_above
+        top = max(highest, float(start[2]), float(target[2])) + clearance
+        return top, above if feels else 0.0
+
+    def _balanced_over(self, body: BodyPose, now: Stance, leg: int) -> BodyPose:
+        """Move the body so that its centre of mass is inside the other three feet."""
+        offset = (body.rotation @ self._robot.center_of_mass(now.joint_positions))[:2]
+        center = body.position[:2] + offset
+        triangle = np.delete(now.feet[:, :2], leg, axis=0)
+        moved = balanced(center, triangle, self._scale * self._options.margin) - offset
+        return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
+
+    def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
+        way = float(np.linalg.norm(end.position - start.position))
+        turned = np.abs([end.roll - start.roll, end.pitch - start.pitch, _turn(start, end)]).max()
+        way = max(way, self._robot.footprint_radius * float(turned))
+        return max(self._options.shift_time, way / (self._scale * self._options.shift_speed))
+
+    def _times(self, duration: float) -> Array:
+        count = max(2, round(duration / self._options.sample_period))
+        return np.linspace(0.0, duration, count + 1)
+
+    def _planned(
+        self,
+        now: Stance,
+        times: Array,
+        start: BodyPose,
+        end: BodyPose,
+        share: Array,
+        feet: Array,
+        cut: bool = False,
+        sure: int | None = None,
+    ) -> _Motion:
+        """
+        Turn paths of body and feet into joint motion, from where the joints are commanded.
+
+        Points from the index ``sure`` on, or all if ``cut``, are left out where a leg does
+        not reach.
+        """
+        robot = self._robot
+        position = start.position + share[:, None] * (end.position - start.position)
+        turns = np.array([end.roll - start.roll, end.pitch - start.pitch, _turn(start, end)])
+        angles = np.array([start.roll, start.pitch, start.yaw]) + share[:, None] * turns
+        arms = np.einsum('nji,nkj->nki', rotation_of(angles), feet - position[:, None])
+        needed = 2 if cut else len(times) if sure is None else min(sure, len(times))
+        joints = robot.joint_angles(arms[:needed])
+        while needed < len(times):
+            # Beyond what is sure the foot goes only as deep as the leg reaches.
+            try:
+                joints = np.concatenate([joints, robot.joint_angles(arms[needed : needed + 1])])
+            except GaitError:
+                break
+            needed += 1
+        times, share = times[:needed], share[:needed]
+        if self._motion is None:
+            commanded = now.joint_positions
+        else:
+            commanded = self._motion.at(now.time)
+        blend = minimum_jerk(0.0, min(self._options.shift_time, float(times[-1])), times)[0]
+        joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
+        velocities = np.gradient(joints, times, axis=0)
+        velocities[0] = velocities[-1] = 0.0
+        excess = np.abs(velocities) / robot.velocity
+        if np.max(excess) > 1.0:
+            leg, kind = np.unravel_index(int(np.argmax(excess.max(axis=0))), (4, 3))
+            limit = float(np.broadcast_to(robot.velocity, (4, 3))[leg, kind])
+            fastest = float(np.abs(velocities[:, leg, kind]).max())
+            name = robot.joint_names[3 * int(leg) + int(kind)]
+            raise JointLimitExceeded(name, fastest, -limit, limit, 'rad/s')
+        return _Motion(now.time + _REACTION, times, joints, velocities)
+
+
+def _turn(start: BodyPose, end: BodyPose) -> float:
+    return float((end.yaw - start.yaw + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def _lowered(body: BodyPose, way: float) -> BodyPose:
+    return BodyPose(body.position - np.array([0.0, 0.0, way]), body.roll, body.pitch, body.yaw)
+
+
+def _ramp(duration: float) -> float:
+    """How much longer a search takes because it begins gently [s]."""
+    return 0.0 if duration <= 0.0 else 0.03
+
+
+def _searched(times: Array, speed: float, way: float) -> Array:
+    """Return how far down a foot has felt: it gathers speed, then keeps it [m]."""
+    ramp = 2.0 * _ramp(1.0)
+    gathered = np.where(times < ramp, times**2 / (2.0 * ramp), times - ramp / 2.0)
+    return np.clip(speed * np.where(times > 0.0, gathered, 0.0), 0.0, way)
