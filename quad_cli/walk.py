@@ -140,7 +140,7 @@ def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
         # One camera under the ceiling is all that tells of the room; the legs tell between
         # its pictures.
         place = _camera_over(load_map(options.map_file))
-        simulator |= {'camera': True, 'publish_map': False, **place}
+        simulator |= {'camera': True, 'publish_map': False, 'publish_tf': False, **place}
         planner['odom_topic'] = 'odom/camera'
         gait |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
         position, yaw = place['camera_position'], place['camera_yaw']

@@ -7,9 +7,10 @@ from __future__ import annotations
 import math
 from array import array
 
+import cv2
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Pose, Quaternion
+from geometry_msgs.msg import Pose, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import ArrayLike, NDArray
@@ -96,6 +97,46 @@ def tilt_from_odometry(message: Odometry) -> float:
     """Return the angle between the body's z axis and the vertical [rad]."""
     q = message.pose.pose.orientation
     return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (q.x**2 + q.y**2))))
+
+
+def base_transform(odometry: Odometry) -> TransformStamped:
+    """Write the pose of an odometry as a transform."""
+    transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)
+    position = odometry.pose.pose.position
+    transform.transform.translation = Vector3(x=position.x, y=position.y, z=position.z)
+    transform.transform.rotation = odometry.pose.pose.orientation
+    return transform
+
+
+def footprint_transform(odometry: Odometry, frame: str) -> TransformStamped:
+    """Write where the body stands on the ground: its position and heading there (REP-120)."""
+    transform = TransformStamped(header=odometry.header, child_frame_id=frame)
+    position = odometry.pose.pose.position
+    transform.transform.translation = Vector3(x=position.x, y=position.y, z=0.0)
+    transform.transform.rotation = quaternion_from_yaw(pose_from_message(odometry.pose.pose).yaw)
+    return transform
+
+
+def pose_transform(pose: Pose2D, parent: str, child: str, stamp: Time) -> TransformStamped:
+    """Write where a frame is in another one."""
+    transform = TransformStamped(child_frame_id=child)
+    transform.header.frame_id = parent
+    transform.header.stamp = stamp
+    transform.transform.translation = Vector3(x=pose.x, y=pose.y, z=0.0)
+    transform.transform.rotation = quaternion_from_yaw(pose.yaw)
+    return transform
+
+
+def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -> TransformStamped:
+    """Write where a camera is and how it looks."""
+    transform = pose_transform(Pose2D(0.0, 0.0, 0.0), parent, child, stamp)
+    x, y, z = (float(v) for v in model.position)
+    transform.transform.translation = Vector3(x=x, y=y, z=z)
+    turn = cv2.Rodrigues(model.rotation)[0].reshape(3)
+    angle = float(np.linalg.norm(turn))
+    x, y, z = (float(v) for v in turn * (math.sin(angle / 2.0) / max(angle, 1e-12)))
+    transform.transform.rotation = Quaternion(x=x, y=y, z=z, w=math.cos(angle / 2.0))
+    return transform
 
 
 def plan_from_message(message: Path) -> Plan | None:

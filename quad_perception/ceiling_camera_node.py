@@ -13,11 +13,13 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from quad_common.camera import CameraModel
 from quad_common.camera_file import load_camera
-from quad_common.errors import QuadError
+from quad_common.errors import InvalidMessage, QuadError
 from quad_common.markers import Colour, GoalMarker, RobotMarker
+from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     camera_model_from_info,
+    camera_transform,
     grid_message,
     image_message,
     pose_from_message,
@@ -31,7 +33,12 @@ from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.perception import Perceiver, default_ranges
 from quad_perception.pose_fusion import FusionOptions
 from quad_perception.room_watch import RoomWatch, Sighting, WatchOptions
-from quad_perception.ros_conversions import fused_odometry, seen_pose_message
+from quad_perception.ros_conversions import fused_odometry, robot_transforms, seen_pose_message
+
+try:
+    from tf2_msgs.msg import TFMessage
+except ImportError:
+    TFMessage = None
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -54,6 +61,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         self._watch: RoomWatch | None = None
         self._camera_problem: QuadError | None = None
         self._picture_problem: QuadError | None = None
+        self._odometry_problem: QuadError | None = None
         self._robot_problem: QuadError | None = None
         self._has_odometry = False
         self._seen_at: float | None = None
@@ -67,6 +75,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         )
         self._odometry = self.create_publisher(Odometry, 'odom/camera', sensor)
         self._pictures = self.create_publisher(Image, 'ceiling_camera/image_annotated', sensor)
+        self._static_transforms, self._transforms = self._make_transforms()
         self.create_subscription(
             CameraInfo, 'ceiling_camera/camera_info', self.guarded(self._on_info), sensor
         )
@@ -81,7 +90,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
     def update_status(self) -> None:
         """Say what is seen, or what is missing."""
         clock_problem = self.clock_problem()
-        problem = self._camera_problem or self._picture_problem
+        problem = self._camera_problem or self._picture_problem or self._odometry_problem
         if clock_problem is not None:
             self.report(STALE, clock_problem)
         elif self._info is None:
@@ -128,6 +137,11 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         finally:
             self._info = message
         self._camera_problem = None
+        if self._static_transforms is not None and message.header.frame_id:
+            place = camera_transform(
+                camera, self.parameters.map_frame, message.header.frame_id, message.header.stamp
+            )
+            self._static_transforms.publish(TFMessage(transforms=[place]))
         self.update_status()
 
     def _make_watch(self, camera: CameraModel) -> RoomWatch:
@@ -185,16 +199,47 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             self._poses.publish(seen_pose_message(robot, frame, stamp))
 
     def _on_odometry(self, message: Odometry) -> None:
+        try:
+            pose = self._legs_pose(message)
+        except QuadError as error:
+            self._odometry_problem = error
+            raise
+        self._odometry_problem = None
         self._has_odometry = True
         if self._watch is None:
             return
-        time = seconds_from_time(message.header.stamp)
-        self._watch.add_odometry(time, pose_from_message(message.pose.pose, 'odometry'))
+        self._watch.add_odometry(seconds_from_time(message.header.stamp), pose)
+        if self._transforms is not None:
+            p = self.parameters
+            transforms = robot_transforms(
+                message, self._watch.correction, p.map_frame, p.footprint_frame
+            )
+            self._transforms.publish(TFMessage(transforms=transforms))
         if self._watch.is_lost:
             return
         self._odometry.publish(
             fused_odometry(message, self._watch.fusion, self.parameters.map_frame)
         )
+
+    def _legs_pose(self, message: Odometry) -> Pose2D:
+        """Read where the legs have the robot, in a frame that the camera can correct."""
+        frame = message.header.frame_id
+        if frame in ('', self.parameters.map_frame):
+            raise InvalidMessage(
+                self.parameters.odometry_topic,
+                f"it is in frame '{frame}'; it must be in one of its own, as 'odom' is",
+            )
+        return pose_from_message(message.pose.pose, 'odometry')
+
+    def _make_transforms(self) -> tuple[Any, Any]:
+        """Return what publishes ``tf_static`` and ``tf``; nothing where they are not wanted."""
+        if not self.parameters.publish_tf:
+            return None, None
+        if TFMessage is None:
+            self.get_logger().info('tf2_msgs is not installed: no transforms are published')
+            return None, None
+        static = self.create_publisher(TFMessage, 'tf_static', _LATCHED)
+        return static, self.create_publisher(TFMessage, 'tf', 100)
 
 
 def colour_of(numbers: list[float]) -> Colour:

@@ -60,5 +60,7 @@ class CeilingCameraParameters:
         3.0, 'Without a picture of the robot for so long its pose is not known.', 's', lower=0.1
     )
     map_frame: str = parameter('map', 'Frame of the map.')
-    odom_frame: str = parameter('odom', "Frame of the legs' odometry.")
-    base_frame: str = parameter('base_link', "Frame of the robot's body.")
+    footprint_frame: str = parameter('base_footprint', 'Frame on the ground under the body.')
+    publish_tf: bool = parameter(
+        True, "Publish the camera's and the robot's transforms; the simulator then must not."
+    )

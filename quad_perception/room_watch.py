@@ -103,6 +103,11 @@ class RoomWatch:
         """Whether the robot's pose is not known, or was last seen too long ago."""
         return self._fusion.pose is None or self._fusion.age(self._time) > self._options.largest_age
 
+    @property
+    def correction(self) -> Pose2D | None:
+        """The odometry's frame in the map's, map -> odom; None while the robot is lost."""
+        return None if self.is_lost else self._fusion.correction
+
     def add_odometry(self, time: float, pose: Pose2D) -> None:
         """Take an odometry: its time [s] and the robot's pose in the odometry's frame."""
         self._time = time

@@ -6,11 +6,17 @@ from __future__ import annotations
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 
-from quad_common.ros_conversions import pose_message
+from quad_common.planar_pose import Pose2D
+from quad_common.ros_conversions import (
+    base_transform,
+    footprint_transform,
+    pose_message,
+    pose_transform,
+)
 from quad_perception.marker_poses import MarkerPose
 from quad_perception.pose_fusion import PoseFusion
 
@@ -71,6 +77,35 @@ def fused_odometry(legs: Odometry, fusion: PoseFusion, frame: str) -> Odometry:
     message.pose.covariance = _six(fusion.covariance)
     message.twist = legs.twist
     return message
+
+
+def robot_transforms(
+    legs: Odometry, correction: Pose2D | None, map_frame: str, footprint_frame: str
+) -> list[TransformStamped]:
+    """
+    Write where the robot is, as REP-105 wants it.
+
+    Parameters
+    ----------
+    legs : nav_msgs/Odometry
+        Of the legs: odom -> base_link.
+    correction : Pose2D, optional
+        Of the camera, map -> odom; none while it does not know.
+    map_frame : str
+        Of the map.
+    footprint_frame : str
+        On the ground under the body.
+
+    Returns
+    -------
+    list of geometry_msgs/TransformStamped
+        With the stamp and the frames of the legs' odometry.
+    """
+    transforms = [base_transform(legs), footprint_transform(legs, footprint_frame)]
+    if correction is not None:
+        header = legs.header
+        transforms.append(pose_transform(correction, map_frame, header.frame_id, header.stamp))
+    return transforms
 
 
 def _six(planar: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -19,6 +19,9 @@ class SimParameters:
     publish_map: bool = parameter(
         True, 'Publish the map; false: whoever needs one has to see for himself.'
     )
+    publish_tf: bool = parameter(
+        True, 'Publish transforms; false: whoever finds out where the robot is does it.'
+    )
     room_seed: int = parameter(
         -1, 'Of a room of obstacles at random, in place of a map; -1: none.', lower=-1
     )

@@ -4,25 +4,21 @@ Conversions between ROS messages and the simulator's values.
 
 from __future__ import annotations
 
-import math
 from array import array
 
-import cv2
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
+from geometry_msgs.msg import Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.camera import CameraModel
 from quad_common.errors import InvalidMessage, InvalidPose, ParameterError, TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.ros_conversions import (
     pose_from_message,
-    quaternion_from_yaw,
     seconds_from_time,
 )
 from quad_sim.parameters import SimParameters
@@ -177,44 +173,6 @@ def joint_state_message(
     message.velocity = _doubles(observation.joint_velocities)
     message.effort = _doubles(observation.joint_efforts)
     return message
-
-
-def base_transform(odometry: Odometry) -> TransformStamped:
-    """Write the same pose as a transform."""
-    transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)
-    position = odometry.pose.pose.position
-    transform.transform.translation = Vector3(x=position.x, y=position.y, z=position.z)
-    transform.transform.rotation = odometry.pose.pose.orientation
-    return transform
-
-
-def footprint_transform(odometry: Odometry, frame: str) -> TransformStamped:
-    """Write where the body stands on the ground: its position and heading there (REP-120)."""
-    transform = TransformStamped(header=odometry.header, child_frame_id=frame)
-    position = odometry.pose.pose.position
-    transform.transform.translation = Vector3(x=position.x, y=position.y, z=0.0)
-    transform.transform.rotation = quaternion_from_yaw(pose_from_message(odometry.pose.pose).yaw)
-    return transform
-
-
-def identity_transform(parent: str, child: str, stamp: Time) -> TransformStamped:
-    """Write that two frames coincide."""
-    transform = TransformStamped(child_frame_id=child)
-    transform.header.frame_id = parent
-    transform.header.stamp = stamp
-    transform.transform.rotation = quaternion_from_yaw(0.0)
-    return transform
-
-
-def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -> TransformStamped:
-    """Write where a camera is and how it looks."""
-    transform = identity_transform(parent, child, stamp)
-    transform.transform.translation = _vector(model.position)
-    turn = cv2.Rodrigues(model.rotation)[0].reshape(3)
-    angle = float(np.linalg.norm(turn))
-    x, y, z = (float(v) for v in turn * (math.sin(angle / 2.0) / max(angle, 1e-12)))
-    transform.transform.rotation = Quaternion(x=x, y=y, z=z, w=math.cos(angle / 2.0))
-    return transform
 
 
 def obstacle_changes_from_message(

@@ -23,23 +23,24 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
+from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
+    base_transform,
     camera_info_message,
+    camera_transform,
+    footprint_transform,
     grid_message,
     image_message,
     pose_from_message,
+    pose_transform,
     time_from_seconds,
 )
 from quad_common.ros_node import ERROR, OK, WARN, QuadNode, run_node
 from quad_common.urdf import urdf_from_robot
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
-    base_transform,
-    camera_transform,
     check_frame,
-    footprint_transform,
-    identity_transform,
     imu_message,
     joint_state_message,
     obstacle_changes_from_message,
@@ -228,13 +229,15 @@ class SimNode(QuadNode[SimParameters]):
         self._spent['pictures'] += time.perf_counter() - began
 
     def _make_transforms(self) -> Any:
+        p = self.parameters
+        if not p.publish_tf:
+            return None
         if TFMessage is None:
             self.get_logger().info('tf2_msgs is not installed: no transforms are published')
             return None
-        p = self.parameters
         static = self.create_publisher(TFMessage, 'tf_static', _LATCHED)
         zero = time_from_seconds(0.0)
-        fixed = [identity_transform(p.map_frame, p.odom_frame, zero)]
+        fixed = [pose_transform(Pose2D(0.0, 0.0, 0.0), p.map_frame, p.odom_frame, zero)]
         if self._camera is not None:
             model = self._camera.model
             fixed.append(camera_transform(model, p.map_frame, p.camera_frame, zero))

@@ -21,8 +21,11 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
+    base_transform,
     camera_info_message,
     camera_model_from_info,
+    camera_transform,
+    footprint_transform,
     grid_message,
     image_message,
     pose_from_message,
@@ -37,9 +40,6 @@ from quad_gait.ros_conversions import joints_from_message, trajectory_message
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
-    base_transform,
-    camera_transform,
-    footprint_transform,
     imu_message,
     joint_state_message,
     obstacle_changes_from_message,
