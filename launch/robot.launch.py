@@ -27,6 +27,7 @@ GAIT_ARGUMENTS = {
     'gait': 'name of a gait, or path of a gait file',
     'turning': 'how the robot turns at the turning points of its plan',
     'odom_topic': PLANNER_ARGUMENTS['odom_topic'],
+    'leg_odometry_start': "'origin' lets a camera place the odometry of the legs",
 }
 NUMBERS = ('safety_distance',)
 

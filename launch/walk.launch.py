@@ -31,8 +31,8 @@ def boolean(text: str) -> bool:
     return text.lower() == 'true'
 
 
-def pose(text: str) -> list[float]:
-    """Read [x, y, yaw], with or without brackets."""
+def numbers(text: str) -> list[float]:
+    """Read numbers with commas between them, with or without brackets."""
     return [float(number) for number in yaml.safe_load(f'[{text.strip().strip("[]")}]')]
 
 
@@ -40,11 +40,17 @@ def pose(text: str) -> list[float]:
 SIM_ARGUMENTS = {
     'robot': (str, 'name of a robot, or path of a robot data file'),
     'map_file': (str, 'path of a Nav2 map file'),
-    'start_pose': (pose, 'where the robot stands at first: [x, y, yaw] in the map [m, m, rad]'),
+    'start_pose': (numbers, 'where the robot stands at first: [x, y, yaw] in the map [m, m, rad]'),
     'real_time_factor': (float, 'simulated over real time; 0 runs as fast as possible'),
     'backend': (str, "'bullet' or 'kinematic'"),
     'gui': (boolean, "show PyBullet's own window: true or false"),
     'seed': (int, 'of the noise of the simulated sensors'),
+    'room_seed': (int, 'of a room of obstacles at random, in place of a map'),
+    'camera': (boolean, 'hang a camera under the ceiling: true or false'),
+    'camera_position': (numbers, 'of the camera in the map: [x, y, z] [m]'),
+    'camera_yaw': (float, "direction in the map of the picture's right side [rad]"),
+    'publish_map': (boolean, 'false leaves the map to a camera'),
+    'publish_tf': (boolean, 'false leaves the transforms to a camera'),
 }
 
 

@@ -198,6 +198,7 @@ def test_data_files_exist_and_hold_what_ros_looks_for(metadata):
         'share/quadwalk/package.xml',
         'share/quadwalk/launch/walk.launch.py',
         'share/quadwalk/launch/robot.launch.py',
+        'share/quadwalk/launch/camera.launch.py',
         'share/quadwalk/maps/room.yaml',
     } <= files
 
@@ -250,6 +251,7 @@ def test_a_launch_file_compiles_and_describes_a_launch(path):
         ('robot', 'PLANNER_ARGUMENTS', 'quad_planner.parameters', 'PlannerParameters'),
         ('robot', 'GAIT_ARGUMENTS', 'quad_gait.parameters', 'GaitParameters'),
         ('walk', 'SIM_ARGUMENTS', 'quad_sim.parameters', 'SimParameters'),
+        ('camera', 'CAMERA_ARGUMENTS', 'quad_perception.parameters', 'CeilingCameraParameters'),
     ],
 )
 def test_every_launch_argument_is_a_parameter_of_its_node(launch_file, table, module, parameters):
@@ -267,7 +269,7 @@ def test_every_launch_argument_is_a_parameter_of_its_node(launch_file, table, mo
     assert arguments <= set(declared)
 
 
-@pytest.mark.parametrize('name', ['walk', 'robot'])
+@pytest.mark.parametrize('name', ['walk', 'robot', 'camera'])
 def test_a_launch_file_declares_its_arguments(name):
     pytest.importorskip('launch_ros')
     launch = pytest.importorskip('launch')
