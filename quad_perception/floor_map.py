@@ -2,8 +2,8 @@
 The map of the floor: occupied where obstacles stand, free where the floor is seen.
 
 What is not seen is unknown: behind obstacles, outside the picture, and under things of a
-colour that is neither an obstacle's nor the floor's. Where the robot covers the floor the
-map keeps what was known before.
+colour that is neither an obstacle's nor the floor's. Where the robot may cover the floor
+the map keeps what was known before; of the rest of it, what is seen as floor is free.
 """
 
 from __future__ import annotations
@@ -59,7 +59,9 @@ def floor_map(
     if robot is not None:
         covered = view.share_of_cells(robot) > 0.0
         known = OccupancyGrid(cells, view.resolution, view.origin)
-        kept = previous is not None and previous.is_aligned_with(known)
-        cells[covered] = previous.cells[covered] if kept and previous is not None else UNKNOWN
+        if previous is not None and previous.is_aligned_with(known):
+            # A part of the robot that has the floor's colour makes no obstacle vanish.
+            kept = covered & ~previous.unknown()
+            cells[kept] = previous.cells[kept]
     cells[view.share_of_cells(occupied) >= _MOST] = OCCUPIED
     return OccupancyGrid(cells, view.resolution, view.origin)

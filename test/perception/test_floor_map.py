@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from pictures import (
+    FLOOR,
     Obstacle,
     ceiling_camera,
     disturbed,
@@ -187,6 +188,28 @@ def test_under_the_robot_the_map_keeps_what_was_known(perceivers):
     assert not alone.map.occupied().any()
     after = perceiver.perceive(with_robot, before.map)
     assert np.array_equal(after.map.cells, before.map.cells)
+
+
+def test_floor_that_is_seen_beside_the_robot_is_free_at_once(perceivers):
+    # It may hide what lies outward of it; all of its circle, raised to its back, is more.
+    perceiver, camera = perceivers['straight'], CAMERAS['straight']
+    pose = Pose2D(2.5, 2.5, 0.5)
+    alone = perceiver.perceive(paint(camera, [], robot_plates(pose, RobotMarker()))).map
+    rows, columns = np.indices(alone.cells.shape)
+    centres = alone.map_to_world(np.stack((columns + 0.5, rows + 0.5), axis=-1))
+    away = np.hypot(centres[..., 0] - pose.x, centres[..., 1] - pose.y)
+    assert (alone.cells[away > perceiver.robot_radius] == 0).all()
+
+
+def test_a_robot_of_the_floors_colour_makes_no_obstacle_vanish(perceivers):
+    perceiver, camera = perceivers['straight'], CAMERAS['straight']
+    low = Obstacle(1.0, 1.5, 0.05, 0.3, 0.3)
+    before = perceiver.perceive(paint(camera, [low])).map
+    assert cell(before, 1.0, 1.5) == 100
+    pose = Pose2D(1.0, 1.0, 0.5)
+    white = (pose.transform(0.6 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])), 0.1, FLOOR)
+    picture = paint(camera, [low], [white, *robot_plates(pose, RobotMarker())])
+    assert cell(perceiver.perceive(picture, before).map, 1.0, 1.5) == 100
 
 
 def test_a_previous_map_of_other_cells_says_nothing(perceivers):
