@@ -698,7 +698,8 @@ class WalkController:
     # Wishes
 
     def _take_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
-        margin = self._options.least_margin
+        # Over uneven ground every swing is balanced anew: there only legs and joints limit.
+        margin = self._options.least_margin if self._options.uneven is None else -math.inf
         self._walking = MotionLimits(self._robot, gait, margin)
         is_same = turning_gait == gait
         self._turning = (
