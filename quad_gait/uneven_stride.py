@@ -37,6 +37,12 @@ _HIP_HEIGHT = 0.243
 _REACTION = 0.06
 """A trajectory that answers to a contact begins so long after it [s]."""
 
+_SURE = 3.0
+"""So many times the load that counts as contact needs no second measurement."""
+
+_LIFT_AT = 0.85
+"""A foot is lifted after this share of the time in which the body goes over the others."""
+
 _SHARES = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Of a step, tried in this order until the legs reach."""
 
@@ -59,19 +65,19 @@ class UnevenOptions:
     """A foot that bears more than this share of the weight stands."""
     clearance: float = 0.03
     """Over what a height map shows in the way of a foot [m]."""
-    search_speed: float = 0.08
+    search_speed: float = 0.12
     """At which a foot is lowered where the ground may be [m/s]."""
     search_above: float = 0.01
     """The search begins so far above the ground that a height map shows [m]."""
-    shift_time: float = 0.5
+    shift_time: float = 0.4
     """For the body to go over three feet [s]."""
-    shift_speed: float = 0.15
+    shift_speed: float = 0.2
     """Farther moves take longer [m/s], on average."""
-    lift_time: float = 0.25
+    lift_time: float = 0.2
     """[s]"""
-    transfer_time: float = 0.4
+    transfer_time: float = 0.35
     """[s]"""
-    lower_time: float = 0.25
+    lower_time: float = 0.2
     """[s]"""
     foothold_reach: float = 0.06
     """How far a foot may be put beside its place, for a better hold [m]."""
@@ -220,7 +226,8 @@ class UnevenStride:
         self.height_map = height_map
         self._phase = _Phase.SEEKING
         self._next = 0
-        self._in_a_row = 0
+        self._untouched: Stance | None = None
+        self._touched: Stance | None = None
         self._seeking: list[int] = []
         self._sought: set[int] = set()
         self._depth = 0.0
@@ -245,7 +252,8 @@ class UnevenStride:
     def joint_positions(self) -> Array:
         """Where the joints are commanded to end, shape (4, 3) [rad]."""
         assert self._motion is not None
-        return self._motion.positions[-1]
+        end: Array = self._motion.positions[-1]
+        return end
 
     @property
     def swinging(self) -> str | None:
@@ -290,12 +298,16 @@ class UnevenStride:
         leg = self._order[self._next]
         if now.time < self._falls_from:
             return None
-        if self._has_load(now, leg):
-            self._in_a_row += 1
-            if self._in_a_row >= 2:
-                return self._land(now)
-        else:
-            self._in_a_row = 0
+        share = self._load_share(now, leg)
+        if share <= self._options.contact_share:
+            self._untouched, self._touched = now, None
+        elif self._touched is None:
+            self._touched = now
+        if self._touched is not None:
+            is_second = now is not self._touched
+            if is_second or share > _SURE * self._options.contact_share:
+                return self._land(self._as_touched(now, leg))
+            return None
         if now.time < self._motion.end + _REACTION:
             return None
         if now.loads is None:
@@ -308,9 +320,30 @@ class UnevenStride:
 
     # What to do next
 
+    def _load_share(self, now: Stance, leg: int) -> float:
+        """Return what a foot bears, as a share of the robot's weight."""
+        if now.loads is None:
+            return 0.0
+        return float(now.loads[leg]) / (self._robot.mass * _GRAVITY)
+
     def _has_load(self, now: Stance, leg: int) -> bool:
-        weight = self._robot.mass * _GRAVITY
-        return now.loads is not None and bool(now.loads[leg] > self._options.contact_share * weight)
+        return self._load_share(now, leg) > self._options.contact_share
+
+    def _as_touched(self, now: Stance, leg: int) -> Stance:
+        """
+        Return the robot as it was when the foot met the ground.
+
+        Until the contact is sure the foot presses on, and tilts the body: the other feet are
+        where they were before, and this one belongs where it was at the first touch.
+        """
+        before, touched = self._untouched, self._touched
+        assert touched is not None
+        if before is None:
+            return now
+        joints = now.joint_positions.copy()
+        joints[leg] = touched.joint_positions[leg]
+        feet = before.body.transform(self._robot.foot_positions(joints))
+        return Stance(now.time, before.body, feet, joints, now.loads)
 
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
@@ -365,7 +398,7 @@ class UnevenStride:
                 problem = problem or error
                 continue
             self.has_shortened = self.has_shortened or share < 1.0
-            self._in_a_row = 0
+            self._untouched = self._touched = None
             return self._motion.trajectory(self._robot)
         assert problem is not None
         raise problem
@@ -430,17 +463,20 @@ class UnevenStride:
         top, above = self._heights(ground, start, target, now.loads is not None)
         depth = 0.0
         if now.loads is not None:
-            depth = robot.roughness if ground.height_map is None else 0.5 * robot.roughness
-        fall = shift + options.lift_time + 0.8 * options.transfer_time
-        low = fall + options.lower_time
+            depth = (2.0 if ground.height_map is None else 0.5) * robot.roughness
+        # The body need not be quite there: it is slow at the end of its way.
+        lift = _LIFT_AT * shift
+        fall = lift + options.lift_time + 0.8 * options.transfer_time
+        low = fall + (options.lower_time if target[2] + above < top else 0.0)
         search = (above + depth) / (scale * options.search_speed)
         times = self._times(low + search + _ramp(search))
-        lift_end = shift + options.lift_time
+        lift_end = lift + options.lift_time
         over = minimum_jerk(
-            shift + 0.5 * options.lift_time, lift_end + options.transfer_time, times
+            lift + 0.5 * options.lift_time, lift_end + options.transfer_time, times
         )[0]
-        height = start[2] + (top - start[2]) * minimum_jerk(shift, lift_end, times)[0]
-        height += (target[2] + above - top) * minimum_jerk(fall, low, times)[0]
+        height = start[2] + (top - start[2]) * minimum_jerk(lift, lift_end, times)[0]
+        if low > fall:
+            height += (target[2] + above - top) * minimum_jerk(fall, low, times)[0]
         height -= _searched(times - low, scale * options.search_speed, above + depth)
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, :2] += over[:, None] * (target - start)[:2]
@@ -449,7 +485,7 @@ class UnevenStride:
         # What is below the ground only matters where it is missing: as deep as legs reach.
         sure = int(np.searchsorted(times, low + above / (scale * options.search_speed)))
         motion = self._planned(now, times, now.body, body, body_share, path, sure=sure + 1)
-        self._lifted_at = motion.start + shift
+        self._lifted_at = motion.start + lift
         self._falls_from = motion.start + lift_end
         self._depth = depth
         self._left = now.feet
@@ -479,12 +515,14 @@ class UnevenStride:
         options, robot, scale = self._options, self._robot, self._scale
         radius = robot.foot_radius
         highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
-        if ground.height_map is None:
-            clearance = max(self._swing_height, robot.roughness + 0.5 * scale * options.clearance)
-            above = 0.7 * robot.roughness
+        highest = max(highest, float(start[2]), float(target[2]))
+        if ground.height_map is not None:
+            top = highest + scale * options.clearance
+            above = scale * options.search_above
         else:
-            clearance, above = scale * options.clearance, scale * options.search_above
-        top = max(highest, float(start[2]), float(target[2])) + clearance
+            # It may meet the ground anywhere on its way down: all of it is slow.
+            top = highest + max(self._swing_height, 1.5 * robot.roughness)
+            above = top - float(target[2])
         return top, above if feels else 0.0
 
     def _balanced_over(self, body: BodyPose, now: Stance, leg: int) -> BodyPose:
