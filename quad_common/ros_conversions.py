@@ -99,6 +99,12 @@ def tilt_from_odometry(message: Odometry) -> float:
     return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (q.x**2 + q.y**2))))
 
 
+def orientation_from_odometry(message: Odometry) -> NDArray[np.float64]:
+    """Return the body's orientation, a quaternion xyzw, shape (4,)."""
+    q = message.pose.pose.orientation
+    return np.array([q.x, q.y, q.z, q.w])
+
+
 def base_transform(odometry: Odometry) -> TransformStamped:
     """Write the pose of an odometry as a transform."""
     transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)

@@ -12,7 +12,7 @@ from typing import Any
 from geometry_msgs.msg import PolygonStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, PointCloud2
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
@@ -22,6 +22,8 @@ from quad_common.errors import WrongFrame
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
+    height_map_from_message,
+    orientation_from_odometry,
     plan_from_message,
     pose_from_message,
     seconds_from_time,
@@ -33,6 +35,7 @@ from quad_gait.leg_odometry import LegOdometry
 from quad_gait.parameters import GaitParameters
 from quad_gait.path_follower import FollowerOptions
 from quad_gait.ros_conversions import (
+    JointReadings,
     foothold_markers,
     imu_from_message,
     joints_from_message,
@@ -42,6 +45,7 @@ from quad_gait.ros_conversions import (
     twist_from_message,
 )
 from quad_gait.slip_compensation import compensation_for
+from quad_gait.uneven_stride import UnevenOptions
 from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -77,13 +81,15 @@ class GaitNode(QuadNode[GaitParameters]):
                 twist_timeout=p.cmd_vel_timeout,
                 tracking_gain=p.tracking_gain if p.foot_tracking == 'backstepping' else None,
                 follower=_follower_options(p),
+                uneven=UnevenOptions(p.sample_period) if p.ground == 'uneven' else None,
             ),
             compensation_for(p.robot, p.calibration),
         )
         self._controller.prepare()
+        self._is_uneven = p.ground == 'uneven'
         self._odometry = LegOdometry(self._robot)
         self._is_placed = p.odom_topic == 'odom/legs' or p.leg_odometry_start == 'origin'
-        self._joints: tuple[Any, Any] = (None, None)
+        self._joints: JointReadings | None = None
         self._imu: tuple[Any, float | None] = (None, None)
         self._heard_odometry_at: float | None = None
         self._distance_left = 0.0
@@ -109,6 +115,10 @@ class GaitNode(QuadNode[GaitParameters]):
         )
         self.create_subscription(Imu, 'imu', self.guarded(self._on_imu), sensor)
         self.create_subscription(Odometry, p.odom_topic, self.guarded(self._on_odometry), sensor)
+        if self._is_uneven:
+            self.create_subscription(
+                PointCloud2, 'height_map', self.guarded(self._on_height_map), _LATCHED
+            )
         self.create_service(Trigger, 'stand', partial(self._on_request, self._controller.stand))
         self.create_service(Trigger, 'sit', partial(self._on_request, self._controller.sit))
         self.create_service(Trigger, 'stop', partial(self._on_request, self._controller.stop))
@@ -156,6 +166,10 @@ class GaitNode(QuadNode[GaitParameters]):
         twist = message.twist if isinstance(message, TwistStamped) else message
         self._controller.set_twist(twist_from_message(twist))
 
+    def _on_height_map(self, message: PointCloud2) -> None:
+        frames = (self.parameters.map_frame, self._frame)
+        self._controller.set_height_map(height_map_from_message(message, frames))
+
     def _on_imu(self, message: Imu) -> None:
         self._imu = imu_from_message(message)
 
@@ -164,7 +178,10 @@ class GaitNode(QuadNode[GaitParameters]):
         stamp = message.header.stamp
         if self._is_placed:
             odometry = self._odometry
-            odometry.update(seconds_from_time(stamp), self._joints[0], None, *self._imu)
+            now = seconds_from_time(stamp)
+            # Level feet stand, on flat ground; elsewhere those that do not swing.
+            standing = self._controller.in_contact_at(now) if self._is_uneven else None
+            odometry.update(now, self._joints.positions, standing, *self._imu)
             if self._leg_odometry.get_subscription_count() > 0:
                 is_own = self.parameters.leg_odometry_start == 'origin'
                 frame = 'odom' if is_own else self._frame
@@ -179,12 +196,19 @@ class GaitNode(QuadNode[GaitParameters]):
             # From here on the legs tell; where the robot was put they cannot know.
             self._odometry.reset(pose)
             self._is_placed = True
+        joints, orientation = self._joints, self._imu[0]
+        if orientation is None:
+            orientation = orientation_from_odometry(message)
         now = Measurement(
             time=seconds_from_time(stamp),
             pose=pose,
             tilt=max(tilt_from_odometry(message), _tilt_of(self._imu[0])),
-            joint_positions=self._joints[0],
-            joint_velocities=self._joints[1],
+            joint_positions=None if joints is None else joints.positions,
+            joint_velocities=None if joints is None else joints.velocities,
+            orientation=self._imu[0]
+            if self._imu[0] is not None
+            else orientation_from_odometry(message),
+            joint_efforts=None if joints is None else joints.efforts,
         )
         controller = self._controller
         said = (controller.reason, controller.limit)
@@ -201,13 +225,19 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _publish_stability(self, now: Measurement, pose: Pose2D, stamp: Any) -> None:
         controller = self._controller
-        self._margins.publish(Float64(data=controller.margin_at(now.time)))
-        if self._measured_margins.get_subscription_count() > 0:
-            measured = controller.measured_margin(now)
-            if math.isfinite(measured):
-                self._measured_margins.publish(Float64(data=measured))
+        is_measured = self._is_uneven or self._measured_margins.get_subscription_count() > 0
+        measured = controller.measured_margin(now) if is_measured else math.nan
+        # Uneven ground is not planned for a cycle ahead: there the real feet count.
+        margin = measured if self._is_uneven else controller.margin_at(now.time)
+        if math.isfinite(margin):
+            self._margins.publish(Float64(data=margin))
+        if math.isfinite(measured):
+            self._measured_margins.publish(Float64(data=measured))
         if self._polygons.get_subscription_count() > 0:
-            polygon = controller.support_polygon_at(now.time, pose)
+            if self._is_uneven:
+                polygon = controller.measured_support_polygon(now)
+            else:
+                polygon = controller.support_polygon_at(now.time, pose)
             self._polygons.publish(polygon_message(polygon, self._frame, stamp))
 
     def _on_request(

@@ -34,6 +34,12 @@ class GaitParameters:
         lower=0.0,
         is_dynamic=True,
     )
+    ground: str = parameter(
+        'flat',
+        "What the robot walks on. 'uneven': each foot is lowered until it bears load, the body "
+        'is kept level, and steps go by height_map where there is one.',
+        choices=('flat', 'uneven'),
+    )
     foot_tracking: str = parameter(
         'inverse_kinematics',
         'How foot paths become joint motion: in closed form, or by the law of S1.',

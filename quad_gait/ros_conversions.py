@@ -5,6 +5,7 @@ Conversions between ROS messages and the gait generator's values.
 from __future__ import annotations
 
 from array import array
+from typing import NamedTuple
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
@@ -60,7 +61,18 @@ def trajectory_message(trajectory: JointTrajectory) -> JointTrajectoryMessage:
     return message
 
 
-def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array | None]:
+class JointReadings(NamedTuple):
+    """What is known of the robot's joints, each of shape (12,) in the robot's order."""
+
+    positions: Array
+    """[rad]"""
+    velocities: Array | None
+    """[rad/s]; None if they are not given."""
+    efforts: Array | None
+    """[N m]; None if they are not given."""
+
+
+def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
     """
     Read the robot's joints from a message with any joints in any order.
 
@@ -73,8 +85,8 @@ def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array
 
     Returns
     -------
-    tuple of ndarray, each of shape (12,)
-        Positions [rad] and velocities [rad/s]; None for velocities that are not given.
+    JointReadings
+        What the message says of the robot's joints.
 
     Raises
     ------
@@ -83,7 +95,11 @@ def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array
     InvalidMessage
         If there are not as many numbers as names, or they are not finite.
     """
-    for what, numbers in (('positions', message.position), ('velocities', message.velocity)):
+    for what, numbers in (
+        ('positions', message.position),
+        ('velocities', message.velocity),
+        ('efforts', message.effort),
+    ):
         if len(numbers) != len(message.name) and (what == 'positions' or len(numbers)):
             raise InvalidMessage(
                 'joint state', f'it has {len(numbers)} {what} for {len(message.name)} names'
@@ -95,9 +111,11 @@ def joints_from_message(message: JointState, robot: Robot) -> tuple[Array, Array
         order = [place[name] for name in robot.joint_names]
     except KeyError as error:
         raise JointNotFound(str(error.args[0]), message.name) from None
-    positions = np.array(message.position)[order]
-    velocities = np.array(message.velocity)[order] if len(message.velocity) else None
-    return positions, velocities
+    return JointReadings(
+        np.array(message.position)[order],
+        np.array(message.velocity)[order] if len(message.velocity) else None,
+        np.array(message.effort)[order] if len(message.effort) else None,
+    )
 
 
 def twist_from_message(message: Twist) -> Twist2D:

@@ -10,8 +10,8 @@ meet the ground early, or later than expected: the cycle goes on from there.
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,13 +44,20 @@ _LIFT_AT = 0.85
 """A foot is lifted after this share of the time in which the body goes over the others."""
 
 _SHARES = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Of a step, tried in this order until the legs reach."""
+"""Of a step, of which the legs may reach one only."""
 
 _TILTS = (0.0, 0.5, 1.0)
-"""Shares of the ground's tilt that the body takes, likewise."""
+"""Shares of the ground's tilt that the body may take."""
 
 _LOWER = (0.0, 0.03, 0.06)
-"""How much lower than in its initial posture the body is, likewise [m]."""
+"""How much lower than in its initial posture the body may be [m]."""
+
+_WAYS = sorted(
+    product(_SHARES, _TILTS, _LOWER),
+    # A lower body costs little, a shorter step more, and a tilt most.
+    key=lambda way: (1.0 - way[0]) + 0.75 * way[1] + 3.0 * way[2],
+)
+"""How a swing may be done, in the order in which it is tried."""
 
 
 @dataclass(frozen=True)
@@ -256,9 +263,12 @@ class UnevenStride:
         return end
 
     @property
-    def swinging(self) -> str | None:
-        """The leg that swings, or whose turn it is."""
-        return LEGS[self._order[self._next]] if self._phase is _Phase.SWINGING else None
+    def footholds(self) -> Array:
+        """Where the feet would stand after it on even ground, shape (4, 3) [m]; z by the map."""
+        height = np.zeros(len(LEGS))
+        if self.height_map is not None:
+            height = self.height_map.height_at(self._footholds, beyond=0.0)
+        return np.column_stack([self._footholds, height])
 
     def in_contact(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to stand at a time [s], shape (4,)."""
@@ -391,7 +401,7 @@ class UnevenStride:
         leg = self._order[self._next]
         ground = self._ground(now, leg if self._return_to is not None else None)
         problem: GaitError | None = None
-        for share, tilt, lower in self._ways():
+        for share, tilt, lower in _WAYS:
             try:
                 self._motion = self._plan_swing(now, ground, leg, share, tilt, lower)
             except GaitError as error:
@@ -423,14 +433,6 @@ class UnevenStride:
                     problem = problem or error
         assert problem is not None
         raise problem
-
-    @staticmethod
-    def _ways() -> Iterator[tuple[float, float, float]]:
-        """List what to try: the whole step first, with the body level and high."""
-        for share in _SHARES:
-            for tilt in _TILTS:
-                for lower in _LOWER:
-                    yield share, tilt, lower
 
     # Planning
 

@@ -22,6 +22,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.body_motion import BodyMotion
+from quad_gait.body_placement import angles_of, rotation_of
 from quad_gait.foot_tracking import track_feet
 from quad_gait.gait import Gait
 from quad_gait.gait_generator import Cycle, FootTracking, generate_cycle, generate_largest_cycle
@@ -342,13 +343,29 @@ class WalkController:
         return float(cycle.margin[cycle.sample(time - scheduled.start)])
 
     def measured_margin(self, now: Measurement) -> float:
-        """Return the stability margin with the joints where they are measured [m]."""
+        """Return the stability margin with joints and attitude as measured [m]."""
         if now.joint_positions is None:
             return math.nan
-        joints = now.joint_positions.reshape(4, 3)
-        center = self._robot.center_of_mass(joints)[:2]
-        feet = self._robot.foot_positions(joints)[:, :2]
+        feet, center = self._level_feet(now)
         return float(stability_margin(center, feet, self.in_contact_at(now.time)))
+
+    def measured_support_polygon(self, now: Measurement) -> Array:
+        """Return the support polygon of the feet as measured, counter-clockwise, (n, 2) [m]."""
+        if now.joint_positions is None:
+            return np.empty((0, 2))
+        polygon = support_polygon(self._level_feet(now)[0], self.in_contact_at(now.time))
+        return now.pose.transform(polygon)
+
+    def _level_feet(self, now: Measurement) -> tuple[Array, Array]:
+        """Place feet and centre of mass beside base_link, seen from above, (4, 2) and (2,) [m]."""
+        assert now.joint_positions is not None
+        joints = now.joint_positions.reshape(4, 3)
+        feet, center = self._robot.foot_positions(joints), self._robot.center_of_mass(joints)
+        if now.orientation is not None:
+            roll, pitch, _ = angles_of(now.orientation)
+            rotation = rotation_of(np.array([roll, pitch, 0.0]))
+            feet, center = feet @ rotation.T, center @ rotation.T
+        return feet[:, :2], center[:2]
 
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
@@ -383,6 +400,8 @@ class WalkController:
 
     def footholds(self) -> Array:
         """Return the footholds at the end of the last planned cycle, shape (4, 3) [m]."""
+        if self._stride is not None:
+            return self._stride.footholds
         last = self._sequence.last
         if last is None:
             return np.empty((0, 3))

@@ -38,7 +38,7 @@ GOAL = Pose2D(2.0, 1.2, 0.0)
 
 def joints_away_from(bench: Bench, posture: np.ndarray) -> float:
     """Return how far the joints are from a posture [rad]."""
-    positions, _ = joints_from_message(bench.joint_states, ROBOT)
+    positions = joints_from_message(bench.joint_states, ROBOT).positions
     return float(np.abs(positions - posture.reshape(-1)).max())
 
 
