@@ -7,7 +7,7 @@ disturb the simulation, and markers that nothing collides with are in nobody's w
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from quad_common.markers import Colour, RobotMarker
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
 from quad_sim.appearance import Appearance
+from quad_sim.terrain import Terrain
 from quad_sim.world import Obstacle, World
 
 Array = NDArray[np.float64]
@@ -46,6 +47,15 @@ _AMBIENT = 0.6
 
 # What is level has just its own colour.
 _DIFFUSE = (1.0 - _AMBIENT) * float(np.linalg.norm(_LIGHT_FROM)) / _LIGHT_FROM[2]
+
+_SHADES = 8
+"""Of the floor's colour, from the lowest ground to the highest."""
+
+_DARKEST = 0.7
+"""The highest ground, of the floor's colour."""
+
+_FACET = 0.05
+"""Side of the squares that uneven ground is drawn with [m]."""
 
 _HALF_PIXEL = 0.5
 """By which the renderer draws everything too far to the right and too far up."""
@@ -87,9 +97,14 @@ class BulletScene:
         self._appearance = appearance
         self._obstacles: dict[Hashable, int] = {}
         self._goal: tuple[int, int] | None = None
-        self._lay_floor()
+        self._world = world
+        if world.terrain is None:
+            self._lay_floor()
+        else:
+            self._lay_terrain(world.terrain)
         for outline in world.boxes:
-            self._add_prism(outline, world.obstacle_height, appearance.obstacle_colour)
+            bottom, top = world.span_of_wall(outline)
+            self._add_prism(outline, top, appearance.obstacle_colour, bottom)
         for link in range(-1, client.getNumJoints(body)):
             client.changeVisualShape(body, link, rgbaColor=_rgba(appearance.robot_colour))
         self._marker = self._add_marker(appearance.robot_marker or RobotMarker.on(robot))
@@ -98,9 +113,8 @@ class BulletScene:
         """Put an obstacle, in the place of the one of that name if there is one."""
         self.remove_obstacle(name)
         colour = obstacle.colour or self._appearance.obstacle_colour
-        self._obstacles[name] = self._add_prism(
-            obstacle.outline(sides=_SIDES), obstacle.height, colour
-        )
+        bottom, top = self._world.span_of(obstacle)
+        self._obstacles[name] = self._add_prism(obstacle.outline(sides=_SIDES), top, colour, bottom)
 
     def remove_obstacle(self, name: Hashable) -> None:
         """Take an obstacle away, if it is there."""
@@ -120,7 +134,8 @@ class BulletScene:
         ahead = pose @ Pose2D(marker.heading_distance, 0.0, 0.0)
         level = (0.0, 0.0, 0.0, 1.0)
         for disc, place in zip(self._goal, (pose, ahead)):
-            self._bullet.resetBasePositionAndOrientation(disc, (place.x, place.y, 0.0), level)
+            height = float(self._world.ground_at(np.array([place.x, place.y])))
+            self._bullet.resetBasePositionAndOrientation(disc, (place.x, place.y, height), level)
 
     def put_robot(
         self, center: Sequence[float], orientation: Sequence[float], angles: Sequence[float]
@@ -191,6 +206,28 @@ class BulletScene:
         ]
         self._add_mesh(shapes, (darker[0], darker[1], darker[2]))
 
+    def _lay_terrain(self, terrain: Terrain) -> None:
+        """Lay level ground around the field, the field, and the blocks; the higher the darker."""
+        look = self._appearance
+        x_min, y_min, x_max, y_max = terrain.field.bounds
+        below = (0.0, 0.0, -2.0 * _THIN)
+        for x0, y0, x1, y1 in (
+            (-_FLOOR, -_FLOOR, x_min, _FLOOR),
+            (x_max, -_FLOOR, _FLOOR, _FLOOR),
+            (x_min, -_FLOOR, x_max, y_min),
+            (x_min, y_max, x_max, _FLOOR),
+        ):
+            outline = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+            colour = _darker(look.floor_colour, _part_of(terrain, 0.0))
+            floor = self._add_prism(outline, _THIN, colour)
+            self._bullet.resetBasePositionAndOrientation(floor, below, (0.0, 0.0, 0.0, 1.0))
+        for shade, mesh in _shaded(terrain):
+            self._add_mesh([mesh], _darker(look.floor_colour, _part_of(terrain, shade)))
+        for block in terrain.blocks:
+            bottom, _ = terrain.span_under(block.outline)
+            colour = _darker(look.floor_colour, _part_of(terrain, block.top))
+            self._add_prism(block.outline, block.top, colour, min(bottom, terrain.lowest))
+
     def _add_marker(self, marker: RobotMarker) -> tuple[tuple[int, Array], ...]:
         """Make plate and discs; return the body of each and where it is in base_link."""
         plate = _rectangle(marker.length / 2.0, marker.width / 2.0)
@@ -203,8 +240,8 @@ class BulletScene:
             (self._add_prism(disc, _PLATE, marker.rear_colour), np.array([-ahead, 0.0, high])),
         )
 
-    def _add_prism(self, outline: Array, height: float, colour: Colour) -> int:
-        return self._add_mesh([_prism(outline, height)], colour)
+    def _add_prism(self, outline: Array, height: float, colour: Colour, bottom: float = 0.0) -> int:
+        return self._add_mesh([_prism(outline, height, bottom)], colour)
 
     def _add_mesh(self, shapes: list[Mesh], colour: Colour) -> int:
         """Add one body without collisions, of shapes as from :func:`_prism`."""
@@ -223,16 +260,18 @@ class BulletScene:
         return body
 
 
-def _prism(outline: Array, height: float) -> Mesh:
+def _prism(outline: Array, height: float, bottom: float = 0.0) -> Mesh:
     """
-    Make the upper and the upright faces of a prism that stands on the floor.
+    Make the upper and the upright faces of a prism.
 
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Corners of its base, convex, counter-clockwise [m].
     height : float
-        Without height it has its upper face only [m].
+        Of its upper face [m].
+    bottom : float
+        Of its base; if it is no lower than the upper face, there is that face only [m].
 
     Returns
     -------
@@ -248,10 +287,10 @@ def _prism(outline: Array, height: float) -> Mesh:
     indices: list[NDArray[np.int64]] = [
         np.column_stack([np.zeros_like(fan), fan, fan + 1]).reshape(-1)
     ]
-    if height > 0.0:
+    if height > bottom:
         following = np.roll(outline, -1, axis=0)
         corners = np.stack([outline, following, following, outline], axis=1)
-        heights = np.tile([[0.0], [0.0], [height], [height]], (count, 1, 1))
+        heights = np.tile([[bottom], [bottom], [height], [height]], (count, 1, 1))
         vertices.append(np.concatenate([corners, heights], axis=2).reshape(-1, 3))
         edges = (following - outline) / np.linalg.norm(following - outline, axis=1)[:, None]
         outward = np.column_stack([edges[:, 1], -edges[:, 0], np.zeros(count)])
@@ -259,6 +298,48 @@ def _prism(outline: Array, height: float) -> Mesh:
         first = count + 4 * np.arange(count)[:, None]
         indices.append((first + np.array([0, 1, 2, 0, 2, 3])).reshape(-1))
     return np.concatenate(vertices), np.concatenate(normals), np.concatenate(indices)
+
+
+def _shaded(terrain: Terrain) -> Iterator[tuple[float, Mesh]]:
+    """Yield meshes of the field, each with the middle of the heights that it has [m]."""
+    x_min, y_min, x_max, y_max = terrain.field.bounds
+    x, y = (
+        np.linspace(low, high, max(2, int(np.ceil((high - low) / _FACET)) + 1))
+        for low, high in ((x_min, x_max), (y_min, y_max))
+    )
+    points = np.stack(np.meshgrid(x, y), axis=-1)
+    # The last ones may be off the border by a rounding error.
+    heights = terrain.field.height_at(points, beyond=0.0)
+    slopes = np.nan_to_num(terrain.field.slope_at(points))
+    normals = np.dstack([-slopes, np.ones(heights.shape)])
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    # Around the border it goes upright to the level ground there.
+    points = np.pad(points, ((1, 1), (1, 1), (0, 0)), mode='edge')
+    normals = np.pad(normals, ((1, 1), (1, 1), (0, 0)), mode='edge')
+    heights = np.pad(heights, 1)
+    vertices = np.dstack([points, heights]).reshape(-1, 3)
+    index = np.arange(heights.size).reshape(heights.shape)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    facets = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 6)
+    middle = heights.reshape(-1)[facets].mean(axis=1)
+    low, high = float(middle.min()), float(middle.max())
+    shade = np.minimum((middle - low) / max(high - low, 1e-9) * _SHADES, _SHADES - 1).astype(int)
+    for number in np.unique(shade):
+        used, indices = np.unique(facets[shade == number].reshape(-1), return_inverse=True)
+        mesh = vertices[used], normals.reshape(-1, 3)[used], indices
+        yield low + (number + 0.5) / _SHADES * (high - low), mesh
+
+
+def _part_of(terrain: Terrain, height: float) -> float:
+    """Return where a height is between the lowest ground, 0, and the highest, 1."""
+    span = max(terrain.highest - terrain.lowest, 1e-9)
+    return min(1.0, max(0.0, (height - terrain.lowest) / span))
+
+
+def _darker(colour: Colour, part: float) -> Colour:
+    """Darken a colour, the more the larger a part from 0 to 1 is."""
+    red, green, blue = (round(value * (1.0 - (1.0 - _DARKEST) * part)) for value in colour)
+    return red, green, blue
 
 
 def _circle(radius: float) -> Array:

@@ -17,13 +17,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.camera_file import quaternion_from_matrix
 from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import LEGS, Robot
 from quad_common.urdf import urdf_from_robot
 from quad_sim.appearance import Appearance
+from quad_sim.bullet_ground import lay_ground
 from quad_sim.bullet_scene import BulletScene
 from quad_sim.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
+from quad_sim.standing import standing_on
 from quad_sim.world import OF_WORLD, Obstacle, World
 
 
@@ -119,7 +122,7 @@ class BulletSimulator:
             numSolverIterations=_SOLVER_ITERATIONS,
             deterministicOverlappingPairs=1,
         )
-        self._ground = self._make_ground(world)
+        self._grounds = lay_ground(self._bullet, world)
         self._make_walls(world)
         for index, obstacle in enumerate(world.obstacles):
             self.put_obstacle((OF_WORLD, index), obstacle)
@@ -142,12 +145,16 @@ class BulletSimulator:
         Parameters
         ----------
         pose : Pose2D
-            Of base_link, in the world.
+            Of base_link, in the world. On uneven ground the body is as parallel to the ground and
+            as near to it as no foot in the ground allows.
         """
-        yaw = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
+        orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
         base = np.array([pose.x, pose.y, self._robot.standing_height])
-        center = base + self._to_world(yaw) @ self._robot.body_center
-        self._bullet.resetBasePositionAndOrientation(self._body, center, yaw)
+        if self._world.terrain is not None:
+            base, rotation = standing_on(self._robot, self._world.terrain, pose)
+            orientation = quaternion_from_matrix(rotation)
+        center = base + self._to_world(orientation) @ self._robot.body_center
+        self._bullet.resetBasePositionAndOrientation(self._body, center, orientation)
         self._bullet.resetBaseVelocity(self._body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self._last_velocity = np.zeros(3)
         angles = self._robot.initial_joint_angles.reshape(-1)
@@ -197,6 +204,23 @@ class BulletSimulator:
             has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
         )
 
+    def foot_forces(self) -> Array:
+        """
+        Return what presses against each foot, as no robot can measure it.
+
+        Returns
+        -------
+        ndarray, shape (4,)
+            Of ``LEGS``: normal forces of the ground and of obstacles in the last step, added up
+            over the points of contact; 0 in the air [N].
+        """
+        forces = dict.fromkeys((f'{leg}_foot' for leg in LEGS), 0.0)
+        for point in self._bullet.getContactPoints(bodyA=self._body):
+            name = self._link_names[point[3]]
+            if name in forces and point[2] != self._body:
+                forces[name] += point[9]
+        return np.array(list(forces.values()))
+
     def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
         """
         Put an obstacle, in the place of the one of that name if there is one.
@@ -209,16 +233,17 @@ class BulletSimulator:
             It stands fast.
         """
         self.remove_obstacle(name)
-        half = (obstacle.length / 2.0, obstacle.width / 2.0, obstacle.height / 2.0)
+        bottom, top = self._world.span_of(obstacle)
+        half = (obstacle.length / 2.0, obstacle.width / 2.0, (top - bottom) / 2.0)
         if obstacle.kind == 'box':
             shape = self._bullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
         else:
             shape = self._bullet.createCollisionShape(
-                pybullet.GEOM_CYLINDER, radius=half[0], height=obstacle.height
+                pybullet.GEOM_CYLINDER, radius=half[0], height=top - bottom
             )
         pose = obstacle.pose
         turned = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
-        place = (pose.x, pose.y, half[2])
+        place = (pose.x, pose.y, bottom + half[2])
         body = self._bullet.createMultiBody(0, shape, -1, place, turned)
         self._placed[name] = obstacle, body
         if self._scene is not None:
@@ -275,13 +300,6 @@ class BulletSimulator:
             velocityGains=[_VELOCITY_GAIN] * count,
         )
 
-    def _make_ground(self, world: World) -> int:
-        plane = self._bullet.createCollisionShape(pybullet.GEOM_PLANE)
-        ground: int = self._bullet.createMultiBody(0, plane)
-        # Bullet multiplies the two surfaces' frictions: the feet keep 1.
-        self._bullet.changeDynamics(ground, -1, lateralFriction=world.friction, restitution=0.0)
-        return ground
-
     def _make_scene(self) -> BulletScene:
         """Make what pictures are taken of, a second world with the same things in it."""
         with _silenced():
@@ -305,7 +323,8 @@ class BulletSimulator:
         with tempfile.TemporaryDirectory() as folder:
             for index, boxes in enumerate(tiles.values()):
                 path = Path(folder) / f'{index}.obj'
-                path.write_text(_mesh_of_boxes(boxes, world.obstacle_height), encoding='ascii')
+                spans = [world.span_of_wall(box) for box in boxes]
+                path.write_text(_mesh_of_boxes(boxes, spans), encoding='ascii')
                 shape = self._bullet.createCollisionShape(
                     pybullet.GEOM_MESH,
                     fileName=str(path),
@@ -346,12 +365,12 @@ class BulletSimulator:
         for point in self._bullet.getContactPoints(bodyA=self._body):
             other_body, link, other_link, distance = point[2], point[3], point[4], point[8]
             name = self._link_names[link]
-            if distance > 0.0 or (other_body == self._ground and name in self._feet):
+            if distance > 0.0 or (other_body in self._grounds and name in self._feet):
                 continue
             if other_body == self._body:
                 found.add(Contact(*sorted((name, self._link_names[other_link]))))
             else:
-                found.add(Contact(name, 'ground' if other_body == self._ground else 'obstacle'))
+                found.add(Contact(name, 'ground' if other_body in self._grounds else 'obstacle'))
         return tuple(sorted(found, key=str))
 
 
@@ -376,13 +395,18 @@ def _cross(a: Array, b: Array) -> Array:
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
-def _mesh_of_boxes(boxes: list[Array], height: float) -> str:
-    """Write boxes (each the four base corners, counter-clockwise) as a Wavefront mesh."""
+def _mesh_of_boxes(boxes: list[Array], spans: list[tuple[float, float]]) -> str:
+    """
+    Write boxes as a Wavefront mesh.
+
+    Each is given by the four corners of its base, counter-clockwise, and the heights of its
+    bottom and its top.
+    """
     lines = []
     faces = []
-    for index, base in enumerate(boxes):
+    for index, (base, span) in enumerate(zip(boxes, spans)):
         first = 8 * index + 1
-        for z in (0.0, height):
+        for z in span:
             lines += [f'v {x:.6f} {y:.6f} {z:.6f}' for x, y in base]
         for a, b, c, d in (
             (4, 5, 6, 7),

@@ -48,7 +48,8 @@ def make_simulator(
     robot : Robot
         The robot.
     world : World or None
-        Ground and obstacles, an empty floor if None; the kinematic one has none in any case.
+        Ground and obstacles, an empty floor if None; the kinematic one has an empty floor in
+        any case.
     time_step : float
         Fixed step [s].
     gui : bool
@@ -65,10 +66,14 @@ def make_simulator(
     ------
     ParameterError
         If there is no such backend.
+    NotSimulated
+        If the ground is uneven and the backend has flat ground only.
     MissingOptionalDependency
         If the backend's package is not installed.
     """
     if backend == 'kinematic':
+        if world is not None and world.terrain is not None:
+            raise NotSimulated('uneven ground', 'bullet')
         return KinematicSimulator(robot, time_step)
     if backend == 'bullet':
         # Imported here, so that the kinematic one works where PyBullet is not installed.
@@ -234,6 +239,10 @@ class Simulation:
                 gone = list(world.obstacles) if change.name is None else [change.name]
                 for name in gone:
                     world.remove_obstacle(name)
+
+    def foot_forces(self) -> Array:
+        """Return the normal forces against the feet; see :class:`VisibleSimulator`."""
+        return self.check_visible('the forces on the feet').foot_forces()
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""

@@ -51,7 +51,7 @@ class Observation:
     joint_velocities: Array
     """Shape (12,) [rad/s]."""
     joint_efforts: Array
-    """Shape (12,) [N m]."""
+    """Torques of the motors about the joints' axes in the last step, shape (12,) [N m]."""
     contacts: tuple[Contact, ...]
     """Of anything but feet with anything, and of feet with anything but the ground."""
     has_fallen: bool
@@ -89,6 +89,9 @@ class Simulator(Protocol):
 @runtime_checkable
 class VisibleSimulator(Simulator, Protocol):
     """One that also has a world to look at, in which obstacles come and go."""
+
+    def foot_forces(self) -> Array:
+        """Return the normal forces against the feet in the order of ``LEGS``, shape (4,) [N]."""
 
     @property
     def obstacles(self) -> Mapping[Hashable, Obstacle]:

@@ -1,5 +1,5 @@
 """
-The world around the robot: a flat ground, walls extruded from a map, and obstacles.
+The world around the robot: the ground, walls extruded from a map, and obstacles.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from quad_common.errors import MapError, ParameterError
 from quad_common.markers import Colour, check_colour
 from quad_common.occupancy_grid import MAX_CELLS, OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_sim.terrain import Terrain
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ OF_WORLD = 'room'
 @dataclass(frozen=True)
 class Obstacle:
     """
-    A box or an upright cylinder that stands on the floor.
+    A box or an upright cylinder that stands on the ground.
 
     Raises
     ------
@@ -45,7 +46,7 @@ class Obstacle:
     width: float
     """Of a box; a cylinder's diameter [m]."""
     height: float
-    """[m]"""
+    """Above the ground at its middle [m]."""
     colour: Colour | None = None
     """That of all obstacles if None."""
 
@@ -131,16 +132,75 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class World:
-    """Ground at z = 0, and what stands on it."""
+    """The ground, and what stands on it."""
 
     boxes: Array
     """Walls: corner points of each box's base, counter-clockwise, shape (n, 4, 2) [m]."""
     obstacle_height: float = 0.5
-    """Of the walls [m]."""
+    """Of the walls above the highest ground under each [m]."""
     friction: float = 0.8
     """Coulomb friction between feet and ground."""
     obstacles: tuple[Obstacle, ...] = ()
     """Besides the walls."""
+    terrain: Terrain | None = None
+    """The ground; level, at z = 0, if None."""
+
+    def ground_at(self, points: Array) -> Array:
+        """
+        Return how high the ground is.
+
+        Parameters
+        ----------
+        points : ndarray, shape (..., 2)
+            x and y in the world [m].
+
+        Returns
+        -------
+        ndarray, shape (...)
+            [m]
+        """
+        if self.terrain is None:
+            return np.zeros(np.shape(points)[:-1])
+        return self.terrain.height_at(points)
+
+    def span_of(self, obstacle: Obstacle) -> tuple[float, float]:
+        """
+        Return from which height to which an obstacle reaches.
+
+        Parameters
+        ----------
+        obstacle : Obstacle
+            It stands on the ground.
+
+        Returns
+        -------
+        bottom, top : float
+            The lowest ground under it, and its height above the ground at its middle [m].
+        """
+        if self.terrain is None:
+            return 0.0, obstacle.height
+        bottom, _ = self.terrain.span_under(obstacle.outline())
+        middle = self.terrain.height_at([obstacle.pose.x, obstacle.pose.y])
+        return bottom, float(middle) + obstacle.height
+
+    def span_of_wall(self, outline: Array) -> tuple[float, float]:
+        """
+        Return from which height to which a wall reaches.
+
+        Parameters
+        ----------
+        outline : ndarray, shape (4, 2)
+            One of ``boxes`` [m].
+
+        Returns
+        -------
+        bottom, top : float
+            The lowest ground under it, and ``obstacle_height`` above the highest [m].
+        """
+        if self.terrain is None:
+            return 0.0, self.obstacle_height
+        bottom, highest = self.terrain.span_under(outline)
+        return bottom, highest + self.obstacle_height
 
 
 def world_from_map(
