@@ -114,11 +114,27 @@ def base_transform(odometry: Odometry) -> TransformStamped:
     return transform
 
 
-def footprint_transform(odometry: Odometry, frame: str) -> TransformStamped:
-    """Write where the body stands on the ground: its position and heading there (REP-120)."""
+def footprint_transform(odometry: Odometry, frame: str, ground: float = 0.0) -> TransformStamped:
+    """
+    Write where the body stands on the ground: its position and heading there (REP-120).
+
+    Parameters
+    ----------
+    odometry : nav_msgs/Odometry
+        Of the body.
+    frame : str
+        Of the footprint.
+    ground : float
+        Height of the ground below the body, in the odometry's frame [m].
+
+    Returns
+    -------
+    geometry_msgs/TransformStamped
+        Upright.
+    """
     transform = TransformStamped(header=odometry.header, child_frame_id=frame)
     position = odometry.pose.pose.position
-    transform.transform.translation = Vector3(x=position.x, y=position.y, z=0.0)
+    transform.transform.translation = Vector3(x=position.x, y=position.y, z=ground)
     transform.transform.rotation = quaternion_from_yaw(pose_from_message(odometry.pose.pose).yaw)
     return transform
 

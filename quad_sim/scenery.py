@@ -4,10 +4,11 @@ What the parameters of ``sim_node`` say of the world and of the camera.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from quad_common.camera import CameraModel
 from quad_common.errors import ParameterError
+from quad_common.height_map import HeightMap
 from quad_common.map_file import load_map
 from quad_common.markers import Colour, GoalMarker, RobotMarker
 from quad_common.occupancy_grid import OccupancyGrid
@@ -19,6 +20,7 @@ from quad_sim.camera import SimulatedCamera
 from quad_sim.parameters import SimParameters
 from quad_sim.random_room import random_room
 from quad_sim.simulation import check_start
+from quad_sim.terrain_spec import make_terrain, specs_from_text
 from quad_sim.world import World, occupancy_of, world_from_map
 
 _SIZES = (16, 2048)
@@ -29,6 +31,12 @@ _CLEARANCE = 0.5
 
 _RESOLUTION = 0.05
 """Of a room's map [m]."""
+
+_MARGIN = 1.0
+"""By which uneven ground goes on beyond the map [m]."""
+
+_AROUND = 5.0
+"""How far it goes from the start where there is no map [m]."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +49,15 @@ class Scenery:
     start: Pose2D
     goal: Pose2D | None
     """Where the goal's marker lies at first; None: nowhere, or there is nothing to see."""
+    bounds: tuple[float, float, float, float] | None = None
+    """What its map or its room spans: x_min, y_min, x_max, y_max [m]; None without one."""
+    height_map: HeightMap | None = None
+    """Of its ground; None where it is flat, or nobody is told."""
 
 
 def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
     """
-    Read a map, or draw a room.
+    Read a map, or draw a room, and make the ground.
 
     Parameters
     ----------
@@ -57,15 +69,20 @@ def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
     Returns
     -------
     Scenery
-        The world, its map, the robot's start and, in a room, a goal.
+        The world, its maps, the robot's start and, in a room, a goal.
 
     Raises
     ------
     ParameterError
         If parameters contradict each other, or the start is taken.
     MapError
-        If the map file cannot be used.
+        If a map file cannot be used.
     """
+    return _with_terrain(_level_scenery(parameters, robot), parameters)
+
+
+def _level_scenery(parameters: SimParameters, robot: Robot) -> Scenery:
+    """Read a map, or draw a room."""
     p = parameters
     start = Pose2D(*p.start_pose)
     if p.room_seed >= 0:
@@ -80,14 +97,45 @@ def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
         )
         grid = occupancy_of(room.world, _RESOLUTION, room.bounds)
         goal = room.goal if p.backend == 'bullet' else None
-        return Scenery(room.world, grid if p.publish_map else None, start, goal)
+        return Scenery(room.world, grid if p.publish_map else None, start, goal, room.bounds)
     if p.room_obstacles >= 0:
         raise ParameterError('room_obstacles', p.room_obstacles, "-1 without a 'room_seed'")
     walls = None if p.map_file == 'none' else load_map(p.map_file or sample_map())
     if walls is not None and p.backend == 'bullet':
         check_start(robot, walls, start)
     world = world_from_map(walls, friction=p.friction)
-    return Scenery(world, walls if p.publish_map else None, start, None)
+    bounds = None if walls is None else walls.bounds()
+    return Scenery(world, walls if p.publish_map else None, start, None, bounds)
+
+
+def _with_terrain(scenery: Scenery, parameters: SimParameters) -> Scenery:
+    """Make the ground of a scenery."""
+    p = parameters
+    specs = specs_from_text(
+        p.terrain,
+        height=p.terrain_height,
+        angle=p.terrain_angle,
+        size=p.terrain_size,
+        length=p.terrain_length,
+        clear=p.terrain_clear,
+        seed=p.terrain_seed,
+    )
+    start, goal = scenery.start, scenery.goal
+    level_at = tuple((pose.x, pose.y) for pose in (start, goal) if pose is not None)
+    terrain = make_terrain(specs, _extent(scenery), start, level_at)
+    if terrain is None:
+        return scenery
+    told = terrain.height_map if p.publish_height_map else None
+    return replace(scenery, world=replace(scenery.world, terrain=terrain), height_map=told)
+
+
+def _extent(scenery: Scenery) -> tuple[float, float, float, float]:
+    """Return what uneven ground spans: x_min, y_min, x_max, y_max [m]."""
+    start = scenery.start
+    if scenery.bounds is None:
+        return start.x - _AROUND, start.y - _AROUND, start.x + _AROUND, start.y + _AROUND
+    x_min, y_min, x_max, y_max = scenery.bounds
+    return x_min - _MARGIN, y_min - _MARGIN, x_max + _MARGIN, y_max + _MARGIN
 
 
 def appearance_from(parameters: SimParameters, robot: Robot) -> Appearance:

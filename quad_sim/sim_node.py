@@ -17,7 +17,7 @@ from rclpy.qos import (
     qos_profile_sensor_data,
 )
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, Imu, JointState
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, PointCloud2
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
@@ -31,6 +31,7 @@ from quad_common.ros_conversions import (
     camera_transform,
     footprint_transform,
     grid_message,
+    height_map_message,
     image_message,
     pose_from_message,
     pose_transform,
@@ -80,6 +81,7 @@ class SimNode(QuadNode[SimParameters]):
         self._simulation = Simulation(simulator, robot, scenery.start)
         if scenery.goal is not None:
             self._simulation.put_goal_marker(scenery.goal)
+        self._world = scenery.world
         self._joint_names = robot.joint_names
         self._rng = np.random.default_rng(p.seed)
         self._is_paused = False
@@ -98,6 +100,7 @@ class SimNode(QuadNode[SimParameters]):
         self._imu = self.create_publisher(Imu, 'imu', sensor)
         self._description = self.create_publisher(String, 'robot_description', _LATCHED)
         self._map = self.create_publisher(OccupancyGrid, 'map', _LATCHED)
+        self._height_map = self.create_publisher(PointCloud2, 'height_map', _LATCHED)
         if self._camera is not None:
             self._simulation.check_visible('a camera')
             self._images = self.create_publisher(Image, 'ceiling_camera/image_raw', sensor)
@@ -115,6 +118,9 @@ class SimNode(QuadNode[SimParameters]):
         self._description.publish(String(data=urdf_from_robot(robot)))
         if scenery.grid is not None:
             self._map.publish(grid_message(scenery.grid, p.map_frame, time_from_seconds(0.0)))
+        if scenery.height_map is not None:
+            zero = time_from_seconds(0.0)
+            self._height_map.publish(height_map_message(scenery.height_map, p.map_frame, zero))
         self._observe()
         self.update_status()
 
@@ -208,7 +214,8 @@ class SimNode(QuadNode[SimParameters]):
         self._odometry.publish(odometry)
         if self._transforms is not None:
             base = base_transform(odometry)
-            footprint = footprint_transform(odometry, p.footprint_frame)
+            ground = float(self._world.ground_at(observation.position[:2]))
+            footprint = footprint_transform(odometry, p.footprint_frame, ground)
             self._transforms.publish(TFMessage(transforms=[base, footprint]))
         if fine and (self._simulation.contacts_seen or self._simulation.has_fallen):
             self.update_status()

@@ -12,6 +12,7 @@ from quad_sim.appearance import Appearance
 from quad_sim.parameters import SimParameters
 from quad_sim.random_room import random_room
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
+from quad_sim.terrain_spec import TerrainSpec, make_terrain
 
 ROBOT = load_robot('titan_viii')
 
@@ -45,6 +46,48 @@ def test_a_seed_gives_its_room_its_map_and_a_goal():
     assert scenery.grid.bounds() == pytest.approx(room.bounds)
     assert len(scenery_from(parameters(room_seed=5, room_obstacles=4), ROBOT).world.obstacles) == 4
     assert scenery_from(parameters(room_seed=5, backend='kinematic'), ROBOT).goal is None
+
+
+def test_flat_ground_is_none_and_uneven_ground_reaches_beyond_the_map():
+    assert scenery_from(parameters(), ROBOT).world.terrain is None
+    assert scenery_from(parameters(), ROBOT).height_map is None
+    scenery = scenery_from(parameters(terrain='bumps', terrain_height=0.03), ROBOT)
+    x_min, y_min, x_max, y_max = scenery.grid.bounds()
+    around = (x_min - 1.0, y_min - 1.0, x_max + 1.0, y_max + 1.0)
+    assert scenery.height_map.bounds == pytest.approx(around)
+    assert 0.02 < scenery.height_map.heights.max() <= 0.03
+    assert len(scenery.world.boxes) > 3
+    untold = scenery_from(parameters(terrain='bumps', publish_height_map=False), ROBOT)
+    assert untold.height_map is None
+    assert untold.world.terrain is not None
+
+
+def test_every_number_of_the_ground_is_a_parameter():
+    for name in ('height', 'angle', 'size', 'length', 'clear', 'seed'):
+        table = parameters()
+        assert getattr(table, f'terrain_{name}') == getattr(TerrainSpec('bumps'), name)
+    spec = {'angle': 0.2, 'length': 0.7, 'clear': 0.6}
+    numbers = {f'terrain_{name}': value for name, value in spec.items()}
+    start = Pose2D(3.0, 2.0, 0.5)
+    scenery = scenery_from(
+        parameters(terrain='slope', map_file='none', start_pose=[3.0, 2.0, 0.5], **numbers), ROBOT
+    )
+    bounds = (-2.0, -3.0, 8.0, 7.0)
+    expected = make_terrain((TerrainSpec('slope', **spec),), bounds, start)
+    assert scenery.height_map.bounds == pytest.approx(bounds)
+    assert scenery.height_map.heights == pytest.approx(expected.field.heights)
+
+
+def test_a_room_is_level_around_its_goal_too():
+    scenery = scenery_from(parameters(terrain='boxes', room_seed=5), ROBOT)
+    for pose in (scenery.start, scenery.goal):
+        heights = scenery.height_map.highest_within([pose.x, pose.y], 0.75)
+        assert heights == 0.0
+
+
+def test_ground_that_does_not_exist_is_refused():
+    with pytest.raises(ParameterError, match="'terrain' is 'hills'; it must be flat, one of"):
+        scenery_from(parameters(terrain='hills'), ROBOT)
 
 
 @pytest.mark.parametrize(

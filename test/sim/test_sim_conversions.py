@@ -145,10 +145,10 @@ def test_the_transform_is_the_odometrys_pose():
 
 def test_the_footprint_is_on_the_ground_under_the_body_with_its_heading():
     message = odometry(3)
-    transform = footprint_transform(message, 'base_footprint')
+    transform = footprint_transform(message, 'base_footprint', 0.07)
     assert transform.header == message.header
     assert transform.child_frame_id == 'base_footprint'
-    assert transform.transform.translation.z == 0.0
+    assert transform.transform.translation.z == 0.07
     assert transform.transform.translation.x == message.pose.pose.position.x
     rotation = transform.transform.rotation
     assert (rotation.x, rotation.y) == (0.0, 0.0)
