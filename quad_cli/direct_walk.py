@@ -20,12 +20,14 @@ from quad_gait.stability import stability_margin
 from quad_gait.walk_controller import Measurement, WalkController
 from quad_sim.simulation import Simulation, make_simulator
 from quad_sim.simulator import Observation, tilt_of
+from quad_sim.world import World
 
 Array = NDArray[np.float64]
 
 SENSOR_PERIOD = 0.02
 """Between two measurements, as sim_node publishes them [s]."""
 
+_ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
 _PATIENCE = 10.0
 """A robot that begins no cycle for so long does not walk [s]."""
@@ -88,15 +90,24 @@ class DirectWalk:
         What moves it.
     backend : str
         ``bullet`` or ``kinematic``.
+    world : World, optional
+        A level floor if not given.
+    start : Pose2D
+        Of the robot.
     """
 
-    def __init__(self, robot: Robot, controller: WalkController, backend: str = 'bullet') -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        controller: WalkController,
+        backend: str = 'bullet',
+        world: World | None = None,
+        start: Pose2D = _ORIGIN,
+    ) -> None:
         self.robot = robot
         self.controller = controller
         self.record = Record()
-        self._simulation = Simulation(
-            make_simulator(backend, robot, None), robot, Pose2D(0.0, 0.0, 0.0)
-        )
+        self._simulation = Simulation(make_simulator(backend, robot, world), robot, start)
         self._steps = round(SENSOR_PERIOD / self._simulation.time_step)
         self._since_measured = 0
         self._feet: tuple[Array, NDArray[np.bool_]] | None = None

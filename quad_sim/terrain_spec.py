@@ -126,6 +126,7 @@ def make_terrain(
     bounds: tuple[float, float, float, float],
     start: Pose2D,
     level_at: Places = (),
+    resolution: float = RESOLUTION,
 ) -> Terrain | None:
     """
     Make the ground that is wanted.
@@ -140,6 +141,8 @@ def make_terrain(
         Of the robot: slopes and kerbs lie ahead of it.
     level_at : tuple of (float, float)
         Where bumps, noise and boxes leave the ground level, for example the start and the goal.
+    resolution : float
+        Of the height field [m].
 
     Returns
     -------
@@ -155,7 +158,7 @@ def make_terrain(
         return None
     if len(specs) == 1 and specs[0].is_file:
         return Terrain(load_height_map(specs[0].kind))
-    level = HeightMap.level(bounds, RESOLUTION)
+    level = HeightMap.level(bounds, resolution)
     field = level.with_heights(
         sum((_field(spec, level, start, level_at) for spec in specs), np.zeros_like(level.heights))
     )
