@@ -368,6 +368,95 @@ class FootholdNotFound(GaitError):
         )
 
 
+class ActivePairError(QuadError):
+    """A planar pair of legs cannot stand as it was asked to."""
+
+
+class PairCannotClose(ActivePairError):
+    """
+    No posture of a pair of legs has what is given: its links are too short, or too long.
+
+    Parameters
+    ----------
+    index : int or tuple of int or None
+        Which of several postures, the first one that fails; None where there is one only.
+    ends : str
+        Between which two points links are to reach, as the beginning of "... are 1 m apart".
+    links : str
+        What is to reach, with its plural verb, as the beginning of "... 1 to 2 m".
+    distance : float
+        How far the ends are apart, which is what is needed [m].
+    reach : tuple of float
+        Least and largest distance that the links reach [m].
+    """
+
+    def __init__(
+        self,
+        index: int | tuple[int, ...] | None,
+        ends: str,
+        links: str,
+        distance: float,
+        reach: tuple[float, float],
+    ) -> None:
+        self.index = index
+        self.distance = distance
+        self.reach = reach
+        low, high = reach
+        # Where rounding would hide by how much, more is shown.
+        off = max(low - distance, distance - high)
+        digits = 3 if not 0.0 < off < 2e-3 else 9
+        between = f'{low:.{digits}f} to {high:.{digits}f}' if low < high else f'{low:.{digits}f}'
+        super().__init__(
+            f'{_posture(index)}{ends} are {distance:.{digits}f} m apart; {links} {between} m'
+        )
+
+
+class PairUndetermined(ActivePairError):
+    """
+    What is given of a pair of legs leaves it free to turn about a point.
+
+    Parameters
+    ----------
+    index : int or tuple of int or None
+        Which of several postures, the first one that fails; None where there is one only.
+    why : str
+        What coincides, as a clause.
+    """
+
+    def __init__(self, index: int | tuple[int, ...] | None, why: str) -> None:
+        self.index = index
+        super().__init__(f'{_posture(index)}the pair may still turn: {why}')
+
+
+class BodyOutOfReach(ActivePairError):
+    """
+    Legs of given lengths do not carry the body to its place over the feet.
+
+    Parameters
+    ----------
+    index : int or tuple of int or None
+        Which of several postures, the first one that fails; None where there is one only.
+    x : float
+        Where the point midway between the hips was to be, along x [m].
+    reach : tuple of float
+        Between which places the legs carry it, along x [m].
+    """
+
+    def __init__(
+        self, index: int | tuple[int, ...] | None, x: float, reach: tuple[float, float]
+    ) -> None:
+        self.index = index
+        self.reach = reach
+        super().__init__(
+            f'{_posture(index)}the middle of the body would be at x = {x:.3f} m; the legs carry '
+            f'it from {reach[0]:.3f} to {reach[1]:.3f} m'
+        )
+
+
+def _posture(index: int | tuple[int, ...] | None) -> str:
+    return '' if index is None else f'posture {index}: '
+
+
 class TrajectoryError(QuadError):
     """A joint trajectory is malformed or comes too late."""
 
