@@ -75,6 +75,12 @@ _TILE = 4.0
 """Obstacles are put into one mesh per square of this size, so that far ones cost nothing [m]."""
 
 
+def headless_client() -> Any:
+    """Open an empty world without a window, a ``BulletClient`` of one's own."""
+    with _silenced():
+        return BulletClient(pybullet.DIRECT)
+
+
 class BulletSimulator:
     """
     A rigid-body simulation of one robot in one world.
@@ -302,8 +308,7 @@ class BulletSimulator:
 
     def _make_scene(self) -> BulletScene:
         """Make what pictures are taken of, a second world with the same things in it."""
-        with _silenced():
-            client: Any = BulletClient(pybullet.DIRECT)
+        client = headless_client()
         body = _load_urdf(client, self._robot)
         names = _joint_indices(client, body)
         joints = [names[name] for name in self._robot.joint_names]
