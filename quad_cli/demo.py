@@ -31,6 +31,7 @@ EXAMPLES = """examples:
   quadwalk demo --robot cuhk --gait trot --turning arc
   quadwalk demo --method quickest
   quadwalk demo --perception camera
+  quadwalk demo --terrain noise+boxes:height=0.03 --seed 2
   quadwalk demo --map warehouse.yaml --start 0,0,0 --goal 5,3,1.57 --seed 3 --json
 """
 
@@ -60,6 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--backend', choices=('bullet', 'kinematic'), default='bullet', help='the simulator'
+    )
+    parser.add_argument(
+        '--terrain',
+        default='flat',
+        help='bumps, slope, cross_slope, kerb, noise, boxes, several with +, or a height map file',
     )
     parser.add_argument(
         '--perception',
@@ -94,6 +100,7 @@ def run(arguments: argparse.Namespace) -> int:
         gait=arguments.gait,
         turning=arguments.turning,
         backend=arguments.backend,
+        terrain=arguments.terrain,
         perception=arguments.perception,
         safety_distance=arguments.safety_distance,
         seed=arguments.seed,

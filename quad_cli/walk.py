@@ -45,6 +45,10 @@ _CAMERA_MARGIN = 1.05
 _CAMERA_RESOLUTION = 0.05
 """Side of the cells of the map that the camera makes [m]."""
 
+_FASTEST_ON_TERRAIN = 3.0
+"""Feet that feel for the ground are told by topics when to stop: at most so much faster than
+in real time."""
+
 
 class WalkFailed(QuadError):
     """The walk could not be begun or came to nothing."""
@@ -70,6 +74,8 @@ class WalkOptions:
     """0: as fast as possible."""
     gui: bool = False
     recording: Path | None = None
+    terrain: str = 'flat'
+    """What the ground is; see sim_node's parameter ``terrain``."""
     perception: str = 'truth'
     """``truth``: map, goal and pose come from the simulator; ``camera``: from its pictures."""
 
@@ -134,6 +140,11 @@ def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
         'gait': options.gait,
         'turning': options.turning,
     }
+    if options.terrain != 'flat':
+        simulator |= {'terrain': options.terrain, 'terrain_seed': options.seed}
+        if not options.real_time_factor:
+            simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
+        gait['ground'] = 'uneven'
     if options.safety_distance is not None:
         planner['safety_distance'] = options.safety_distance
     if options.perception == 'camera':

@@ -83,6 +83,28 @@ def angles_of(orientation: Array) -> tuple[float, float, float]:
     return float(roll), float(pitch), float(yaw)
 
 
+def heading_over(robot: Robot, feet: Array) -> float:
+    """
+    Find the heading in which the feet are nearest to their initial posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    feet : ndarray, shape (4, 3)
+        Their centres, in a frame with z up [m].
+
+    Returns
+    -------
+    float
+        Of the rotation that fits best, in the sense of least squares [rad].
+    """
+    arms = feet[:, :2] - feet[:, :2].mean(axis=0)
+    rests = robot.neutral_feet[:, :2] - robot.neutral_feet[:, :2].mean(axis=0)
+    across = float(np.sum(rests[:, 0] * arms[:, 1] - rests[:, 1] * arms[:, 0]))
+    return float(np.arctan2(across, np.sum(rests * arms)))
+
+
 def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float) -> BodyPose:
     """
     Place the body where the feet are nearest to their initial posture, on average.

@@ -81,7 +81,7 @@ class GaitNode(QuadNode[GaitParameters]):
                 twist_timeout=p.cmd_vel_timeout,
                 tracking_gain=p.tracking_gain if p.foot_tracking == 'backstepping' else None,
                 follower=_follower_options(p),
-                uneven=UnevenOptions(p.sample_period) if p.ground == 'uneven' else None,
+                uneven=_uneven_options(p) if p.ground == 'uneven' else None,
             ),
             compensation_for(p.robot, p.calibration),
         )
@@ -267,6 +267,10 @@ def _follower_options(p: GaitParameters) -> FollowerOptions:
         corner_radius=p.corner_radius,
         largest_speed=p.largest_speed or math.inf,
     )
+
+
+def _uneven_options(p: GaitParameters) -> UnevenOptions:
+    return UnevenOptions(sample_period=p.sample_period, reaction_time=p.reaction_time)
 
 
 def main(args: list[str] | None = None) -> int:

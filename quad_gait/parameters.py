@@ -40,6 +40,14 @@ class GaitParameters:
         'is kept level, and steps go by height_map where there is one.',
         choices=('flat', 'uneven'),
     )
+    reaction_time: float = parameter(
+        0.06,
+        'On uneven ground a trajectory that answers to a contact begins so long after it; '
+        'joints hear of it in that time.',
+        's',
+        lower=0.01,
+        upper=0.5,
+    )
     foot_tracking: str = parameter(
         'inverse_kinematics',
         'How foot paths become joint motion: in closed form, or by the law of S1.',

@@ -22,7 +22,14 @@ from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import LEGS, Robot
 from quad_gait.body_motion import BodyMotion, minimum_jerk
-from quad_gait.body_placement import BodyPose, angles_of, balanced, body_over, rotation_of
+from quad_gait.body_placement import (
+    BodyPose,
+    angles_of,
+    balanced,
+    body_over,
+    heading_over,
+    rotation_of,
+)
 from quad_gait.foot_forces import foot_forces
 from quad_gait.gait import Gait
 from quad_gait.ground_model import FootholdChoice, GroundModel
@@ -33,9 +40,6 @@ _GRAVITY = 9.80665
 
 _HIP_HEIGHT = 0.243
 """Of TITAN-VIII, for which the lengths here were chosen; other robots' are in proportion [m]."""
-
-_REACTION = 0.06
-"""A trajectory that answers to a contact begins so long after it [s]."""
 
 _SURE = 3.0
 """So many times the load that counts as contact needs no second measurement."""
@@ -66,6 +70,9 @@ class UnevenOptions:
 
     sample_period: float = 0.02
     """Between a trajectory's points [s]."""
+    reaction_time: float = 0.06
+    """A trajectory that answers to a contact begins so long after it [s]: it must have come
+    to the joints by then, and the foot presses on meanwhile."""
     margin: float = 0.035
     """How far inside its three feet the centre of mass is kept, if they give so much [m]."""
     contact_share: float = 0.05
@@ -227,8 +234,6 @@ class UnevenStride:
         self._scale = robot.hip_height / _HIP_HEIGHT
         self._order = [LEGS.index(swing.leg) for swing in gait.swings]
         self._swing_height = gait.swing_height
-        self._motion_of_body = motion
-        self._start_pose = pose
         self._footholds = (pose @ motion.end).transform(robot.neutral_feet)[:, :2]
         self.height_map = height_map
         self._phase = _Phase.SEEKING
@@ -318,7 +323,7 @@ class UnevenStride:
             if is_second or share > _SURE * self._options.contact_share:
                 return self._land(self._as_touched(now, leg))
             return None
-        if now.time < self._motion.end + _REACTION:
+        if now.time < self._motion.end + self._options.reaction_time:
             return None
         if now.loads is None:
             return self._land(now)
@@ -416,7 +421,7 @@ class UnevenStride:
     def _finish(self, now: Stance) -> JointTrajectory:
         """Bring the body over its four feet."""
         ground = self._ground(now, None)
-        yaw = (self._start_pose @ self._motion_of_body.end).yaw
+        yaw = heading_over(self._robot, now.feet)
         problem: GaitError | None = None
         for tilt in _TILTS:
             for lower in _LOWER:
@@ -457,7 +462,7 @@ class UnevenStride:
         feet = now.feet.copy()
         feet[leg] = 0.5 * (start + target)
         feet[leg, 2] = target[2]
-        yaw = self._start_pose.yaw + (self._next + 0.5) / 4.0 * self._motion_of_body.turn
+        yaw = heading_over(robot, feet)
         body = _lowered(body_over(robot, feet, yaw, ground.slope, tilt), scale * lower)
         body = self._balanced_over(body, now, leg)
 
@@ -592,7 +597,7 @@ class UnevenStride:
             fastest = float(np.abs(velocities[:, leg, kind]).max())
             name = robot.joint_names[3 * int(leg) + int(kind)]
             raise JointLimitExceeded(name, fastest, -limit, limit, 'rad/s')
-        return _Motion(now.time + _REACTION, times, joints, velocities)
+        return _Motion(now.time + self._options.reaction_time, times, joints, velocities)
 
 
 def _turn(start: BodyPose, end: BodyPose) -> float:

@@ -79,6 +79,10 @@ class Activity(enum.Enum):
     FALLEN = 'fallen'
 
 
+_SAID = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED)
+"""What is said until something new is wished for."""
+
+
 @dataclass(frozen=True)
 class Measurement:
     """What the controller is told about the robot at one instant."""
@@ -634,7 +638,7 @@ class WalkController:
         if self._steering is not None:
             return self._steer(pose, entry)
         if self._follower.plan is None:
-            if not entry and self.activity not in (Activity.ARRIVED, Activity.BLOCKED):
+            if not entry and self.activity not in _SAID:
                 self._set_activity(Activity.STANDING, self._why_standing())
             return None
         step = self._follower.next_step(pose, entry)
@@ -742,7 +746,7 @@ class WalkController:
             self._has_new_plan = False
             self._follower.follow(self._wanted, pose, self._pieces)
             self._cycles_without_effect = 0
-            if self.activity in (Activity.ARRIVED, Activity.BLOCKED):
+            if self.activity in _SAID:
                 self._set_activity(Activity.STANDING, self._why_standing())
             self.limit = ''
 
