@@ -63,7 +63,8 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         self._picture_problem: QuadError | None = None
         self._odometry_problem: QuadError | None = None
         self._robot_problem: QuadError | None = None
-        self._has_odometry = False
+        self._goal_problem: QuadError | None = None
+        self._legs_at: float | None = None
         self._seen_at: float | None = None
         self._goal: PoseStamped | None = None
 
@@ -99,19 +100,21 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             self.report_error(problem)
         elif self._seen_at is None:
             self.report(WARN, "no picture: waiting for one on 'ceiling_camera/image_raw'")
-        elif self._since_picture() > self.parameters.largest_age:
-            self.report(WARN, f'the last picture is {self._since_picture():.1f} s old')
-        elif self._robot_problem is not None:
-            self.report(WARN, str(self._robot_problem))
-        elif not self._has_odometry:
+        elif self._since(self._seen_at) > self.parameters.largest_age:
+            self.report(WARN, f'the last picture is {self._since(self._seen_at):.1f} s old')
+        elif self._legs_at is None or self._since(self._legs_at) > self.parameters.largest_age:
             topic = self.parameters.odometry_topic
             self.report(WARN, f"no odometry: waiting for it on '{topic}'")
+        elif self._robot_problem is not None:
+            self.report(WARN, str(self._robot_problem))
+        elif self._goal_problem is not None:
+            self.report(WARN, str(self._goal_problem))
         else:
             self.report(OK, 'the map, and the robot on it, are seen')
 
-    def _since_picture(self) -> float:
-        now = float(self.get_clock().now().nanoseconds) * 1e-9
-        return now - (self._seen_at if self._seen_at is not None else now)
+    def _since(self, time: float) -> float:
+        """Return how long ago something was [s]."""
+        return float(self.get_clock().now().nanoseconds) * 1e-9 - time
 
     def _camera_place(self) -> CameraModel:
         """Return where the camera is; its lens comes with camera_info."""
@@ -175,6 +178,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         self._picture_problem = None
         self._seen_at = time
         self._robot_problem = sighting.problem
+        self._goal_problem = sighting.goal_problem
         self._publish(sighting, message)
         if self._pictures.get_subscription_count() > 0:
             picture = annotated(rgb, self._watch.perceiver, sighting.perception)
@@ -205,10 +209,10 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             self._odometry_problem = error
             raise
         self._odometry_problem = None
-        self._has_odometry = True
+        self._legs_at = seconds_from_time(message.header.stamp)
         if self._watch is None:
             return
-        self._watch.add_odometry(seconds_from_time(message.header.stamp), pose)
+        self._watch.add_odometry(self._legs_at, pose)
         if self._transforms is not None:
             p = self.parameters
             transforms = robot_transforms(

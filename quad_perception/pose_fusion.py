@@ -35,11 +35,11 @@ _LARGEST_GAP = 0.5
 class PictureTooOld(QuadError):
     """A camera's pose is from before all that is remembered of the odometry, or after it."""
 
-    def __init__(self, stamp: float, first: float, last: float) -> None:
-        super().__init__(
-            f'the camera saw the robot at {stamp:.2f} s; odometry is known from {first:.2f} s '
-            f'to {last:.2f} s'
-        )
+    def __init__(self, stamp: float, known: tuple[float, float] | None) -> None:
+        odometry = 'no odometry is known'
+        if known is not None:
+            odometry = f'odometry is known from {known[0]:.2f} s to {known[1]:.2f} s'
+        super().__init__(f'the camera saw the robot at {stamp:.2f} s; {odometry}')
 
 
 class PoseRefused(QuadError):
@@ -209,8 +209,7 @@ class PoseFusion:
         """Interpolate the odometry."""
         known = self._odometry
         if not known or not known[0][0] <= time <= known[-1][0] + _LARGEST_GAP:
-            ends = (known[0][0], known[-1][0]) if known else (math.nan, math.nan)
-            raise PictureTooOld(time, *ends)
+            raise PictureTooOld(time, (known[0][0], known[-1][0]) if known else None)
         after = known[-1]
         for entry in reversed(known):
             if entry[0] <= time:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quad_common.errors import PictureUnusable, QuadError
+from quad_common.errors import PictureUnusable, QuadError, SeveralMarkers
 from quad_common.occupancy_grid import FREE, OccupancyGrid
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_perception.color_segmentation import Picture
@@ -21,8 +21,8 @@ from quad_perception.perception import Perceiver, Perception
 from quad_perception.pose_fusion import FusionOptions, PoseFusion
 from quad_perception.steady_map import SteadyMap
 
-_STILL = 0.1
-"""Pictures may be equal until the robot has walked so far, by its legs [m]."""
+_STILL = (0.03, 0.05)
+"""Pictures may be equal until the robot has walked or turned so far, by its legs [m, rad]."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,8 @@ class Sighting:
     """The goal, if it is new or has moved, in the map [m, m, rad]."""
     problem: QuadError | None
     """Why the robot's pose was not corrected; None if it was."""
+    goal_problem: SeveralMarkers | None
+    """Which goal is meant, if several are seen; the last one stays."""
 
 
 class RoomWatch:
@@ -138,8 +140,8 @@ class RoomWatch:
             If it is black, overexposed, or the same although the robot has walked; the map
             stays as it was.
         """
-        self._refuse_frozen(rgb)
         seen = self._perceiver.perceive(rgb, self._map.grid)
+        self._refuse_frozen(rgb)
         problem: QuadError | None = seen.robot_problem
         if seen.robot is not None:
             try:
@@ -147,7 +149,10 @@ class RoomWatch:
             except QuadError as error:
                 problem = error
         changed = self._map.add(self._with_standing_room(seen))
-        return Sighting(seen, self._map.grid if changed else None, self._new_goal(seen), problem)
+        several = seen.goal_problem if isinstance(seen.goal_problem, SeveralMarkers) else None
+        return Sighting(
+            seen, self._map.grid if changed else None, self._new_goal(seen), problem, several
+        )
 
     def _with_standing_room(self, seen: Perception) -> OccupancyGrid:
         """Return the map with the floor under the robot: it stands there, and nothing else."""
@@ -182,7 +187,9 @@ class RoomWatch:
         if self._last_at is None or self._odometry is None:
             return
         walked = self._last_at.distance_to(self._odometry)
-        if walked > _STILL:
+        turned = abs(wrap_angle(self._odometry.yaw - self._last_at.yaw))
+        if walked > _STILL[0] or turned > _STILL[1]:
             raise PictureUnusable(
-                f'is frozen: it has not changed while the robot walked {walked:.2f} m'
+                f'is frozen: it has not changed while the robot walked {walked:.2f} m and '
+                f'turned by {math.degrees(turned):.0f} degrees'
             )

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 import pytest
 
 pytest.importorskip('rclpy')
 
-from geometry_msgs.msg import TransformStamped
-from harness import ERROR, OK, SENSOR, Bench
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from harness import ERROR, LATCHED, OK, SENSOR, WARN, Bench
+from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import CameraInfo, Image
 
 from quad_common.camera import CameraModel
-from quad_common.markers import RobotMarker
+from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
@@ -28,17 +30,22 @@ pytestmark = pytest.mark.ros
 
 ROBOT = load_robot('titan_viii')
 MARKER = RobotMarker.on(ROBOT)
+GOAL = GoalMarker()
 CAMERA = CameraModel.looking_down((4.0, 4.0, 6.0), 0.0, 1.4)
 START = Pose2D(3.0, 3.0, 0.5)
 BOX = ((5.0, 5.0), (5.6, 5.0), (5.6, 5.4), (5.0, 5.4))
 """An obstacle without height [m]."""
 
 
-def picture(robot: Pose2D | None = START) -> np.ndarray:
-    """Paint a room with an obstacle and, unless told otherwise, the robot's discs."""
+def picture(robot: Pose2D | None = START, goals: Sequence[Pose2D] = ()) -> np.ndarray:
+    """Paint a room with an obstacle, markers of goals and, unless told otherwise, the robot's."""
     image = np.full((640, 640, 3), 200, np.uint8)
     corners = CAMERA.project([(x, y, 0.0) for x, y in BOX])
     cv2.fillPoly(image, [corners.round().astype(np.int32)], (205, 50, 35))
+    for goal in goals:
+        dot(image, goal, GOAL.height, GOAL.radius, GOAL.colour)
+        ahead = goal @ Pose2D(GOAL.heading_distance, 0.0, 0.0)
+        dot(image, ahead, GOAL.height, GOAL.heading_radius, GOAL.heading_colour)
     if robot is not None:
         height = ROBOT.standing_height + MARKER.height
         for side, colour in ((0.5, MARKER.front_colour), (-0.5, MARKER.rear_colour)):
@@ -130,4 +137,118 @@ def test_odometry_on_the_map_has_nothing_to_correct_and_is_refused(bench: Bench,
     room.frame = 'map'
     bench.wait_for_status('ceiling_camera_node', "it is in frame 'map'; it must be", level=ERROR)
     room.frame = 'odom'
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+
+
+def spoilt(name: str) -> np.ndarray | Image:
+    """Make a picture that cannot be used."""
+    return {
+        'black': np.zeros((640, 640, 3), np.uint8),
+        'white': np.full((640, 640, 3), 255, np.uint8),
+        'of another size': np.full((480, 640, 3), 200, np.uint8),
+        'of depths': Image(encoding='32FC1', width=4, height=4, step=16, data=bytes(64)),
+        'cut off': Image(encoding='rgb8', width=640, height=640, step=1920, data=bytes(64)),
+    }[name]
+
+
+@pytest.mark.parametrize(
+    ('name', 'words'),
+    [
+        ('black', 'the picture is black: 100 % of it is darker'),
+        ('white', 'the picture is overexposed: 100 % of it is white'),
+        ('of another size', "'rgb' is"),
+        ('of depths', '32FC1'),
+        ('cut off', 'rgb8'),
+    ],
+)
+def test_a_bad_picture_is_said_and_the_last_good_map_stays(bench: Bench, room: Room, name, words):
+    maps = bench.hear(OccupancyGrid, 'map', LATCHED)
+    fused = bench.hear(Odometry, 'odom/camera', SENSOR)
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    bench.wait_until('a map', lambda: bool(maps))
+    heard = len(maps)
+    room.image = spoilt(name)
+    bench.wait_for_status('ceiling_camera_node', words, level=ERROR)
+    stops_when_too_old(bench, fused)
+    assert len(maps) == heard
+    # Who comes late hears the last good one.
+    late = bench.hear(OccupancyGrid, 'map', LATCHED)
+    bench.wait_until('the map', lambda: bool(late))
+    assert late[0].data == maps[-1].data
+    room.image = picture()
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+
+
+def stops_when_too_old(bench: Bench, fused: list[Odometry]) -> None:
+    """Wait until no fused pose is published any more: then the gait stops the robot."""
+
+    def is_quiet() -> bool:
+        seen = len(fused)
+        later = [False]
+        timer = bench.node.create_timer(0.5, lambda: later.__setitem__(0, True))
+        bench.wait_until('half a second', lambda: later[0])
+        bench.node.destroy_timer(timer)
+        return len(fused) == seen
+
+    bench.wait_until('no fused pose', is_quiet)
+
+
+def test_a_frozen_picture_is_said_while_the_legs_walk(bench: Bench, room: Room):
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    fused = bench.hear(Odometry, 'odom/camera', SENSOR)
+    room.legs = Pose2D(0.2, 0.0, 0.0)
+    bench.wait_for_status('ceiling_camera_node', 'frozen: it has not changed', level=ERROR)
+    stops_when_too_old(bench, fused)
+    room.image = picture(START @ room.legs)
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+
+
+def test_a_robot_out_of_sight_is_carried_on_by_its_legs_and_then_not_known(
+    bench: Bench, room: Room
+):
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    fused = bench.hear(Odometry, 'odom/camera', SENSOR)
+    room.image = picture(None)
+    bench.wait_for_status('ceiling_camera_node', 'the robot is not seen', level=WARN)
+    stops_when_too_old(bench, fused)
+    room.image = picture()
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    heard = len(fused)
+    bench.wait_until('fused poses', lambda: len(fused) > heard)
+    assert pose_from_message(fused[-1].pose.pose).distance_to(START) < 0.03
+
+
+def test_of_two_goals_none_is_taken_and_the_last_one_stays(bench: Bench, room: Room):
+    goals = bench.hear(PoseStamped, 'goal_pose')
+    first, second = Pose2D(2.0, 5.0, 1.0), Pose2D(5.0, 3.0, 0.0)
+    room.image = picture(goals=[first])
+    bench.wait_until('the goal', lambda: bool(goals))
+    room.image = picture(goals=[first, second])
+    bench.wait_for_status('ceiling_camera_node', 'the goal is seen 2 times, at', level=WARN)
+    room.image = picture(goals=[second])
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    bench.wait_until('the second goal', lambda: len(goals) > 1)
+    said = [pose_from_message(goal.pose) for goal in goals]
+    assert all(goal.distance_to(place) < 0.03 for goal, place in zip(said, (first, second)))
+    assert len(said) == 2
+
+
+def test_what_falls_silent_is_missed(bench: Bench, room: Room):
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    room.legs = None
+    bench.wait_for_status('ceiling_camera_node', "no odometry: waiting for it on 'odom/legs'")
+    room.legs = Pose2D(0.0, 0.0, 0.0)
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    room.image = None
+    bench.wait_for_status('ceiling_camera_node', 'the last picture is', level=WARN)
+    room.image = picture()
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+
+
+def test_pictures_without_camera_info_wait_for_it(bench: Bench):
+    bench.start('ceiling_camera_node', use_sim_time=False)
+    room = Room(bench)
+    room.has_info = False
+    bench.wait_for_status('ceiling_camera_node', "no camera_info: waiting for it on 'ceiling_")
+    room.has_info = True
     bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pictures import Obstacle, ceiling_camera, goal_plates, paint, robot_plates
 
-from quad_common.errors import MarkerNotSeen, PictureUnusable
+from quad_common.errors import MarkerNotSeen, ParameterError, PictureUnusable, SeveralMarkers
 from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.planar_pose import Pose2D
 from quad_perception.perception import Perceiver, default_ranges
@@ -120,6 +120,81 @@ def test_a_frozen_picture_is_noticed_when_the_robot_has_walked():
         room.add_picture(1.0, still.copy())
     room.add_picture(1.0, picture(robot=ROBOT @ Pose2D(0.3, 0.0, 0.0)))
     assert room.fusion.pose.distance_to(ROBOT @ Pose2D(0.3, 0.0, 0.0)) < 0.04
+
+
+def test_a_frozen_picture_is_noticed_when_the_robot_has_turned():
+    room = watch()
+    room.add_picture(0.0, picture())
+    room.add_odometry(1.0, Pose2D(0.0, 0.0, 0.1))
+    with pytest.raises(PictureUnusable, match=r'frozen: .* turned by 6 degrees'):
+        room.add_picture(1.0, picture())
+
+
+def test_a_frozen_picture_leads_nobody_astray():
+    # It goes on to show the robot where it was, and is believed until it is noticed.
+    room = watch()
+    still = picture()
+    room.add_picture(0.0, still)
+    for k in range(1, 100):
+        room.add_odometry(0.1 * k, Pose2D(0.004 * k, 0.0, 0.0))
+        try:
+            room.add_picture(0.1 * k, still)
+        except PictureUnusable:
+            break
+    else:
+        pytest.fail('it was not noticed')
+    assert room.fusion.pose.distance_to(ROBOT @ Pose2D(0.004 * k, 0.0, 0.0)) < 0.05
+
+
+@pytest.mark.parametrize(
+    ('spoilt', 'error', 'words'),
+    [
+        (np.zeros((640, 640, 3), np.uint8), PictureUnusable, 'black'),
+        (np.full((640, 640, 3), 255, np.uint8), PictureUnusable, 'overexposed'),
+        (np.zeros((480, 640, 3), np.uint8), ParameterError, '640'),
+        (np.zeros((640, 640), np.uint8), ParameterError, 'shape'),
+    ],
+)
+def test_bad_pictures_leave_map_goal_and_pose_as_they_are(spoilt, error, words):
+    room = watch()
+    goal = Pose2D(2.0, -2.0, 1.0)
+    room.add_picture(0.0, picture(goal=goal))
+    grid, pose = room.map, room.fusion.pose
+    for k in range(3):
+        with pytest.raises(error, match=words):
+            room.add_picture(0.1 * k, spoilt)
+    assert room.map is grid
+    assert room.fusion.pose == pose
+    room.add_odometry(0.4, Pose2D(0.5, 0.0, 0.0))
+    with pytest.raises(error, match=words):
+        room.add_picture(0.4, spoilt)
+    room.add_odometry(0.4, Pose2D(0.0, 0.0, 0.0))
+    assert room.add_picture(0.4, picture(goal=goal)).goal is None
+
+
+def test_of_two_goal_markers_none_is_meant_and_the_last_goal_stays():
+    room = watch()
+    room.add_picture(0.0, picture(goal=Pose2D(2.0, -2.0, 1.0)))
+    both = [*goal_plates(Pose2D(2.0, -2.0, 1.0), GoalMarker())]
+    both += goal_plates(Pose2D(-2.0, 2.0, 0.0), GoalMarker())
+    two = paint(CAMERA, (BOX,), robot_plates(ROBOT, RobotMarker()), below=both)
+    sighting = room.add_picture(0.1, two)
+    assert sighting.goal is None
+    assert isinstance(sighting.goal_problem, SeveralMarkers)
+    again = room.add_picture(0.2, picture(goal=Pose2D(2.0, -2.0, 1.0)))
+    assert again.goal is None
+    assert again.goal_problem is None
+
+
+def test_of_two_robots_none_is_believed():
+    room = watch()
+    room.add_picture(0.0, picture())
+    plates = robot_plates(ROBOT, RobotMarker()) + robot_plates(
+        Pose2D(2.0, -1.0, 0.0), RobotMarker()
+    )
+    sighting = room.add_picture(0.1, paint(CAMERA, (BOX,), plates))
+    assert isinstance(sighting.problem, SeveralMarkers)
+    assert room.fusion.pose.distance_to(ROBOT) < 0.03
 
 
 def test_markers_have_their_usual_colours():
