@@ -20,6 +20,7 @@ from quad_common.errors import CameraError, PerceptionError
 from quad_common.map_file import save_map
 from quad_common.occupancy_grid import FREE, OccupancyGrid
 from quad_common.robot import load_robot
+from quad_perception.annotated import annotated
 from quad_perception.camera_calibration import calibrate_pose
 from quad_perception.color_segmentation import ColorRange, Picture, load_ranges, segment
 from quad_perception.marker_poses import MarkerPose
@@ -30,7 +31,7 @@ EXAMPLES = """examples:
   quadwalk camera masks room.png --output masks.png
   quadwalk camera calibrate --camera lens.yaml --points points.txt --output camera.yaml
   quadwalk camera map room.png --camera camera.yaml --bounds 0,0,8,8 --output room.yaml
-  quadwalk camera map walk.mp4 --camera camera.yaml --every 10 --json
+  quadwalk camera map walk.mp4 --camera camera.yaml --every 10 --drawn seen.png
 
 A file of points has a line for each: x and y in the world [m], column and row in the picture,
 as an image viewer shows them; lines that begin with # are comments.
@@ -41,12 +42,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest='action', metavar='action', required=True)
     masks = actions.add_parser('masks', help='draw which pixels each range of colours catches')
-    masks.add_argument('picture', type=Path, help='of the room')
+    masks.add_argument('picture', type=Path, help='of the room; of a video the first one')
     masks.add_argument('--output', type=Path, default=Path('masks.png'), help='picture to write')
     mapping = actions.add_parser('map', help='make a map from a picture, and find robot and goal')
     mapping.add_argument('picture', type=Path, help='of the room, or a video')
     mapping.add_argument('--camera', type=Path, required=True, help='its file')
     mapping.add_argument('--output', type=Path, default=None, help='Nav2 map file to write')
+    mapping.add_argument(
+        '--drawn', type=Path, default=None, help='picture to write: the last one, and what it shows'
+    )
     mapping.add_argument('--robot', default='titan_viii', help='name or data file')
     mapping.add_argument('--resolution', type=float, default=0.05, help='side of a cell [m]')
     mapping.add_argument(
@@ -100,6 +104,7 @@ def _map(arguments: argparse.Namespace) -> int:
         bounds=arguments.bounds,
     )
     grid: OccupancyGrid | None = None
+    drawn: Picture | None = None
     entries: list[dict[str, Any]] = []
     for number, picture in enumerate(_pictures(arguments.picture)):
         if number % arguments.every:
@@ -111,9 +116,13 @@ def _map(arguments: argparse.Namespace) -> int:
             entries.append({**entry, 'problem': str(problem)})
             continue
         grid = seen.map
+        if arguments.drawn is not None:
+            drawn = annotated(picture, perceiver, seen)
         entries.append({**entry, **_described(seen)})
     if arguments.output is not None and grid is not None:
         save_map(grid, arguments.output)
+    if arguments.drawn is not None and drawn is not None:
+        _write_picture(arguments.drawn, drawn)
     if arguments.json:
         # A still picture is one object, a video has one for each picture.
         print(json.dumps(entries[0] if len(entries) == 1 else {'pictures': entries}))
@@ -122,6 +131,8 @@ def _map(arguments: argparse.Namespace) -> int:
             _print_entry(entry)
         if arguments.output is not None and grid is not None:
             print(f'map written to {arguments.output}')
+        if drawn is not None:
+            print(f'drawn in {arguments.drawn}')
     return 0 if grid is not None else 1
 
 

@@ -92,6 +92,17 @@ def test_a_video_is_seen_picture_by_picture(files, capsys):
     assert said[2]['goal']['pose'][:2] == pytest.approx([6.0, 5.0], abs=0.03)
 
 
+def test_what_a_picture_shows_is_drawn_into_it(files, capsys):
+    command = ['camera', 'map', str(files / 'room.png'), '--camera', str(files / 'camera.yaml')]
+    assert main([*command, '--drawn', str(files / 'seen.png')]) == 0
+    assert 'seen.png' in capsys.readouterr().out
+    drawn, plain = cv2.imread(str(files / 'seen.png')), cv2.imread(str(files / 'room.png'))
+    changed = (drawn != plain).any(axis=2)
+    assert 0.001 < changed.mean() < 0.1
+    column, row = CAMERA.project([(2.0, 2.5, 0.0)])[0].astype(int)
+    assert changed[row, column - 5 : column + 6].any()
+
+
 def test_a_black_picture_has_no_map(files, capsys):
     cv2.imwrite(str(files / 'black.png'), np.zeros((640, 640, 3), np.uint8))
     command = ['camera', 'map', str(files / 'black.png'), '--camera', str(files / 'camera.yaml')]
