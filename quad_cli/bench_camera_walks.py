@@ -30,6 +30,9 @@ _START = Pose2D(1.0, 1.0, 0.0)
 
 _ROOMS, _DROPS = 20, 10
 
+_LATENCIES = (0.0, 0.2, 0.5, 1.0)
+"""Of pictures, for walks through one room [s]; the other walks have the usual one."""
+
 _DROP_AT = 20.0
 """When an obstacle is dropped [s]."""
 _DROP_AHEAD = 1.5
@@ -62,11 +65,25 @@ class _Outcome:
     """[m]"""
     dropped: bool
     """Whether an obstacle was dropped."""
+    latency: float
+    """From a picture to what is known of it [s]."""
+
+
+@dataclass(frozen=True)
+class _Job:
+    """A walk."""
+
+    seed: int
+    """Of the room."""
+    with_drop: bool = False
+    """Whether an obstacle is dropped on the path."""
+    latency: float = CameraWalkOptions.latency
+    """[s]"""
 
 
 def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list[dict[str, Any]]]:
     """
-    Walk through random rooms, and through some where an obstacle is dropped on the path.
+    Walk through random rooms, some with an obstacle dropped on the path, one with late pictures.
 
     Parameters
     ----------
@@ -86,15 +103,16 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
     """
     if quick:
         return [figure('walks by the camera alone: in the full run only', None, '')], []
-    jobs = [(seed + k, False) for k in range(_ROOMS)]
-    jobs += [(seed + 100 + k, True) for k in range(_DROPS)]
+    jobs = [_Job(seed + k) for k in range(_ROOMS)]
+    jobs += [_Job(seed + 100 + k, with_drop=True) for k in range(_DROPS)]
+    jobs += [_Job(seed + 1, latency=latency) for latency in _LATENCIES]
     outcomes: list[_Outcome] = []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
-        for outcome in pool.map(_walk, *zip(*jobs)):
+        for outcome in pool.map(_walk, jobs):
             end = 'arrived' if outcome.arrived else outcome.problem
             console.print(f'walk {len(outcomes) + 1} of {len(jobs)}, room {outcome.room}: {end}')
             outcomes.append(outcome)
-    plain, drops = outcomes[:_ROOMS], outcomes[_ROOMS:]
+    plain, drops = outcomes[:_ROOMS], outcomes[_ROOMS : _ROOMS + _DROPS]
     dropped = sum(outcome.dropped for outcome in drops)
     bars = [figure('obstacles dropped on the path', float(dropped), '')]
     for name, group in (('rooms', plain), ('rooms with an obstacle dropped', drops)):
@@ -104,28 +122,37 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
             at_least(f'{name}: walks that arrived, of {len(group)}', arrived, '', len(group)),
             at_most(f'{name}: kinds of contact', contacts, '', 0.0),
         ]
-    rms = math.sqrt(float(np.mean([outcome.rms_error**2 for outcome in outcomes])))
+    usual = plain + drops
+    rms = math.sqrt(float(np.mean([outcome.rms_error**2 for outcome in usual])))
     bars += [
         at_most(
             'fused pose while walking, largest error',
-            max(outcome.largest_error for outcome in outcomes),
+            max(outcome.largest_error for outcome in usual),
             'm',
             0.03,
         ),
         figure('fused pose while walking, rms', rms, 'm'),
     ]
+    for outcome in outcomes[len(usual) :]:
+        name = f'pictures {outcome.latency:.1f} s late: fused pose'
+        bars += [
+            at_most(f'{name}, largest error', outcome.largest_error, 'm', 0.03),
+            figure(f'{name}, rms', outcome.rms_error, 'm'),
+        ]
     return bars, [asdict(outcome) for outcome in outcomes]
 
 
-def _walk(seed: int, with_drop: bool) -> _Outcome:
-    room = random_room(seed, start=_START)
-    options = CameraWalkOptions(method='shortest', picture_period=1.0, noise=4.0, seed=seed)
+def _walk(job: _Job) -> _Outcome:
+    room = random_room(job.seed, start=_START)
+    options = CameraWalkOptions(
+        method='shortest', picture_period=1.0, latency=job.latency, noise=4.0, seed=job.seed
+    )
     walk = CameraWalk(load_robot(_ROBOT), room, options)
     has_dropped = False
 
     def drop(walk: CameraWalk) -> None:
         nonlocal has_dropped
-        if with_drop and not has_dropped and walk.simulation.time > _DROP_AT:
+        if job.with_drop and not has_dropped and walk.simulation.time > _DROP_AT:
             has_dropped = _drop_on_path(walk, room)
 
     try:
@@ -134,7 +161,7 @@ def _walk(seed: int, with_drop: bool) -> _Outcome:
         walk.close()
     errors = np.array(record.pose_errors or [math.inf])
     return _Outcome(
-        seed,
+        job.seed,
         record.arrived,
         record.problem,
         record.duration,
@@ -142,6 +169,7 @@ def _walk(seed: int, with_drop: bool) -> _Outcome:
         float(errors.max()),
         float(np.sqrt(np.mean(errors**2))),
         has_dropped,
+        job.latency,
     )
 
 
