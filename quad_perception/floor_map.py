@@ -18,6 +18,8 @@ from quad_perception.footprints import Footprint
 
 _MOST = 0.5
 """A cell is what this share of it is."""
+_STILL = 0.3
+"""A cell stays what it was while this share of it is."""
 
 
 def floor_map(
@@ -55,13 +57,17 @@ def floor_map(
         part = occupied[row : row + height, column : column + width]
         np.maximum(part, footprint.mask, out=part)
     cells = np.full(view.shape, UNKNOWN, np.int8)
-    cells[view.share_of_cells(floor) >= _MOST] = FREE
+    before = cells.copy()
+    if previous is not None and previous.is_aligned_with(
+        OccupancyGrid(cells, view.resolution, view.origin)
+    ):
+        before = previous.cells
+    # Noise makes shares near one half go to and fro, and each change is a new plan.
+    cells[view.share_of_cells(floor) >= np.where(before == FREE, _STILL, _MOST)] = FREE
     if robot is not None:
-        covered = view.share_of_cells(robot) > 0.0
-        known = OccupancyGrid(cells, view.resolution, view.origin)
-        if previous is not None and previous.is_aligned_with(known):
-            # A part of the robot that has the floor's colour makes no obstacle vanish.
-            kept = covered & ~previous.unknown()
-            cells[kept] = previous.cells[kept]
-    cells[view.share_of_cells(occupied) >= _MOST] = OCCUPIED
+        # A part of the robot that has the floor's colour makes no obstacle vanish.
+        kept = (view.share_of_cells(robot) > 0.0) & (before != UNKNOWN)
+        cells[kept] = before[kept]
+    stands = view.share_of_cells(occupied) >= np.where(before == OCCUPIED, _STILL, _MOST)
+    cells[stands] = OCCUPIED
     return OccupancyGrid(cells, view.resolution, view.origin)

@@ -162,8 +162,7 @@ class RoomWatch:
         rows, columns = np.nonzero(grid.unknown())
         centres = grid.map_to_world(np.column_stack((columns, rows)) + np.float64(0.5))
         away = np.hypot(centres[:, 0] - seen.robot.pose.x, centres[:, 1] - seen.robot.pose.y)
-        # No ring of cells is left that the perceiver's circle covers and this does not free.
-        under = away <= self._perceiver.robot_radius + 2.0 * grid.resolution
+        under = away <= self._perceiver.robot_radius
         cells = grid.cells.copy()
         cells[rows[under], columns[under]] = FREE
         return OccupancyGrid(cells, grid.resolution, grid.origin)

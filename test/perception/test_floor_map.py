@@ -190,6 +190,23 @@ def test_under_the_robot_the_map_keeps_what_was_known(perceivers):
     assert np.array_equal(after.map.cells, before.map.cells)
 
 
+def test_noise_does_not_make_cells_go_to_and_fro(perceivers):
+    perceiver, camera = perceivers['straight'], CAMERAS['straight']
+    rng = np.random.default_rng(3)
+    room = paint(camera, random_obstacles(rng, 6))
+    alone = after = None
+    alone_changes, changes = [], []
+    for _ in range(8):
+        again = disturbed(room, rng)
+        alone_before, before = alone, after
+        alone, after = perceiver.perceive(again).map, perceiver.perceive(again, after).map
+        if before is not None:
+            alone_changes.append(np.sum(alone.cells != alone_before.cells))
+            changes.append(np.sum(after.cells != before.cells))
+    assert np.mean(alone_changes[3:]) > 5.0
+    assert np.mean(changes[3:]) < 0.3 * np.mean(alone_changes[3:])
+
+
 def test_floor_that_is_seen_beside_the_robot_is_free_at_once(perceivers):
     # It may hide what lies outward of it; all of its circle, raised to its back, is more.
     perceiver, camera = perceivers['straight'], CAMERAS['straight']
