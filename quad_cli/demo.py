@@ -164,6 +164,7 @@ def _recording(output: Path, console: Console) -> Path | None:
 
 def _print_table(console: Console, summary: dict[str, object]) -> None:
     table = Table(title=f'Walk on {summary["map"]}', show_header=False)
+    of_which = ', of the last plan' if summary['plans'] != 1 else ''
     rows = (
         ('arrived', 'yes' if summary['arrived'] else f'no: {summary["problem"]}', ''),
         ('final position error', summary['position_error'], 'm'),
@@ -171,8 +172,9 @@ def _print_table(console: Console, summary: dict[str, object]) -> None:
         ('largest distance from the path', summary['largest_path_distance'], 'm'),
         ('least stability margin, planned', summary['least_stability_margin'], 'm'),
         ('walking time, simulated', summary['walking_time'], 's'),
-        ('path', summary['path_length'], 'm'),
-        ('turning points', summary['turning_points'], ''),
+        *((('plans', summary['plans'], ''),) if of_which else ()),
+        (f'path{of_which}', summary['path_length'], 'm'),
+        (f'turning points{of_which}', summary['turning_points'], ''),
         ('gait cycles', summary['cycles'], ''),
         ('contacts other than feet on the ground', summary['contacts'] or 'none', ''),
         ('fallen', 'yes' if summary['fallen'] else 'no', ''),

@@ -70,6 +70,10 @@ def draw_walk(
         axes.plot(feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds')
     track = np.array([(pose.x, pose.y) for pose in record.poses]).reshape(-1, 2)
     axes.plot(track[:, 0], track[:, 1], color='#d62728', linewidth=1.2, label='walked')
+    for k, earlier in enumerate(record.plans[:-1]):
+        points = earlier.corners
+        label = None if k else 'earlier plans'
+        axes.plot(points[:, 0], points[:, 1], color='#a8b8f0', linewidth=0.6, label=label)
     if plan is not None:
         _draw_plan(axes, plan, _COLORS[0], 'plan with turning points')
     _draw_ends(axes, robot, start, goal)
