@@ -54,6 +54,7 @@ def derived_figures(robot: Robot) -> dict[str, float]:
         'stance_reach_mm': round(1e3 * robot.stance_reach, 2),
         'largest_stride_mm': round(1e3 * robot.largest_stride, 2),
         'largest_turn_deg': round(math.degrees(robot.largest_turn), 2),
+        'step_height_mm': round(1e3 * robot.step_height, 2),
         'mesh_size_mm': round(1e3 * robot.mesh_size, 2),
         'footprint_radius_mm': round(1e3 * robot.footprint_radius, 2),
         'center_of_mass_height_mm': round(

@@ -161,6 +161,17 @@ class Robot:
         return reach.largest_turn(self.largest_stride, distance)
 
     @cached_property
+    def step_height(self) -> float:
+        """Highest step that the robot climbs [m], from the legs' geometry."""
+        stride = reach.STEP_SHARE * self.largest_stride
+        if self.leg_type == 'roll_pitch_pitch':
+            lower = reach.lowest_at_step(self.legs[0], self.neutral_feet[0], stride)
+        else:
+            stretch = math.hypot(stride, self.stance_reach)
+            lower = reach.lowest_at_stretch(self.legs[0], self.hip_height, stretch)
+        return reach.largest_step_height(lower, self.hip_height)
+
+    @cached_property
     def mesh_size(self) -> float:
         """Mesh of S0 eq. 5 [m]: body length between the hip axes plus S_max."""
         return 2.0 * float(self.legs[0].hip[0]) + self.largest_stride

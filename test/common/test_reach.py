@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from quad_common.errors import RobotModelError
-from quad_common.reach import largest_step, largest_stretch, largest_stride, largest_turn
+from quad_common.reach import (
+    largest_step,
+    largest_step_height,
+    largest_stretch,
+    largest_stride,
+    largest_turn,
+    lowest_at_step,
+    lowest_at_stretch,
+)
 from quad_common.robot import load_robot
 
 ROBOT = load_robot('titan_viii')
@@ -143,3 +151,42 @@ def test_a_dogs_leg_that_cannot_reach_the_ground_is_refused_with_the_numbers():
     robot = load_robot('cuhk')
     with pytest.raises(RobotModelError, match=r'leg lf is 0\.095 m long .* reach 0\.162 m down'):
         largest_step(robot.legs[0], robot.neutral_feet[0], 0.1)
+
+
+def test_down_a_step_a_leg_reaches_a_third_of_the_largest_stride():
+    # By hand, for S0's numbers [mm]: A = hypot(226.16 / 3, 200) = 213.74, and
+    # sqrt(355^2 - (213.74 - 45)^2) + 43 - 243 = 112.3.
+    stride = ROBOT.largest_stride / 3.0
+    lower = lowest_at_stretch(LEG, 0.243, math.hypot(stride, 0.2))
+    assert 1e3 * lower == pytest.approx(112.3, abs=0.05)
+    assert largest_stride(largest_stretch(LEG, 0.243, lower), 0.2) == pytest.approx(stride)
+
+
+@dogs
+@pytest.mark.parametrize('index', range(4))
+def test_down_a_step_a_dogs_leg_reaches_a_third_of_the_largest_stride(name, index):
+    robot = load_robot(name)
+    leg, foot = robot.legs[index], robot.neutral_feet[index]
+    lower = lowest_at_step(leg, foot, robot.largest_stride / 3.0)
+    assert largest_step(leg, foot, lower) == pytest.approx(robot.largest_stride / 3.0)
+    assert lowest_at_step(leg, foot, robot.largest_stride) == pytest.approx(robot.roughness)
+
+
+def test_a_step_is_no_higher_than_a_third_of_the_hips():
+    assert largest_step_height(0.112, 0.243) == pytest.approx(0.081)
+    assert largest_step_height(0.05, 0.243) == 0.05
+    assert largest_step_height(-0.01, 0.243) == 0.0
+
+
+# genibo by hand [mm]: its legs of 130 mm reach sqrt(130^2 - 21.4^2) = 128.2 down at a third of
+# 64.3, and stand 105 below the hips: 23.2 lower. Of the others the legs reach farther.
+@pytest.mark.parametrize(
+    ('name', 'step'), [('titan_viii', 81.0), ('genibo', 23.2), ('cuhk', 28.0), ('pukyong', 19.2)]
+)
+def test_the_step_heights_of_the_robots(name, step):
+    assert 1e3 * load_robot(name).step_height == pytest.approx(step, abs=0.05)
+
+
+def test_a_leg_that_cannot_stretch_so_far_is_refused_with_the_numbers():
+    with pytest.raises(RobotModelError, match=r'leg lf is 0\.355 m long .* reach 0\.455 m out'):
+        lowest_at_stretch(LEG, 0.243, 0.5)
