@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.parameters import parameter
+from quad_planner.traversability import LARGEST_SLOPE, STEEPEST
+
+LOW_OBSTACLES = ('keep', 'step_over')
+"""What is done with obstacles of the map that the height map shows to be low."""
 
 PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Names of the planning methods."""
@@ -55,6 +59,27 @@ class PlannerParameters:
         65, 'Cells of at least this occupancy are obstacles.', '%', lower=1, upper=100
     )
     unknown_is_free: bool = parameter(False, 'Whether paths may lead through unknown cells.')
+    step_height: float = parameter(
+        0.0,
+        "Steps of the height map that are higher are walked around; 0: the robot's own height.",
+        'm',
+        lower=0.0,
+        upper=1.0,
+    )
+    largest_slope: float = parameter(
+        LARGEST_SLOPE,
+        'Ground of the height map that is steeper, on the average over the stance, is walked '
+        'around.',
+        'rad',
+        lower=0.01,
+        upper=STEEPEST,
+    )
+    low_obstacles: str = parameter(
+        'keep',
+        'Whether obstacles of the map stay obstacles where the height map shows that they are '
+        'low. step_over is for height maps that show all that stands on the ground.',
+        choices=LOW_OBSTACLES,
+    )
     unknown_cost: float = parameter(
         1.0,
         'A way through unknown cells counts so many times its length, if unknown_is_free is set. '

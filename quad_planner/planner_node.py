@@ -15,14 +15,20 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import ParameterError, PlannerError, QuadError, WrongFrame
+from quad_common.occupancy_grid import OccupancyGrid as Grid
 from quad_common.pace import Pace, load_pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import load_robot
-from quad_common.ros_conversions import pose_from_message, seconds_from_time
+from quad_common.ros_conversions import (
+    height_map_from_message,
+    pose_from_message,
+    seconds_from_time,
+)
 from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
 from quad_planner.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.inflation import combined_obstacles
@@ -30,6 +36,7 @@ from quad_planner.latest_request import LatestRequest, join_workers
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import make_planner
 from quad_planner.ros_conversions import grid_from_message, path_message, plan_markers
+from quad_planner.traversability import Ground, GroundLimits
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -44,7 +51,7 @@ _LONG = 3.0
 
 
 class PlannerNode(QuadNode[PlannerParameters]):
-    """Plans when a goal comes, when the map changes, and when the robot leaves its path."""
+    """Plans when a goal comes, when a map changes, and when the robot leaves its path."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('planner_node', PlannerParameters, **kwargs)
@@ -71,6 +78,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
             costs=_costs(p),
             is_superseded=self._requests.is_superseded,
         )
+        self._limits = GroundLimits.of(robot, p.step_height, p.largest_slope)
+        self._grid: Grid | None = None
+        self._ground: Ground | None = None
+        self._waiting_heights: PointCloud2 | None = None
         self._frames: list[str] = []
         self._map_frame = 'map'
         self._outlines: tuple[Any, ...] = ()
@@ -87,6 +98,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._plan_publisher = self.create_publisher(Path, 'plan', _LATCHED)
         self._marker_publisher = self.create_publisher(MarkerArray, 'plan_markers', _LATCHED)
         self.create_subscription(OccupancyGrid, 'map', self.guarded(self._on_map), _LATCHED)
+        self.create_subscription(
+            PointCloud2, 'height_map', self.guarded(self._on_height_map), _LATCHED
+        )
         self.create_subscription(PoseStamped, 'goal_pose', self.guarded(self._on_goal), 10)
         self.create_subscription(
             Odometry, p.odom_topic, self.guarded(self._on_odometry), qos_profile_sensor_data
@@ -135,8 +149,35 @@ class PlannerNode(QuadNode[PlannerParameters]):
         return f'{text}, {time_:.0f} s to walk ({self.parameters.gait})'
 
     def _on_map(self, message: OccupancyGrid) -> None:
-        before, frame = self._planner.prepared, message.header.frame_id or 'map'
-        self._planner.set_map(grid_from_message(message))
+        grid, frame = grid_from_message(message), message.header.frame_id or 'map'
+        is_moved = self._ground is not None and frame != self._map_frame
+        self._take_maps(grid, frame, None if is_moved else self._ground)
+        if is_moved:
+            self.get_logger().warning(
+                f"the map is in frame '{frame}' now: the height map is left out until one is"
+            )
+        heights, self._waiting_heights = self._waiting_heights, None
+        if heights is not None:
+            self._on_height_map(heights)
+
+    def _on_height_map(self, message: PointCloud2) -> None:
+        if self._grid is None:
+            # Only the map tells which frame it has to be in.
+            self._waiting_heights = message
+            return
+        heights = height_map_from_message(message, (self._map_frame,))
+        if self._ground is None or not self._ground.is_like(heights):
+            self._take_maps(self._grid, self._map_frame, Ground(heights, self._limits))
+
+    def _take_maps(self, grid: Grid, frame: str, ground: Ground | None) -> None:
+        """Plan on a map and a height map from now on; an error leaves those before in force."""
+        before, combined = self._planner.prepared, grid
+        if ground is not None:
+            p = self.parameters
+            steps_over_low = p.low_obstacles == 'step_over'
+            combined = ground.added_to(grid, p.occupied_threshold, steps_over_low)
+        self._planner.set_map(combined)
+        self._grid, self._ground = grid, ground
         prepared: Any = self._planner.prepared
         if prepared is before and frame == self._map_frame:
             # The same map again: what was planned on it stands.
