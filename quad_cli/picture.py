@@ -16,6 +16,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from quad_cli.walk_record import WalkRecord
+from quad_common.height_map import HeightMap
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -96,6 +97,7 @@ def draw_plans(
     plans: Mapping[str, Plan],
     start: Pose2D,
     goal: Pose2D,
+    ground: tuple[HeightMap, OccupancyGrid] | None = None,
 ) -> None:
     """
     Draw plans of several methods over one map.
@@ -104,13 +106,17 @@ def draw_plans(
     ----------
     plans : mapping of str to Plan
         By the names that are to stand beside them.
+    ground : (HeightMap, OccupancyGrid), optional
+        The ground, and the map without the obstacles of the ground.
     path, grid, robot, clearance_radius, start, goal
         As for :func:`draw_walk`.
     """
     figure = Figure(layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    _draw_map(axes, grid, clearance_radius)
+    if ground is not None:
+        _draw_heights(figure, axes, ground[0])
+    _draw_map(axes, grid, clearance_radius, None if ground is None else ground[1])
     if 'mesh' in plans:
         _draw_mesh(axes, grid, robot.mesh_size)
     interest = [(start.x, start.y), (goal.x, goal.y)]
@@ -154,12 +160,45 @@ def _corners(grid: OccupancyGrid) -> NDArray[np.float64]:
     return grid.map_to_world(np.array([(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)]))
 
 
-def _draw_map(axes: Axes, grid: OccupancyGrid, clearance_radius: float) -> None:
+def _draw_heights(figure: Figure, axes: Axes, heights: HeightMap) -> None:
+    """Draw the ground in shades."""
+    x_min, y_min, x_max, y_max = heights.bounds
+    image = axes.imshow(
+        heights.heights,
+        origin='lower',
+        extent=(x_min, x_max, y_min, y_max),
+        cmap='Greys_r',
+        interpolation='nearest',
+    )
+    image.set_clim(*_shades(heights))
+    figure.colorbar(image, ax=axes, shrink=0.5, label='height [m]')
+
+
+def _shades(heights: HeightMap) -> tuple[float, float]:
+    """Return which heights are black and white: the ground is not darker than grey."""
+    known = heights.heights[~np.isnan(heights.heights)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    span = max(high - low, 0.01)
+    return low - 0.6 * span, low + span
+
+
+def _draw_map(
+    axes: Axes,
+    grid: OccupancyGrid,
+    clearance_radius: float,
+    of_map: OccupancyGrid | None = None,
+) -> None:
+    """Draw a map over the ground, if there is one; `of_map` is without the ground's obstacles."""
     forbidden = inflate(grid, clearance_radius)
-    picture = np.ones((grid.height, grid.width, 3))
-    picture[forbidden] = (1.0, 0.88, 0.85)
-    picture[grid.unknown()] = (0.8, 0.8, 0.8)
-    picture[grid.occupied()] = (0.15, 0.15, 0.15)
+    picture = np.ones((grid.height, grid.width, 4))
+    if of_map is not None:
+        picture[..., 3] = 0.0
+    picture[forbidden] = (1.0, 0.88, 0.85, 1.0 if of_map is None else 0.5)
+    picture[grid.unknown()] = (0.8, 0.8, 0.8, 1.0)
+    picture[grid.occupied()] = (0.15, 0.15, 0.15, 1.0)
+    if of_map is not None:
+        picture[grid.occupied() & ~of_map.occupied()] = (0.6, 0.3, 0.1, 1.0)
+        axes.plot([], [], 's', color=(0.6, 0.3, 0.1), label='too high or too steep')
     # Cells are drawn in map coordinates and brought into the world, for maps with a yaw.
     to_world = (
         Affine2D()

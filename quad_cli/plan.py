@@ -18,21 +18,24 @@ from typing import Any
 
 from quad_cli.arguments import map_argument, pose_argument
 from quad_common.errors import ParameterError, PlannerError
+from quad_common.height_map_file import load_height_map
 from quad_common.map_file import load_map
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.pace import Pace, load_pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot import load_robot
-from quad_planner.parameters import PlannerParameters
+from quad_common.robot import Robot, load_robot
+from quad_planner.parameters import LOW_OBSTACLES, PlannerParameters
 from quad_planner.planner import METHODS, Planner, make_planner
 from quad_planner.potential_planner import POTENTIALS
+from quad_planner.traversability import Ground, GroundLimits
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
   quadwalk plan --map warehouse.yaml --start 0,0,0 --goal 5,3,0 --json
   quadwalk plan --method potential --start 1.2,1.2,0 --goal 6.8,4.8,0
+  quadwalk plan --map room.yaml --height-map hills.yaml --start 1,1,0 --goal 5,3,0 --picture p.png
   quadwalk plan --method mesh shortest quickest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
 """
 
@@ -47,6 +50,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument(
         '--map', type=map_argument, default=None, help='Nav2 map file or sample map (room)'
+    )
+    parser.add_argument(
+        '--height-map', type=Path, default=None, help='height map file of the ground under the map'
+    )
+    parser.add_argument(
+        '--step-height',
+        type=float,
+        default=PlannerParameters().step_height,
+        help="higher steps of it are walked around; 0: the robot's own [m]",
+    )
+    parser.add_argument(
+        '--largest-slope',
+        type=float,
+        default=PlannerParameters().largest_slope,
+        help='steeper ground of it is walked around [rad]',
+    )
+    parser.add_argument(
+        '--low-obstacles',
+        choices=LOW_OBSTACLES,
+        default=PlannerParameters().low_obstacles,
+        help='what becomes of obstacles that it shows to be low',
     )
     parser.add_argument('--start', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
     parser.add_argument('--goal', type=pose_argument, required=True, help='x,y,yaw')
@@ -107,7 +131,10 @@ class _Outcome:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; a plan that cannot be made is an error, or a line of the comparison."""
     robot = load_robot(arguments.robot)
-    grid = load_map(arguments.map or sample_map())
+    of_map = grid = load_map(arguments.map or sample_map())
+    ground = _ground(arguments, robot)
+    if ground is not None:
+        grid = ground.added_to(of_map, steps_over_low=arguments.low_obstacles == 'step_over')
     methods = list(dict.fromkeys(arguments.method))
     pace = _pace(arguments.robot, arguments.gait, is_needed='quickest' in methods)
     clearance = robot.footprint_radius + arguments.safety_distance
@@ -139,9 +166,24 @@ def run(arguments: argparse.Namespace) -> int:
 
         plans = {outcome.method: outcome.plan for outcome in outcomes if outcome.plan is not None}
         draw_plans(
-            arguments.picture, grid, robot, clearance, plans, arguments.start, arguments.goal
+            arguments.picture,
+            grid,
+            robot,
+            clearance,
+            plans,
+            arguments.start,
+            arguments.goal,
+            None if ground is None else (ground.heights, of_map),
         )
     return 1 if any(outcome.plan is None for outcome in outcomes) else 0
+
+
+def _ground(arguments: argparse.Namespace, robot: Robot) -> Ground | None:
+    """Read the ground; None if there is no height map."""
+    if arguments.height_map is None:
+        return None
+    limits = GroundLimits.of(robot, arguments.step_height, arguments.largest_slope)
+    return Ground(load_height_map(arguments.height_map), limits)
 
 
 def _pace(robot: str, gait: str, is_needed: bool) -> Pace | None:

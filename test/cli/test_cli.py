@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 pytest.importorskip('rich')
@@ -18,6 +19,8 @@ from quad_cli.arguments import map_argument, pose_argument
 from quad_cli.bench import at_least, at_most, figure
 from quad_cli.main import COMMANDS, main
 from quad_cli.parameters import TABLES
+from quad_common.height_map import HeightMap
+from quad_common.height_map_file import save_height_map
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot import load_robot, robot_file
@@ -143,6 +146,26 @@ def test_plan_draws_a_picture(tmp_path, capsys):
     assert main([*PLAN, '--picture', str(picture)]) == 0
     assert picture.read_bytes()[:8] == b'\x89PNG\r\n\x1a\n'
     assert 'turning points' in capsys.readouterr().out
+
+
+def test_plan_walks_around_what_is_high_on_a_height_map_and_draws_the_ground(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    level = HeightMap.level((0.0, 0.0, 8.0, 6.0), 0.05)
+    lengths = {}
+    for name, height in (('low', 0.07), ('high', 0.12)):
+        heights = np.array(level.heights)
+        # On the straight way.
+        heights[78:82, 38:44] = height
+        save_height_map(level.with_heights(heights), tmp_path / f'{name}.yaml')
+        picture = tmp_path / f'{name}_plan.png'
+        files = ['--height-map', str(tmp_path / f'{name}.yaml'), '--picture', str(picture)]
+        way = ['plan', '--method', 'shortest', '--start', '1.2,3.8,0', '--goal', '4.4,4.3,0']
+        assert main([*way, '--json', *files]) == 0
+        lengths[name] = json.loads(capsys.readouterr().out)['length']
+        assert picture.stat().st_size > 10_000
+    assert lengths['high'] > lengths['low'] + 0.05
+    assert main([*way, '--json', *files, '--step-height', '0.13']) == 0
+    assert json.loads(capsys.readouterr().out)['length'] == lengths['low']
 
 
 @pytest.mark.parametrize(
