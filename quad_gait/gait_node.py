@@ -9,6 +9,7 @@ import time
 from functools import partial
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import PolygonStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
@@ -92,6 +93,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._joints: JointReadings | None = None
         self._imu: tuple[Any, float | None] = (None, None)
         self._heard_odometry_at: float | None = None
+        self._published_footholds: Any = None
         self._distance_left = 0.0
         self._frame = 'odom'
         self._wire_topics()
@@ -216,7 +218,9 @@ class GaitNode(QuadNode[GaitParameters]):
         if trajectory is not None:
             self._trajectories.publish(trajectory_message(trajectory))
             footholds = controller.footholds()
-            if len(footholds):
+            # On uneven ground a stride is many trajectories.
+            if len(footholds) and not np.array_equal(footholds, self._published_footholds):
+                self._published_footholds = footholds
                 self._footholds.publish(foothold_markers(footholds, self._frame, stamp))
         self._publish_stability(now, pose, stamp)
         if (controller.reason, controller.limit) != said:

@@ -10,6 +10,7 @@ meet the ground early, or later than expected: the cycle goes on from there.
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
 from itertools import product
 
@@ -93,6 +94,8 @@ class UnevenOptions:
     """[s]"""
     lower_time: float = 0.2
     """[s]"""
+    foot_speed: float = 0.65
+    """Longer ways of a foot take longer than these times [m/s], on average."""
     foothold_reach: float = 0.06
     """How far a foot may be put beside its place, for a better hold [m]."""
     foothold_radius: float = 0.03
@@ -261,11 +264,9 @@ class UnevenStride:
         return -np.inf if self._motion is None else self._motion.end
 
     @property
-    def joint_positions(self) -> Array:
-        """Where the joints are commanded to end, shape (4, 3) [rad]."""
-        assert self._motion is not None
-        end: Array = self._motion.positions[-1]
-        return end
+    def joint_positions(self) -> Array | None:
+        """Where the joints are commanded to end, shape (4, 3) [rad]; None before they move."""
+        return None if self._motion is None else self._motion.positions[-1]
 
     @property
     def footholds(self) -> Array:
@@ -473,14 +474,14 @@ class UnevenStride:
             depth = (2.0 if ground.height_map is None else 0.5) * robot.roughness
         # The body need not be quite there: it is slow at the end of its way.
         lift = _LIFT_AT * shift
-        fall = lift + options.lift_time + 0.8 * options.transfer_time
-        low = fall + (options.lower_time if target[2] + above < top else 0.0)
+        lift_end = lift + self._lasting(top - start[2], options.lift_time)
+        over_end = lift_end + self._lasting(math.dist(start[:2], target[:2]), options.transfer_time)
+        fall = over_end - 0.2 * options.transfer_time
+        to_feel = top - target[2] - above
+        low = fall + (self._lasting(to_feel, options.lower_time) if to_feel > 0.0 else 0.0)
         search = (above + depth) / (scale * options.search_speed)
         times = self._times(low + search + _ramp(search))
-        lift_end = lift + options.lift_time
-        over = minimum_jerk(
-            lift + 0.5 * options.lift_time, lift_end + options.transfer_time, times
-        )[0]
+        over = minimum_jerk((lift + lift_end) / 2.0, over_end, times)[0]
         height = start[2] + (top - start[2]) * minimum_jerk(lift, lift_end, times)[0]
         if low > fall:
             height += (target[2] + above - top) * minimum_jerk(fall, low, times)[0]
@@ -539,6 +540,12 @@ class UnevenStride:
         triangle = np.delete(now.feet[:, :2], leg, axis=0)
         moved = balanced(center, triangle, self._scale * self._options.margin) - offset
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
+
+    def _lasting(self, way: float, least: float) -> float:
+        """Return how long a foot takes for a way [s]."""
+        # From where there was no ground a leg comes back stretched: its knee would be too fast.
+        speed = self._options.foot_speed * (1.0 if self._return_to is None else 0.4)
+        return max(least, float(way) / (self._scale * speed))
 
     def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
         way = float(np.linalg.norm(end.position - start.position))

@@ -516,7 +516,9 @@ class WalkController:
         return trajectory
 
     def _end_stride(self, stride: UnevenStride) -> None:
-        self._stance = stride.joint_positions
+        end = stride.joint_positions
+        if end is not None:
+            self._stance = end
         self._stride = None
 
     def _stance_at(self, now: Measurement) -> Stance:
