@@ -279,7 +279,8 @@ class UnevenStride:
     def in_contact(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to stand at a time [s], shape (4,)."""
         standing = np.ones(len(LEGS), dtype=bool)
-        if self._phase is _Phase.SWINGING and time >= self._lifted_at:
+        is_in_the_air = time >= self._lifted_at or self._return_to is not None
+        if self._phase is _Phase.SWINGING and is_in_the_air:
             standing[self._order[self._next]] = False
         return standing
 
