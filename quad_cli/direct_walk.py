@@ -124,6 +124,11 @@ class DirectWalk:
         """The simulation, to look at."""
         return self._simulation
 
+    @property
+    def feet(self) -> Array:
+        """Centres of the feet in the world when they were last measured, shape (4, 3) [m]."""
+        return np.full((4, 3), np.nan) if self._feet is None else self._feet[0]
+
     def run(self, duration: float, until: Callable[[], bool] | None = None) -> bool:
         """
         Go on for a time.

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from quad_cli.direct_walk import DirectWalk
+from quad_common.errors import ParameterError, PlannerError
 from quad_common.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
@@ -17,20 +18,28 @@ from quad_common.robot import Robot
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.uneven_stride import UnevenOptions
 from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner import make_planner
+from quad_planner.traversability import Ground, GroundLimits
 from quad_sim.simulator import Observation
-from quad_sim.terrain_spec import make_terrain, specs_from_text
-from quad_sim.world import World, world_from_map
+from quad_sim.terrain import Block, Terrain
+from quad_sim.terrain_shapes import boxes
+from quad_sim.terrain_spec import TerrainSpec, make_terrain, specs_from_text
+from quad_sim.world import Obstacle, World, occupancy_of, world_from_map
 
 HIP_HEIGHT = 0.243
 """Of TITAN-VIII, for which courses are given [m]; other robots walk them in proportion."""
 
-COURSES = {
+GROUNDS = {
     'bumps': 'bumps:height=0.04',
     'slope': 'slope:angle=0.1745,length=1.2+noise:height=0.01',
     'cross_slope': 'cross_slope:angle=0.1396+noise:height=0.01',
     'kerb': 'kerb:height=0.05,length=2.0',
 }
-"""The ground of each course, in lengths of TITAN-VIII."""
+"""The ground of the straight courses, in lengths of TITAN-VIII."""
+
+COURSES = (*GROUNDS, 'boxes')
+"""Ground to walk over, straight on; and a field of low boxes among large obstacles."""
 
 LENGTH = 5.0
 """From the start to the goal [m], likewise."""
@@ -40,6 +49,26 @@ _HALF_WIDTH, _BEYOND = 1.5, 1.5
 
 _RESOLUTION = 0.02
 """Of the ground [m], likewise."""
+
+_LOW_BOXES, _LOW = 20, 0.05
+"""How many low boxes there are, and how high the highest is [m], likewise."""
+
+_PILLARS, _PLATFORMS = 3, 2
+"""Large obstacles, which the map shows, and high blocks, which only the height map shows."""
+
+_PILLAR, _PLATFORM = 0.5, 0.15
+"""Their heights [m], likewise."""
+
+_AROUND_LARGE = 0.2
+"""So much of the straight way may be beside the middle of a large one [m], likewise."""
+
+_CLEAR = 0.9
+"""Nothing large is so near to start and goal [m], likewise."""
+
+_GRID = 0.05
+"""Side of the planner's cells [m], likewise."""
+
+_TRIES = 200
 
 _STRAY = 0.2
 """Starts are turned by up to this from the course's own direction [rad]."""
@@ -60,6 +89,10 @@ class Course:
     world: World
     height_map: HeightMap
     plan: Plan
+    large_blocks: tuple[Block, ...] = ()
+    """Of the ground: nobody should step on them."""
+    low_boxes: int = 0
+    """On which feet may come to stand along the way."""
 
     @property
     def start(self) -> Pose2D:
@@ -87,6 +120,8 @@ class TerrainOutcome:
     """Of anything but feet with the ground."""
     off_plan: float
     """Largest distance from the planned way [m]."""
+    touches_large: bool
+    """Whether it touched an obstacle, or a foot was over a large block."""
 
 
 def make_course(robot: Robot, name: str, seed: int) -> Course:
@@ -106,6 +141,8 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
     -------
     Course
     """
+    if name == 'boxes':
+        return _box_field(robot, seed)
     scale = robot.hip_height / HIP_HEIGHT
     turn = float(np.random.default_rng(seed).uniform(-_STRAY, _STRAY))
     start, end = Pose2D(0.0, 0.0, turn), Pose2D(0.0, 0.0, turn) @ Pose2D(scale * LENGTH, 0.0, 0.0)
@@ -115,17 +152,7 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
         scale * (LENGTH + _BEYOND),
         scale * (_HALF_WIDTH + LENGTH * math.sin(_STRAY)),
     )
-    specs = tuple(
-        replace(
-            spec,
-            height=scale * spec.height,
-            size=scale * spec.size,
-            length=scale * spec.length,
-            clear=scale * spec.clear,
-            seed=seed,
-        )
-        for spec in specs_from_text(COURSES[name])
-    )
+    specs = tuple(_scaled(spec, scale, seed) for spec in specs_from_text(GROUNDS[name]))
     places = ((start.x, start.y), (end.x, end.y))
     terrain = make_terrain(
         specs, bounds, Pose2D(0.0, 0.0, 0.0), places, resolution=scale * _RESOLUTION
@@ -133,6 +160,92 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
     assert terrain is not None
     world = replace(world_from_map(None), terrain=terrain)
     return Course(world, terrain.height_map, Plan.through([places[0], places[1]], turn))
+
+
+def _scaled(spec: TerrainSpec, scale: float, seed: int) -> TerrainSpec:
+    return replace(
+        spec,
+        height=scale * spec.height,
+        size=scale * spec.size,
+        length=scale * spec.length,
+        clear=scale * spec.clear,
+        seed=seed,
+    )
+
+
+def _box_field(robot: Robot, seed: int) -> Course:
+    """Mix low boxes with large obstacles, and plan a way with both maps."""
+    scale, rng = robot.hip_height / HIP_HEIGHT, np.random.default_rng(seed)
+    bounds = (-scale * _BEYOND, -2.2 * scale, scale * (LENGTH + _BEYOND), 2.2 * scale)
+    start, goal = Pose2D(0.0, 0.0, 0.0), Pose2D(scale * LENGTH, 0.0, 0.0)
+    level = HeightMap.level(bounds, scale * _RESOLUTION)
+    for _ in range(_TRIES):
+        large = _large_places(rng, scale)
+        pillars = tuple(
+            Obstacle.cylinder(pose.x, pose.y, 0.15 * scale, scale * _PILLAR)
+            for pose in large[:_PILLARS]
+        )
+        platforms = tuple(
+            Block(pose, 0.4 * scale, 0.3 * scale, scale * _PLATFORM) for pose in large[_PILLARS:]
+        )
+        places = tuple((pose.x, pose.y) for pose in (start, goal, *large))
+        low = boxes(level, rng, scale * _LOW, 0.35 * scale, 0.3, places, clear=0.45 * scale)
+        world = replace(world_from_map(None), obstacles=pillars)
+        try:
+            plan = _planned(robot, _with_blocks(world, level, platforms), bounds, start, goal)
+        except PlannerError:
+            continue
+        low = tuple(sorted(low, key=lambda block: _beside(block, plan))[:_LOW_BOXES])
+        world = _with_blocks(world, level, platforms + low)
+        plan = _planned(robot, world, bounds, start, goal)
+        assert world.terrain is not None
+        half = float(np.abs(robot.neutral_feet[:, 1]).max())
+        crossed = sum(_beside(block, plan) < half for block in low)
+        return Course(world, world.terrain.height_map, plan, platforms, crossed)
+    raise ParameterError('seed', seed, 'one with which the large obstacles leave a way')
+
+
+def _with_blocks(world: World, level: HeightMap, blocks: tuple[Block, ...]) -> World:
+    return replace(world, terrain=Terrain(level, blocks))
+
+
+def _beside(block: Block, plan: Plan) -> float:
+    """How far the middle of a block is from a way [m]."""
+    return distance_to_polyline((block.pose.x, block.pose.y), plan.corners)
+
+
+def _planned(
+    robot: Robot,
+    world: World,
+    bounds: tuple[float, float, float, float],
+    start: Pose2D,
+    goal: Pose2D,
+) -> Plan:
+    """Plan with both maps, as the planner node does."""
+    scale = robot.hip_height / HIP_HEIGHT
+    safety = scale * PlannerParameters().safety_distance
+    planner = make_planner(
+        'shortest',
+        any_angle=True,
+        clearance_radius=robot.footprint_radius + safety,
+        start_tolerance=safety,
+    )
+    assert world.terrain is not None
+    ground = Ground(world.terrain.height_map, GroundLimits.of(robot))
+    planner.set_map(ground.added_to(occupancy_of(world, scale * _GRID, bounds)))
+    return planner.plan(start, goal)
+
+
+def _large_places(rng: np.random.Generator, scale: float) -> list[Pose2D]:
+    """Draw where large things stand: on and beside the straight way, apart from each other."""
+    places: list[Pose2D] = []
+    while len(places) < _PILLARS + _PLATFORMS:
+        x = float(rng.uniform(_CLEAR, LENGTH - _CLEAR))
+        y = float(rng.uniform(-1.6, 1.6)) if places else float(rng.uniform(-1, 1) * _AROUND_LARGE)
+        pose = Pose2D(scale * x, scale * y, float(rng.uniform(-math.pi, math.pi)))
+        if all(pose.distance_to(other) > 0.6 * scale for other in places):
+            places.append(pose)
+    return places
 
 
 def walk_course(
@@ -167,8 +280,13 @@ def walk_course(
     walk = DirectWalk(robot, controller, world=course.world, start=course.start)
     contacts: set[str] = set()
 
+    touched = [False]
+
     def note(seen: Observation) -> None:
         contacts.update(str(contact) for contact in seen.contacts)
+        touched[0] |= any(contact.other == 'obstacle' for contact in seen.contacts)
+        over = [block.covers(walk.feet[:, :2]).any() for block in course.large_blocks]
+        touched[0] |= any(over)
 
     try:
         walk.run(_STANDING)
@@ -191,6 +309,7 @@ def walk_course(
         largest_tilt=float(tilts.max()),
         least_margin=min(record.margins[since:]),
         contacts=tuple(sorted(contacts)),
+        touches_large=touched[0],
         off_plan=max(
             distance_to_polyline((pose.x, pose.y), corners) for pose in record.poses[since:]
         ),
