@@ -18,6 +18,7 @@ BENCHMARKS = {
     'gaits': 'quad_cli.bench_gaits',
     'planner': 'quad_cli.bench_planner',
     'camera': 'quad_cli.bench_camera',
+    'terrain': 'quad_cli.bench_terrain',
 }
 """The module of each benchmark."""
 
@@ -27,6 +28,7 @@ EXAMPLES = """examples:
   quadwalk bench gaits
   quadwalk bench planner --quick
   quadwalk bench camera --quick
+  quadwalk bench terrain --quick
 """
 
 

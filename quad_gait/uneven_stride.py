@@ -96,9 +96,9 @@ class UnevenOptions:
     """[s]"""
     foot_speed: float = 0.65
     """Longer ways of a foot take longer than these times [m/s], on average."""
-    foothold_reach: float = 0.06
+    foothold_reach: float = 0.08
     """How far a foot may be put beside its place, for a better hold [m]."""
-    foothold_radius: float = 0.03
+    foothold_radius: float = 0.045
     """Around a foot the ground should be even [m]."""
     largest_step: float = 0.025
     """Heights around a foot differ by at most so much on even ground [m]."""
