@@ -26,6 +26,7 @@ GAIT_ARGUMENTS = {
     'robot': PLANNER_ARGUMENTS['robot'],
     'gait': 'name of a gait, or path of a gait file',
     'turning': 'how the robot turns at the turning points of its plan',
+    'ground': "'flat', or 'uneven' to feel for the ground with each foot",
     'odom_topic': PLANNER_ARGUMENTS['odom_topic'],
     'leg_odometry_start': "'origin' lets a camera place the odometry of the legs",
 }

@@ -46,6 +46,11 @@ SIM_ARGUMENTS = {
     'gui': (boolean, "show PyBullet's own window: true or false"),
     'seed': (int, 'of the noise of the simulated sensors'),
     'room_seed': (int, 'of a room of obstacles at random, in place of a map'),
+    'terrain': (
+        str,
+        "ground: 'flat', or bumps, slope, kerb, noise, boxes, ...; with ground:=uneven",
+    ),
+    'terrain_seed': (int, 'of the ground'),
     'camera': (boolean, 'hang a camera under the ceiling: true or false'),
     'camera_position': (numbers, 'of the camera in the map: [x, y, z] [m]'),
     'camera_yaw': (float, "direction in the map of the picture's right side [rad]"),

@@ -46,7 +46,7 @@ from quad_gait.ros_conversions import (
     twist_from_message,
 )
 from quad_gait.slip_compensation import compensation_for
-from quad_gait.uneven_stride import UnevenOptions
+from quad_gait.uneven_stride import UnevenOptions, check_suits_uneven_ground
 from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -128,6 +128,8 @@ class GaitNode(QuadNode[GaitParameters]):
     def _gaits(self, p: GaitParameters) -> tuple[Gait, Gait]:
         """Load the gaits for walking and for turning."""
         gait = load_gait(p.gait, self._robot)
+        if p.ground == 'uneven':
+            check_suits_uneven_ground(gait)
         return gait, turning_gait_for(gait, self._robot, p.turning_gait)
 
     def take_parameters(self, parameters: GaitParameters) -> None:

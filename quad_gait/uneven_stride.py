@@ -17,7 +17,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import FootholdNotFound, GaitError, JointLimitExceeded
+from quad_common.errors import (
+    FootholdNotFound,
+    GaitError,
+    JointLimitExceeded,
+    ParameterError,
+)
 from quad_common.height_map import HeightMap
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Pose2D
@@ -102,6 +107,16 @@ class UnevenOptions:
     """Around a foot the ground should be even [m]."""
     largest_step: float = 0.025
     """Heights around a foot differ by at most so much on even ground [m]."""
+
+
+def check_suits_uneven_ground(gait: Gait) -> None:
+    """Raise ParameterError for a gait whose cycles do not begin and end at rest."""
+    if gait.is_steady or not gait.is_static:
+        raise ParameterError(
+            'gait',
+            gait.name,
+            'one that rests between its cycles where the ground is uneven, as crawl and crab do',
+        )
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,19 @@ import numpy as np
 import pytest
 
 from quad_cli.direct_walk import DirectWalk
-from quad_common.errors import FootholdNotFound
+from quad_common.errors import FootholdNotFound, ParameterError
 from quad_common.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot import LEGS, load_robot
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait, turning_gait_for
-from quad_gait.uneven_stride import Stance, UnevenOptions, UnevenStride
+from quad_gait.uneven_stride import (
+    Stance,
+    UnevenOptions,
+    UnevenStride,
+    check_suits_uneven_ground,
+)
 from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
@@ -258,3 +263,14 @@ def test_the_measured_margin_counts_the_tilt():
     assert tilt_of(tilted.orientation) == pytest.approx(2.0 * half)
     polygon = controller.measured_support_polygon(level)
     assert polygon == pytest.approx(TITAN.neutral_feet[[0, 2, 3, 1], :2], abs=1e-9)
+
+
+@pytest.mark.parametrize('name', ['wave', 'trot'])
+def test_gaits_that_do_not_rest_between_cycles_are_refused(name):
+    with pytest.raises(ParameterError, match=f"'gait' is '{name}'; it must be one that rests"):
+        check_suits_uneven_ground(load_gait(name))
+
+
+@pytest.mark.parametrize('name', ['crawl', 'turn'])
+def test_gaits_that_rest_between_cycles_are_taken(name):
+    check_suits_uneven_ground(load_gait(name))
