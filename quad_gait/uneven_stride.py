@@ -39,6 +39,7 @@ from quad_gait.body_placement import (
 from quad_gait.foot_forces import foot_forces
 from quad_gait.gait import Gait
 from quad_gait.ground_model import FootholdChoice, GroundModel
+from quad_gait.joint_motion import JointMotion
 
 Array = NDArray[np.float64]
 
@@ -46,6 +47,9 @@ _GRAVITY = 9.80665
 
 _HIP_HEIGHT = 0.243
 """Of TITAN-VIII, for which the lengths here were chosen; other robots' are in proportion [m]."""
+
+_BIT = 3
+"""So many samples of a search are given out at a time: a foot presses on for no longer."""
 
 _SURE = 3.0
 """So many times the load that counts as contact needs no second measurement."""
@@ -182,42 +186,6 @@ class _Phase(enum.Enum):
     OVER = 'over'
 
 
-@dataclass(frozen=True)
-class _Motion:
-    """Joint paths of one phase."""
-
-    start: float
-    """[s]"""
-    times: Array
-    """From the start, shape (n,) [s]."""
-    positions: Array
-    """Shape (n, 4, 3) [rad]."""
-    velocities: Array
-    """Shape (n, 4, 3) [rad/s]."""
-
-    @property
-    def end(self) -> float:
-        return self.start + float(self.times[-1])
-
-    def at(self, time: float) -> Array:
-        """Return where the joints are commanded to be, shape (4, 3) [rad]."""
-        flat = self.positions.reshape(len(self.times), -1)
-        t = time - self.start
-        joints = [np.interp(t, self.times, flat[:, k]) for k in range(flat.shape[1])]
-        commanded: Array = np.reshape(joints, self.positions.shape[1:])
-        return commanded
-
-    def trajectory(self, robot: Robot) -> JointTrajectory:
-        joints = len(robot.joint_names)
-        return JointTrajectory(
-            joint_names=robot.joint_names,
-            stamp=self.start,
-            times=self.times,
-            positions=self.positions.reshape(-1, joints),
-            velocities=self.velocities.reshape(-1, joints),
-        )
-
-
 class UnevenStride:
     """
     Carries one step of the body out, leg by leg.
@@ -261,10 +229,11 @@ class UnevenStride:
         self._seeking: list[int] = []
         self._sought: set[int] = set()
         self._depth = 0.0
-        self._lifted_at = self._falls_from = np.inf
+        # Samples of the motion: from when on the foot is in the air, and may meet the ground.
+        self._lifted_at = self._feels_from = 0
         self._return_to: Array | None = None
         self._left = np.zeros((len(LEGS), 3))
-        self._motion: _Motion | None = None
+        self._motion: JointMotion | None = None
         self.has_shortened = False
         """Whether a leg did not get as far as it was to."""
 
@@ -291,12 +260,14 @@ class UnevenStride:
             height = self.height_map.height_at(self._footholds, beyond=0.0)
         return np.column_stack([self._footholds, height])
 
-    def in_contact(self, time: float) -> NDArray[np.bool_]:
-        """Return which feet are planned to stand at a time [s], shape (4,)."""
+    @property
+    def in_contact(self) -> NDArray[np.bool_]:
+        """Which feet stand, by what was measured last, shape (4,)."""
         standing = np.ones(len(LEGS), dtype=bool)
-        is_in_the_air = time >= self._lifted_at or self._return_to is not None
-        if self._phase is _Phase.SWINGING and is_in_the_air:
-            standing[self._order[self._next]] = False
+        motion = self._motion
+        if self._phase is _Phase.SWINGING and motion is not None:
+            is_in_the_air = motion.done >= self._lifted_at or self._return_to is not None
+            standing[self._order[self._next]] = not is_in_the_air
         return standing
 
     def update(self, now: Stance) -> JointTrajectory | None:
@@ -320,16 +291,19 @@ class UnevenStride:
         """
         if self._phase is _Phase.OVER:
             return None
+        if self._motion is not None:
+            self._motion = self._motion.followed(now.time, now.joint_positions)
         if self._phase is _Phase.SEEKING:
             return self._seek(now)
-        assert self._motion is not None
+        motion = self._motion
+        assert motion is not None
         if self._phase is _Phase.FINISHING:
-            if now.time >= self._motion.end:
+            if motion.is_done:
                 self._phase = _Phase.OVER
             return None
-        leg = self._order[self._next]
-        if now.time < self._falls_from:
+        if motion.done < self._feels_from:
             return None
+        leg = self._order[self._next]
         share = self._load_share(now, leg)
         if share <= self._options.contact_share:
             self._untouched, self._touched = now, None
@@ -340,10 +314,12 @@ class UnevenStride:
             if is_second or share > _SURE * self._options.contact_share:
                 return self._land(self._as_touched(now, leg))
             return None
-        if now.time < self._motion.end + self._options.reaction_time:
-            return None
+        if not motion.is_done:
+            return self._give_more(now)
         if now.loads is None:
             return self._land(now)
+        if now.time < motion.end + self._options.reaction_time:
+            return None
         if self._return_to is None:
             # No ground here: back to where the foot stood.
             self._return_to = self._left[leg]
@@ -351,6 +327,15 @@ class UnevenStride:
         raise FootholdNotFound(LEGS[leg], self._depth)
 
     # What to do next
+
+    def _give_more(self, now: Stance) -> JointTrajectory | None:
+        """Let a foot feel on, as nothing was met."""
+        assert self._motion is not None
+        more = self._motion.extended(now.time, self._options.reaction_time, _BIT)
+        if more is None:
+            return None
+        self._motion = more
+        return more.trajectory(self._options.reaction_time)
 
     def _load_share(self, now: Stance, leg: int) -> float:
         """Return what a foot bears, as a share of the robot's weight."""
@@ -382,11 +367,9 @@ class UnevenStride:
         motion = self._motion
         if motion is not None:
             found = [leg for leg in self._seeking if self._has_load(now, leg)]
-            self._sought.update(found)
-            if not found and now.time < motion.end:
-                return None
-            if not found:
-                self._sought.update(self._seeking)
+            if not found and not motion.is_done:
+                return self._give_more(now)
+            self._sought.update(found or self._seeking)
         if now.loads is None:
             self._seeking = []
         else:
@@ -400,13 +383,15 @@ class UnevenStride:
             self._phase = _Phase.SWINGING
             return self._swing(now)
         depth = 1.5 * self._robot.roughness
-        duration = depth / (self._scale * self._options.search_speed)
-        times = self._times(duration)
-        share = minimum_jerk(0.0, duration, times)[0]
+        speed = self._scale * self._options.search_speed
+        times = self._times(depth / speed + _ramp(depth))
         feet = np.repeat(now.feet[None], len(times), axis=0)
-        feet[:, self._seeking, 2] -= depth * share[:, None]
-        self._motion = self._planned(now, times, now.body, now.body, share, feet, cut=True)
-        return self._motion.trajectory(self._robot)
+        feet[:, self._seeking, 2] -= _searched(times, speed, depth)[:, None]
+        still = np.zeros(len(times))
+        self._motion = self._planned(
+            now, times, now.body, now.body, still, feet, sure=2, given=_BIT
+        )
+        return self._motion.trajectory(self._options.reaction_time)
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
@@ -431,7 +416,7 @@ class UnevenStride:
                 continue
             self.has_shortened = self.has_shortened or share < 1.0
             self._untouched = self._touched = None
-            return self._motion.trajectory(self._robot)
+            return self._motion.trajectory(self._options.reaction_time)
         assert problem is not None
         raise problem
 
@@ -450,7 +435,7 @@ class UnevenStride:
                 feet = np.repeat(now.feet[None], len(times), axis=0)
                 try:
                     self._motion = self._planned(now, times, now.body, target, share, feet)
-                    return self._motion.trajectory(self._robot)
+                    return self._motion.trajectory(self._options.reaction_time)
                 except GaitError as error:
                     problem = problem or error
         assert problem is not None
@@ -472,7 +457,7 @@ class UnevenStride:
         share: float,
         tilt: float,
         lower: float,
-    ) -> _Motion:
+    ) -> JointMotion:
         options, robot, scale = self._options, self._robot, self._scale
         start = now.feet[leg]
         target = self._target(now, ground, leg, share)
@@ -508,9 +493,16 @@ class UnevenStride:
         body_share = minimum_jerk(0.0, shift, times)[0]
         # What is below the ground only matters where it is missing: as deep as legs reach.
         sure = int(np.searchsorted(times, low + above / (scale * options.search_speed)))
-        motion = self._planned(now, times, now.body, body, body_share, path, sure=sure + 1)
-        self._lifted_at = motion.start + lift
-        self._falls_from = motion.start + lift_end
+        given = None
+        if now.loads is not None:
+            # Without a map the ground may be anywhere on the way down.
+            given = sure if ground.height_map is not None else int(np.searchsorted(times, low))
+        motion = self._planned(
+            now, times, now.body, body, body_share, path, sure=sure + 1, given=given
+        )
+        self._lifted_at, self._feels_from = (
+            int(np.searchsorted(times, time)) for time in (lift, lift_end)
+        )
         self._depth = depth
         self._left = now.feet
         return motion
@@ -581,21 +573,21 @@ class UnevenStride:
         end: BodyPose,
         share: Array,
         feet: Array,
-        cut: bool = False,
         sure: int | None = None,
-    ) -> _Motion:
+        given: int | None = None,
+    ) -> JointMotion:
         """
         Turn paths of body and feet into joint motion, from where the joints are commanded.
 
-        Points from the index ``sure`` on, or all if ``cut``, are left out where a leg does
-        not reach.
+        Samples from ``sure`` on are left out where a leg does not reach; those up to ``given``
+        are given out at once, all of them if it is None.
         """
         robot = self._robot
         position = start.position + share[:, None] * (end.position - start.position)
         turns = np.array([end.roll - start.roll, end.pitch - start.pitch, _turn(start, end)])
         angles = np.array([start.roll, start.pitch, start.yaw]) + share[:, None] * turns
         arms = np.einsum('nji,nkj->nki', rotation_of(angles), feet - position[:, None])
-        needed = 2 if cut else len(times) if sure is None else min(sure, len(times))
+        needed = len(times) if sure is None else min(sure, len(times))
         joints = robot.joint_angles(arms[:needed])
         while needed < len(times):
             # Beyond what is sure the foot goes only as deep as the leg reaches.
@@ -605,10 +597,7 @@ class UnevenStride:
                 break
             needed += 1
         times, share = times[:needed], share[:needed]
-        if self._motion is None:
-            commanded = now.joint_positions
-        else:
-            commanded = self._motion.at(now.time)
+        commanded = now.joint_positions if self._motion is None else self._motion.commanded
         blend = minimum_jerk(0.0, min(self._options.shift_time, float(times[-1])), times)[0]
         joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
         velocities = np.gradient(joints, times, axis=0)
@@ -620,7 +609,15 @@ class UnevenStride:
             fastest = float(np.abs(velocities[:, leg, kind]).max())
             name = robot.joint_names[3 * int(leg) + int(kind)]
             raise JointLimitExceeded(name, fastest, -limit, limit, 'rad/s')
-        return _Motion(now.time + self._options.reaction_time, times, joints, velocities)
+        last = len(times) - 1
+        return JointMotion(
+            robot.joint_names,
+            times,
+            joints,
+            velocities,
+            start=now.time + self._options.reaction_time,
+            given=last if given is None else min(given, last),
+        )
 
 
 def _turn(start: BodyPose, end: BodyPose) -> float:

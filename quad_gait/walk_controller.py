@@ -374,7 +374,7 @@ class WalkController:
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
         if self._stride is not None:
-            return self._stride.in_contact(time)
+            return self._stride.in_contact
         return self._sequence.in_contact_at(time)
 
     def support_polygon_at(self, time: float, pose: Pose2D) -> Array:
