@@ -472,7 +472,8 @@ class UnevenStride:
         top, above = self._heights(ground, start, target, now.loads is not None)
         depth = 0.0
         if now.loads is not None:
-            depth = (2.0 if ground.height_map is None else 0.5) * robot.roughness
+            known = ground.height_map is not None
+            depth = 0.5 * robot.roughness if known else 1.1 * robot.step_height
         # The body need not be quite there: it is slow at the end of its way.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time)
@@ -537,7 +538,7 @@ class UnevenStride:
             above = scale * options.search_above
         else:
             # It may meet the ground anywhere on its way down: all of it is slow.
-            top = highest + max(self._swing_height, 1.5 * robot.roughness)
+            top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
             above = top - float(target[2])
         return top, above if feels else 0.0
 
