@@ -232,6 +232,7 @@ class UnevenStride:
         # Samples of the motion: from when on the foot is in the air, and may meet the ground.
         self._lifted_at = self._feels_from = 0
         self._return_to: Array | None = None
+        self._has_lowered = False
         self._left = np.zeros((len(LEGS), 3))
         self._motion: JointMotion | None = None
         self.has_shortened = False
@@ -320,6 +321,10 @@ class UnevenStride:
             return self._land(now)
         if now.time < motion.end + self._options.reaction_time:
             return None
+        if self._return_to is None and not self._has_lowered:
+            deeper = self._feel_deeper(now, leg)
+            if deeper is not None:
+                return deeper
         if self._return_to is None:
             # No ground here: back to where the foot stood.
             self._return_to = self._left[leg]
@@ -416,9 +421,29 @@ class UnevenStride:
                 continue
             self.has_shortened = self.has_shortened or share < 1.0
             self._untouched = self._touched = None
+            self._has_lowered = False
             return self._motion.trajectory(self._options.reaction_time)
         assert problem is not None
         raise problem
+
+    def _feel_deeper(self, now: Stance, leg: int) -> JointTrajectory | None:
+        """Lower the body, so that a foot gets farther down; None if the legs do not reach."""
+        self._has_lowered = True
+        speed = self._scale * self._options.search_speed
+        target = _lowered(now.body, self._scale * _LOWER[-1])
+        shift = self._shift_duration(now.body, target)
+        times = self._times(shift + self._depth / speed + _ramp(self._depth))
+        path = np.repeat(now.feet[None], len(times), axis=0)
+        path[:, leg, 2] -= _searched(times - shift, speed, self._depth)
+        share = minimum_jerk(0.0, shift, times)[0]
+        sure = int(np.searchsorted(times, shift))
+        try:
+            motion = self._planned(now, times, now.body, target, share, path, sure + 1, sure)
+        except GaitError:
+            return None
+        self._motion = motion
+        self._feels_from = self._lifted_at = 0
+        return motion.trajectory(self._options.reaction_time)
 
     def _finish(self, now: Stance) -> JointTrajectory:
         """Bring the body over its four feet."""
