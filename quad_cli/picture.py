@@ -64,7 +64,9 @@ def draw_walk(
     figure = Figure(layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    _draw_map(axes, grid, clearance_radius)
+    if record.height_map is not None:
+        _draw_heights(figure, axes, record.height_map)
+    _draw_map(axes, grid, clearance_radius, None if record.height_map is None else grid)
     _draw_mesh(axes, grid, robot.mesh_size)
     if record.footholds:
         feet = np.concatenate(record.footholds)

@@ -16,7 +16,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, PointCloud2
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
@@ -26,6 +26,7 @@ from quad_cli.walk_record import WalkRecord
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros_conversions import (
+    height_map_from_message,
     plan_from_message,
     pose_from_message,
     pose_message,
@@ -77,6 +78,7 @@ class WalkObserver:
         self._listen(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
         self._listen(MarkerArray, 'footholds', 10, self._on_footholds)
         self._listen(Float64, 'stability_margin', 10, self._on_margin)
+        self._listen(PointCloud2, 'height_map', _LATCHED, self._on_height_map)
         if recording is not None:
             self._listen(OccupancyGrid, 'map', _LATCHED, None)
             self._listen(JointState, 'joint_states', sensor, None)
@@ -155,6 +157,9 @@ class WalkObserver:
         plan = plan_from_message(message)
         if plan is not None and self._goal_given:
             self.record.plans.append(plan)
+
+    def _on_height_map(self, message: PointCloud2) -> None:
+        self.record.height_map = height_map_from_message(message, ('map',))
 
     def _on_footholds(self, message: MarkerArray) -> None:
         feet = [(m.pose.position.x, m.pose.position.y, m.pose.position.z) for m in message.markers]

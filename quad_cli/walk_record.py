@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 
@@ -31,6 +32,8 @@ class WalkRecord:
     """Every plan, the one in force last."""
     footholds: list[Array] = field(default_factory=list)
     """Planned footholds of each cycle, shape (4, 3) [m]."""
+    height_map: HeightMap | None = None
+    """Of the ground; None if nobody has told."""
     least_margin: float = math.inf
     """Least stability margin heard of [m]."""
     cycles: int = 0
