@@ -25,6 +25,7 @@ from quad_common.urdf import urdf_from_robot
 from quad_sim.appearance import Appearance
 from quad_sim.bullet_ground import lay_ground
 from quad_sim.bullet_scene import BulletScene
+from quad_sim.joint_failure import FAILURES, FRICTION_SHARE
 from quad_sim.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
 from quad_sim.standing import standing_on
 from quad_sim.world import OF_WORLD, Obstacle, World
@@ -113,6 +114,7 @@ class BulletSimulator:
         appearance: Appearance | None = None,
     ) -> None:
         self.time_step = time_step
+        self.failures: tuple[str, ...] = FAILURES
         self._robot = robot
         self._world = world
         self._appearance = Appearance() if appearance is None else appearance
@@ -146,7 +148,7 @@ class BulletSimulator:
 
     def reset(self, pose: Pose2D) -> None:
         """
-        Stand the robot at a pose, in its initial posture, at rest.
+        Stand the robot at a pose, in its initial posture, at rest, with all joints sound.
 
         Parameters
         ----------
@@ -163,10 +165,28 @@ class BulletSimulator:
         self._bullet.resetBasePositionAndOrientation(self._body, center, orientation)
         self._bullet.resetBaseVelocity(self._body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self._last_velocity = np.zeros(3)
+        self._free: list[int] = []
+        self._stuck: dict[int, float] = {}
         angles = self._robot.initial_joint_angles.reshape(-1)
         for joint, angle in zip(self._joints, angles):
             self._bullet.resetJointState(self._body, joint, float(angle))
         self._command(angles, np.zeros_like(angles))
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """
+        Let a joint fail from now on, until :meth:`reset`.
+
+        Parameters
+        ----------
+        joint : int
+            Its place in ``Robot.joint_names``.
+        kind : str
+            One of :data:`quad_sim.joint_failure.FAILURES`.
+        """
+        if kind == 'free':
+            self._free.append(joint)
+        else:
+            self._stuck[joint] = self._bullet.getJointState(self._body, self._joints[joint])[0]
 
     def step(self, joint_positions: Array, joint_velocities: Array) -> None:
         """
@@ -195,6 +215,9 @@ class BulletSimulator:
         acceleration = (velocity - self._last_velocity) / self.time_step
         states = self._bullet.getJointStates(self._body, self._joints)
         contacts = self._contacts()
+        efforts = np.array([state[3] for state in states])
+        # What Bullet's motor gives there is the gear's friction.
+        efforts[self._free] = 0.0
         tilted = tilt_of(np.array(orientation)) > TILT_OF_A_FALL
         return Observation(
             time=self.time,
@@ -205,7 +228,7 @@ class BulletSimulator:
             specific_force_in_base=to_base @ (acceleration + (0.0, 0.0, GRAVITY)),
             joint_positions=np.array([state[0] for state in states]),
             joint_velocities=np.array([state[1] for state in states]),
-            joint_efforts=np.array([state[3] for state in states]),
+            joint_efforts=efforts,
             contacts=contacts,
             has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
         )
@@ -295,6 +318,10 @@ class BulletSimulator:
 
     def _command(self, positions: Array, velocities: Array) -> None:
         count = len(self._joints)
+        if self._stuck:
+            positions, velocities = positions.copy(), velocities.copy()
+            for joint, angle in self._stuck.items():
+                positions[joint], velocities[joint] = angle, 0.0
         self._bullet.setJointMotorControlArray(
             self._body,
             self._joints,
@@ -305,6 +332,14 @@ class BulletSimulator:
             positionGains=[_POSITION_GAIN] * count,
             velocityGains=[_VELOCITY_GAIN] * count,
         )
+        for joint in self._free:
+            self._bullet.setJointMotorControl2(
+                self._body,
+                self._joints[joint],
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=FRICTION_SHARE * self._efforts[joint],
+            )
 
     def _make_scene(self) -> BulletScene:
         """Make what pictures are taken of, a second world with the same things in it."""

@@ -37,6 +37,7 @@ class KinematicSimulator:
 
     def __init__(self, robot: Robot, time_step: float = 0.005) -> None:
         self.time_step = time_step
+        self.failures: tuple[str, ...] = ('stuck',)
         self._robot = robot
         self._steps = 0
         self.reset(Pose2D(0.0, 0.0, 0.0))
@@ -47,16 +48,25 @@ class KinematicSimulator:
         return self._steps * self.time_step
 
     def reset(self, pose: Pose2D) -> None:
-        """Stand the robot at a pose, in its initial posture, at rest."""
+        """Stand the robot at a pose, in its initial posture, at rest, with all joints sound."""
         self._pose = pose
         self._previous = pose
         self._joints = self._robot.initial_joint_angles.reshape(-1).copy()
         self._joint_velocities = np.zeros_like(self._joints)
         self._feet = self._robot.neutral_feet
+        self._stuck: set[int] = set()
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """Let a joint stick where it is, whatever the kind: a free one needs physics."""
+        self._stuck.add(joint)
 
     def step(self, joint_positions: Array, joint_velocities: Array) -> None:
         """Advance by one time step; shape (12,) each [rad], [rad/s]."""
-        feet = self._robot.foot_positions(np.reshape(joint_positions, (4, 3)))
+        joint_positions = np.array(joint_positions, dtype=float)
+        joint_velocities = np.array(joint_velocities, dtype=float)
+        stuck = list(self._stuck)
+        joint_positions[stuck], joint_velocities[stuck] = self._joints[stuck], 0.0
+        feet = self._robot.foot_positions(joint_positions.reshape(4, 3))
         standing = self._on_ground(self._feet) & self._on_ground(feet)
         self._previous = self._pose
         if standing.sum() >= 2:
@@ -64,8 +74,8 @@ class KinematicSimulator:
             rolled = self._feet[:, :2] + self._rolled(joint_positions)
             self._pose = self._pose @ _rigid_motion(feet[standing, :2], rolled[standing])
         self._feet = feet
-        self._joints = np.array(joint_positions, dtype=float)
-        self._joint_velocities = np.array(joint_velocities, dtype=float)
+        self._joints = joint_positions
+        self._joint_velocities = joint_velocities
         self._steps += 1
 
     def _rolled(self, joint_positions: Array) -> Array:

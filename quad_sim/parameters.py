@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.parameters import parameter
+from quad_sim.joint_failure import FAILURES
 from quad_sim.simulation import BACKENDS
 
 
@@ -58,6 +59,24 @@ class SimParameters:
     )
     backend: str = parameter(
         'bullet', 'Physics, or a simulator that follows commands exactly.', choices=BACKENDS
+    )
+    failing_joint: str = parameter(
+        '',
+        "Name of a joint that fails; empty: none. A failed one is sound again after 'reset'.",
+        is_dynamic=True,
+    )
+    failure: str = parameter(
+        'free',
+        'How it fails: its motor gives no torque, or it keeps its angle whatever is commanded.',
+        choices=FAILURES,
+        is_dynamic=True,
+    )
+    failure_time: float = parameter(
+        0.0,
+        'When it fails, in simulated time; at once if that is over.',
+        's',
+        lower=0.0,
+        is_dynamic=True,
     )
     gui: bool = parameter(False, "Show PyBullet's own window.")
     seed: int = parameter(0, 'Of the noise of the simulated sensors.', lower=0)

@@ -39,6 +39,7 @@ from quad_common.ros_conversions import (
 )
 from quad_common.ros_node import ERROR, OK, WARN, QuadNode, run_node
 from quad_common.urdf import urdf_from_robot
+from quad_sim.joint_failure import JointFailure
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     check_frame,
@@ -79,11 +80,13 @@ class SimNode(QuadNode[SimParameters]):
         self._camera = camera_from(p) if p.camera else None
         simulator = make_simulator(p.backend, robot, scenery.world, p.time_step, p.gui, look)
         self._simulation = Simulation(simulator, robot, scenery.start)
+        self._simulation.plan_failure(_failure_from(p))
         if scenery.goal is not None:
             self._simulation.put_goal_marker(scenery.goal)
         self._world = scenery.world
         self._joint_names = robot.joint_names
         self._rng = np.random.default_rng(p.seed)
+        self._troubles_said = 0
         self._is_paused = False
         self._steps = 0
         self._steps_per_clock = max(1, int(1.0 / (_CLOCK_RATE * p.time_step) + 1e-9))
@@ -153,10 +156,16 @@ class SimNode(QuadNode[SimParameters]):
         self._spent['publishing'] += time.perf_counter() - began
         return 0.0
 
+    def take_parameters(self, parameters: SimParameters) -> None:
+        """Let a joint fail."""
+        self._simulation.plan_failure(_failure_from(parameters))
+
     def update_status(self) -> None:
         """Say how the simulation goes."""
         simulation = self._simulation
         contacts = ', '.join(sorted(map(str, simulation.contacts_seen)))
+        self._troubles_said = self._troubles()
+        failed = simulation.failed
         values = {
             'time': f'{simulation.time:.2f}',
             'real_time_factor': f'{self._measured_factor():.2f}',
@@ -169,6 +178,8 @@ class SimNode(QuadNode[SimParameters]):
         }
         if simulation.has_fallen:
             self.report(ERROR, 'the robot has fallen; reset stands it up again', **values)
+        elif failed is not None:
+            self.report(WARN, f'{failed.joint} is {failed.kind}; reset repairs it', **values)
         elif contacts:
             self.report(WARN, f'contact: {contacts}', **values)
         elif self._is_paused:
@@ -201,7 +212,6 @@ class SimNode(QuadNode[SimParameters]):
     def _observe(self) -> None:
         """Publish the robot's state."""
         p = self.parameters
-        fine = not self._simulation.contacts_seen and not self._simulation.has_fallen
         observation = self._simulation.observe()
         stamp = time_from_seconds(observation.time)
         odometry = odometry_message(observation, p, self._rng.standard_normal(4), stamp)
@@ -217,8 +227,15 @@ class SimNode(QuadNode[SimParameters]):
             ground = float(self._world.ground_at(observation.position[:2]))
             footprint = footprint_transform(odometry, p.footprint_frame, ground)
             self._transforms.publish(TFMessage(transforms=[base, footprint]))
-        if fine and (self._simulation.contacts_seen or self._simulation.has_fallen):
+        troubles = self._troubles()
+        if troubles > self._troubles_said:
             self.update_status()
+
+    def _troubles(self) -> int:
+        """Count the kinds of trouble that have been seen."""
+        simulation = self._simulation
+        seen = (simulation.contacts_seen, simulation.has_fallen, simulation.failed)
+        return sum(map(bool, seen))
 
     def _take_picture(self) -> None:
         """Publish what the camera sees, if somebody looks."""
@@ -286,6 +303,12 @@ class SimNode(QuadNode[SimParameters]):
         response.success = True
         response.message = 'running'
         return response
+
+
+def _failure_from(p: SimParameters) -> JointFailure | None:
+    if not p.failing_joint:
+        return None
+    return JointFailure(p.failing_joint, p.failure, p.failure_time)
 
 
 def main(args: list[str] | None = None) -> int:

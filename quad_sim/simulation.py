@@ -17,6 +17,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
 from quad_sim.appearance import Appearance
 from quad_sim.camera import Picture, SimulatedCamera
+from quad_sim.joint_failure import JointFailure
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulator import Contact, Observation, Simulator, VisibleSimulator
 from quad_sim.trajectory_executor import TrajectoryExecutor
@@ -139,10 +140,14 @@ class Simulation:
 
     def __init__(self, simulator: Simulator, robot: Robot, start_pose: Pose2D) -> None:
         self._simulator = simulator
+        self._robot = robot
         self._footprint_radius = robot.footprint_radius
         self._initial_joints = robot.initial_joint_angles.reshape(-1)
         self._executor = TrajectoryExecutor(robot.joint_names, self._initial_joints)
         self._start_pose = start_pose
+        self._failure: JointFailure | None = None
+        self.failed: JointFailure | None = None
+        """The last joint that has failed since the last reset."""
         self.contacts_seen: set[Contact] = set()
         """Every contact that should not be, since the last reset."""
         self.has_fallen = False
@@ -162,8 +167,9 @@ class Simulation:
         return self._simulator.time_step
 
     def reset(self) -> None:
-        """Put the robot back to its start pose, at rest; time goes on."""
+        """Put the robot back to its start pose, at rest, with all joints sound; time goes on."""
         self._simulator.reset(self._start_pose)
+        self._failure = self.failed = None
         self._executor.hold(self._initial_joints)
         self.contacts_seen.clear()
         self.has_fallen = False
@@ -179,8 +185,34 @@ class Simulation:
         if is_late and float(np.max(np.abs(after - before))) > _JUMP:
             self.late_trajectories += 1
 
+    def plan_failure(self, failure: JointFailure | None) -> None:
+        """
+        Let a joint fail when it is time to, in place of what was planned before.
+
+        Parameters
+        ----------
+        failure : JointFailure or None
+            None: what was planned does not happen. What has happened stays until a reset.
+
+        Raises
+        ------
+        JointNotFound
+            If the robot has no joint of that name.
+        NotSimulated
+            If the simulator has no such failures.
+        """
+        if failure is not None:
+            self._robot.joint_index(failure.joint)
+            if failure.kind not in self._simulator.failures:
+                raise NotSimulated(f'a {failure.kind} joint', 'bullet')
+        self._failure = failure
+
     def step(self) -> None:
         """Advance by one time step."""
+        failure = self._failure
+        if failure is not None and self.time >= failure.time - self.time_step / 2.0:
+            self._simulator.fail_joint(self._robot.joint_index(failure.joint), failure.kind)
+            self._failure, self.failed = None, failure
         self._simulator.step(*self._executor.command(self.time + self.time_step))
 
     def observe(self) -> Observation:

@@ -68,13 +68,18 @@ class Simulator(Protocol):
 
     time_step: float
     """[s]"""
+    failures: tuple[str, ...]
+    """Those of :data:`quad_sim.joint_failure.FAILURES` that it can let happen."""
 
     @property
     def time(self) -> float:
         """Simulated time since the simulator was made [s]; a reset does not turn it back."""
 
     def reset(self, pose: Pose2D) -> None:
-        """Stand the robot at a pose, in its initial posture, at rest."""
+        """Stand the robot at a pose, in its initial posture, at rest, with all joints sound."""
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """Let a joint fail from now on, by its place in ``Robot.joint_names``; see `FAILURES`."""
 
     def step(self, joint_positions: Array, joint_velocities: Array) -> None:
         """Advance by one time step with the joints commanded as given, shape (12,)."""

@@ -344,3 +344,29 @@ def test_a_short_walk_round_a_corner_arrives(make):
     assert end.distance_to(goal) < 0.025
     assert abs(wrap_angle(end.yaw - goal.yaw)) < math.radians(2.5)
     assert (simulation.contacts_seen, simulation.has_fallen) == (set(), False)
+
+
+@pytest.mark.parametrize('kind', ['free', 'stuck'])
+def test_a_failed_joint_gives_no_torque_or_holds_its_angle_until_a_reset(make, kind):
+    simulator = make()
+    # Without its pitch drive a leg gives way, and is no help.
+    pitch = ROBOT.joint_index('lf_hip_pitch_joint')
+    step(simulator, 0.5)
+    simulator.fail_joint(pitch, kind)
+    squat = POSTURE.copy()
+    squat[1::3], squat[2::3] = -0.15, 1.72
+    for _ in range(100):
+        simulator.step(squat, np.zeros(12))
+    seen = simulator.observe()
+    if kind == 'free':
+        assert seen.joint_efforts[pitch] == 0.0
+    else:
+        assert seen.joint_positions[pitch] == pytest.approx(0.0, abs=0.02)
+        assert seen.joint_efforts[pitch] != 0.0
+    assert seen.joint_positions[pitch + 3] == pytest.approx(-0.15, abs=0.02)
+    simulator.reset(ORIGIN)
+    for _ in range(100):
+        simulator.step(squat, np.zeros(12))
+    seen = simulator.observe()
+    assert seen.joint_positions == pytest.approx(squat, abs=0.02)
+    assert tilt_of(seen.orientation) < 0.01

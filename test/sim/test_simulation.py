@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quad_common.errors import ParameterError, TrajectoryError
+from quad_common.errors import JointNotFound, NotSimulated, ParameterError, TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
+from quad_sim.joint_failure import JointFailure
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import BACKENDS, Simulation, make_simulator
 from quad_sim.simulator import Contact
@@ -140,3 +141,44 @@ def test_bullet_is_made_by_name():
 def test_an_unknown_backend_is_answered_with_those_that_there_are():
     with pytest.raises(ParameterError, match="'backend' is 'gazebo'; it must be one of bullet, k"):
         make_simulator('gazebo', ROBOT, None)
+
+
+def test_a_joint_that_sticks_keeps_its_angle_from_its_time_on_until_a_reset():
+    simulator, simulation = make_simulation()
+    simulation.plan_failure(JointFailure('rf_hip_yaw_joint', 'stuck', 0.3))
+    simulation.accept(swaying(0.01))
+    yaw = ROBOT.joint_index('rf_hip_yaw_joint')
+    seen = []
+    for _ in range(80):
+        simulation.step()
+        seen.append(simulation.observe().joint_positions)
+    angles = np.array(seen)
+    assert np.ptp(angles[:29, yaw]) > 0.02
+    assert np.ptp(angles[30:, yaw]) == 0.0
+    assert np.ptp(angles[30:, yaw + 3]) > 0.02
+    assert simulation.failed == JointFailure('rf_hip_yaw_joint', 'stuck', 0.3)
+    simulation.reset()
+    assert simulation.failed is None
+    simulation.accept(swaying(simulation.time + 0.01))
+    for _ in range(50):
+        simulation.step()
+    assert simulation.observe().joint_positions[yaw] > POSTURE[yaw] + 0.04
+
+
+def test_a_failure_that_is_taken_back_does_not_happen():
+    _, simulation = make_simulation()
+    simulation.plan_failure(JointFailure('rf_hip_yaw_joint', 'stuck', 0.3))
+    simulation.plan_failure(None)
+    for _ in range(50):
+        simulation.step()
+    assert simulation.failed is None
+
+
+def test_a_failure_that_cannot_be_is_refused_with_a_sentence():
+    _, simulation = make_simulation()
+    with pytest.raises(NotSimulated, match="a free joint cannot be had.*'bullet'"):
+        simulation.plan_failure(JointFailure('rf_hip_yaw_joint', 'free'))
+    with pytest.raises(JointNotFound, match="no joint 'elbow'"):
+        simulation.plan_failure(JointFailure('elbow', 'stuck'))
+    with pytest.raises(ParameterError, match="'failure' is 'bent'.*free, stuck"):
+        JointFailure('rf_hip_yaw_joint', 'bent')
