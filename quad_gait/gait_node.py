@@ -56,6 +56,7 @@ _LEVELS = {
     Activity.STOPPED: ERROR,
     Activity.BLOCKED: ERROR,
     Activity.FALLEN: ERROR,
+    Activity.LAME: ERROR,
 }
 
 
@@ -213,6 +214,7 @@ class GaitNode(QuadNode[GaitParameters]):
             if self._imu[0] is not None
             else orientation_from_odometry(message),
             joint_efforts=None if joints is None else joints.efforts,
+            joint_time=None if joints is None else joints.time,
         )
         controller = self._controller
         said = (controller.reason, controller.limit)

@@ -22,7 +22,7 @@ from quad_common.errors import InvalidMessage, JointNotFound
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import LEGS, Robot
-from quad_common.ros_conversions import pose_message, time_from_seconds
+from quad_common.ros_conversions import pose_message, seconds_from_time, time_from_seconds
 from quad_gait.leg_odometry import LegOdometry
 
 Array = NDArray[np.float64]
@@ -70,6 +70,8 @@ class JointReadings(NamedTuple):
     """[rad/s]; None if they are not given."""
     efforts: Array | None
     """[N m]; None if they are not given."""
+    time: float | None = None
+    """When they were measured [s]; None if the message has no stamp."""
 
 
 def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
@@ -115,6 +117,7 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
         np.array(message.position)[order],
         np.array(message.velocity)[order] if len(message.velocity) else None,
         np.array(message.effort)[order] if len(message.effort) else None,
+        seconds_from_time(message.header.stamp) or None,
     )
 
 

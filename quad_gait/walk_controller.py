@@ -26,6 +26,8 @@ from quad_gait.body_placement import angles_of, rotation_of
 from quad_gait.foot_tracking import track_feet
 from quad_gait.gait import Gait
 from quad_gait.gait_generator import Cycle, FootTracking, generate_cycle, generate_largest_cycle
+from quad_gait.joint_watch import JointFault, JointWatch
+from quad_gait.lame_stop import Lameness, LameStop
 from quad_gait.motion_limits import MotionLimits
 from quad_gait.motion_sequence import MotionSequence, ScheduledCycle
 from quad_gait.path_follower import FollowerOptions, PathFollower, Step
@@ -77,6 +79,7 @@ class Activity(enum.Enum):
     STOPPED = 'stopped'
     BLOCKED = 'blocked'
     FALLEN = 'fallen'
+    LAME = 'lame'
 
 
 _SAID = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED)
@@ -101,6 +104,8 @@ class Measurement:
     """Of the body, quaternion xyzw, shape (4,); None: level."""
     joint_efforts: Array | None = None
     """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
+    joint_time: float | None = None
+    """When the joints were measured [s]; None: at ``time``."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +138,8 @@ class ControllerOptions:
     """How plans are followed."""
     uneven: UnevenOptions | None = None
     """How to walk where the ground is not flat; None: it is flat."""
+    watches_joints: bool = True
+    """Whether a joint that does not answer brings the robot to a standstill."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +181,8 @@ class WalkController:
         self._options = options
         self._compensation = compensation
         self._sequence = MotionSequence()
+        self._watch = JointWatch(robot)
+        self._lameness: Lameness | None = None
         self._busy_until = -math.inf
         self._stride: UnevenStride | None = None
         self._height_map: HeightMap | None = None
@@ -255,6 +264,9 @@ class WalkController:
             if _is_same_goal(plan.poses[-1], self._stopped_goal):
                 return
             self._stopped_goal = None
+        if self._lameness is not None:
+            self._refuse('the plan')
+            return
         self._wanted = plan
         self._pieces = pieces
         self._has_new_plan = True
@@ -264,6 +276,9 @@ class WalkController:
     def set_twist(self, twist: Twist2D) -> None:
         """Walk with this velocity until the steering times out; ends the following of a plan."""
         if not self._last_time > -math.inf:
+            return
+        if self._lameness is not None:
+            self._refuse('steering')
             return
         self._give_up_plan()
         self._reason_to_stand = ''
@@ -290,11 +305,16 @@ class WalkController:
         self.stop()
         self._is_to_sit = False
         self._has_fallen = False
+        if self._lameness is not None:
+            self._lameness.try_again()
+            return f'{self._lameness.fault.name} is tried first; if it answers the robot stands up'
         self._stance = self._robot.initial_joint_angles
         return 'the robot stops at the end of its gait cycle and stands in its initial posture'
 
     def sit(self) -> str:
         """Stop, and lower the body as far as it goes; only :meth:`stand` ends it."""
+        if self._lameness is not None:
+            return f'the robot is lame, and stays as it is: {self._lameness.fault}'
         self.stop()
         self._is_to_sit = True
         return 'the robot stops at the end of its gait cycle and sits down, until stand is called'
@@ -323,8 +343,18 @@ class WalkController:
             # The clock was set back: whatever was scheduled is void.
             self._forget_schedule()
         self._last_time = now.time
+        fault = self._watched(now)
         if now.tilt > options.largest_tilt:
-            return self._fall(now)
+            return self._given(self._fall(now), now)
+        if fault is not None and self._lameness is None and not self._has_fallen:
+            self._go_lame(fault, now)
+        if self._lameness is not None:
+            return self._given(self._be_lame(self._lameness, now), now)
+        return self._given(self._walk_on(now), now)
+
+    def _walk_on(self, now: Measurement) -> JointTrajectory | None:
+        """Give out the next trajectory of a sound robot, if it is time."""
+        options = self._options
         if self._stride is not None:
             return self._go_on_with_stride(now)
         follow_on = self._sequence.at(now.time)
@@ -720,6 +750,49 @@ class WalkController:
     def _crouching(self) -> Array:
         return crouching_joint_angles(self._robot)
 
+    # A joint that does not answer
+
+    def _given(
+        self, trajectory: JointTrajectory | None, now: Measurement
+    ) -> JointTrajectory | None:
+        if trajectory is not None:
+            self._watch.expect(trajectory, now.time)
+        return trajectory
+
+    def _watched(self, now: Measurement) -> JointFault | None:
+        """Compare the joints with their commands; return the one that has failed."""
+        if now.joint_positions is None or not self._options.watches_joints:
+            return None
+        time = now.time if now.joint_time is None else now.joint_time
+        return self._watch.update(time, now.joint_positions, now.joint_efforts)
+
+    def _go_lame(self, fault: JointFault, now: Measurement) -> None:
+        """Leave everything else, and come to a standstill."""
+        commanded = self._watch.commanded(now.time)
+        assert commanded is not None
+        standing = self.in_contact_at(now.time)
+        stop = LameStop(self._robot, fault, commanded.reshape(4, 3), standing)
+        self._lameness = Lameness(self._robot, fault, stop)
+        self._give_up_plan()
+        self._follower.follow(None, now.pose)
+        self._steering = None
+        self._forget_schedule()
+        self.limit = ''
+
+    def _be_lame(self, lameness: Lameness, now: Measurement) -> JointTrajectory | None:
+        """Come to a standstill, and stay so until the joint answers again."""
+        if now.joint_positions is None:
+            return None
+        trajectory = lameness.update(self._stance_at(now))
+        self._busy_until = lameness.stop.end
+        self._set_activity(Activity.LAME, str(lameness))
+        if lameness.is_over:
+            self._lameness = None
+            self._watch.forget()
+            self._stance = self._robot.initial_joint_angles
+            self._set_activity(Activity.STANDING, f'{lameness.fault.name} answers again')
+        return trajectory
+
     # Wishes
 
     def _take_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
@@ -759,6 +832,10 @@ class WalkController:
             self._wanted = None
             self._has_new_plan = True
 
+    def _refuse(self, wish: str) -> None:
+        assert self._lameness is not None
+        self.limit = f'{wish} is refused: {self._lameness.fault.name} does not answer'
+
     def _give_up(self, activity: Activity, reason: str) -> None:
         self._follower.follow(None, Pose2D(0.0, 0.0, 0.0))
         self._steering = None
@@ -777,10 +854,13 @@ class WalkController:
         """Stop all joints where they are, once."""
         is_new = not self._has_fallen
         self._has_fallen = True
+        if self._lameness is not None:
+            self._lameness.stop.give_up()
         self._give_up_plan()
         self._give_up(
             Activity.FALLEN,
-            f'the robot has fallen: the body is tilted by {math.degrees(now.tilt):.0f} degrees',
+            f'the robot has fallen: the body is tilted by {math.degrees(now.tilt):.0f} degrees'
+            + ('' if self._lameness is None else f'; {self._lameness.fault}'),
         )
         self._forget_schedule()
         if not is_new or now.joint_positions is None:

@@ -144,7 +144,7 @@ def test_an_unknown_backend_is_answered_with_those_that_there_are():
 
 
 def test_a_joint_that_sticks_keeps_its_angle_from_its_time_on_until_a_reset():
-    simulator, simulation = make_simulation()
+    _, simulation = make_simulation()
     simulation.plan_failure(JointFailure('rf_hip_yaw_joint', 'stuck', 0.3))
     simulation.accept(swaying(0.01))
     yaw = ROBOT.joint_index('rf_hip_yaw_joint')
@@ -176,9 +176,9 @@ def test_a_failure_that_is_taken_back_does_not_happen():
 
 def test_a_failure_that_cannot_be_is_refused_with_a_sentence():
     _, simulation = make_simulation()
-    with pytest.raises(NotSimulated, match="a free joint cannot be had.*'bullet'"):
+    with pytest.raises(NotSimulated, match=r"a free joint cannot be had.*'bullet'"):
         simulation.plan_failure(JointFailure('rf_hip_yaw_joint', 'free'))
     with pytest.raises(JointNotFound, match="no joint 'elbow'"):
         simulation.plan_failure(JointFailure('elbow', 'stuck'))
-    with pytest.raises(ParameterError, match="'failure' is 'bent'.*free, stuck"):
+    with pytest.raises(ParameterError, match=r"'failure' is 'bent'.*free, stuck"):
         JointFailure('rf_hip_yaw_joint', 'bent')

@@ -1,0 +1,46 @@
+"""A joint of the simulated robot fails while it walks: it stops, and says on topics which it is."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+from geometry_msgs.msg import Twist, Vector3
+from harness import ERROR, OK, WARN, Bench
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import SetParameters
+
+pytestmark = pytest.mark.ros
+
+
+def set_parameters(bench: Bench, node: str, **values: str) -> None:
+    """Do what ``ros2 param set`` does, for texts."""
+    parameters = [
+        Parameter(name=name, value=ParameterValue(type=4, string_value=value))
+        for name, value in values.items()
+    ]
+    request = SetParameters.Request(parameters=parameters)
+    results = bench.call(f'{node}/set_parameters', SetParameters, request).results
+    assert all(result.successful for result in results), results
+
+
+def test_a_joint_that_fails_in_mid_walk_is_named_and_the_robot_stands_still_until_repaired(
+    bench: Bench,
+) -> None:
+    bench.start('sim_node', map_file='none', backend='bullet', real_time_factor=4.0)
+    bench.start('gait_node', cmd_vel_timeout=60.0)
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.publisher(Twist, 'cmd_vel').publish(Twist(linear=Vector3(x=0.04)))
+    bench.wait_for_walking()
+    set_parameters(bench, 'sim_node', failure='free')
+    set_parameters(bench, 'sim_node', failing_joint='lh_hip_pitch_joint')
+    bench.wait_for_status('sim_node', 'lh_hip_pitch_joint is free', level=WARN)
+    status = bench.wait_for_status('gait_node', 'the robot stands on three legs', level=ERROR)
+    assert 'lame: lh_hip_pitch_joint of leg lh' in status.message
+    stopped, since = bench.pose, bench.elapsed
+    bench.wait_until('five seconds go by', lambda: bench.elapsed > since + 5.0)
+    assert bench.pose.distance_to(stopped) < 2e-3
+    bench.call('reset')
+    bench.call('stand')
+    bench.wait_for_status('gait_node', 'standing', level=OK)
