@@ -10,7 +10,8 @@ late, and measurements may be old: whatever was commanded a moment ago is as goo
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import JOINTS_PER_LEG, LEGS, Robot
 
 Array = NDArray[np.float64]
+
+_SPACING = 0.05
+"""Of instants at which a trajectory that may run late is looked at [s]."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,8 @@ class WatchOptions:
     """It has failed if it stays off for so long [s]."""
     age: float = 0.06
     """Measurements may be so old, or joints so late [s]."""
+    delay: float = 0.3
+    """One that starts on arrival may start so long after it was given out [s]."""
     hearing: float = 1.0
     """A trajectory is heard so long after it was given out, at the latest [s]."""
     longest_gap: float = 0.03
@@ -81,6 +87,17 @@ class JointFault:
         )
 
 
+class _Given(NamedTuple):
+    """A trajectory that was given out."""
+
+    time: float
+    """When [s]."""
+    trajectory: JointTrajectory
+    """With a stamp that is a time."""
+    delay: float
+    """By so much later it may run [s]."""
+
+
 class JointWatch:
     """
     Compares joints with their commands, measurement by measurement.
@@ -102,20 +119,23 @@ class JointWatch:
 
     def forget(self) -> None:
         """Know no commands, until the next trajectory is given out."""
-        self._given: deque[tuple[float, JointTrajectory]] = deque()
+        self._given: deque[_Given] = deque()
         self._last: tuple[float, Array] | None = None
         self._off_for = np.zeros(len(self._robot.joint_names))
         self._off_from = np.zeros(len(self._robot.joint_names))
 
     def expect(self, trajectory: JointTrajectory, time: float) -> None:
         """Take notice of a trajectory that is given out at a time [s]."""
-        if self._given and self._given[-1][0] >= time:
+        if self._given and self._given[-1].time >= time:
             self._given.pop()
-        self._given.append((time, trajectory))
+        delay = 0.0
+        if trajectory.stamp <= 0.0:
+            trajectory, delay = replace(trajectory, stamp=time), self._options.delay
+        self._given.append(_Given(time, trajectory, delay))
 
     def commanded(self, time: float) -> Array | None:
         """Return where the joints are commanded to be at a time [s], shape (12,) [rad]."""
-        return None if not self._given else _at(self._given[-1][1], time)
+        return None if not self._given else _at(self._given[-1].trajectory, time)
 
     def update(
         self, time: float, positions: Array, efforts: Array | None = None
@@ -152,7 +172,7 @@ class JointWatch:
             # No drive moves like that: the robot was put somewhere else, as by a reset.
             self.forget()
             return None
-        while len(self._given) > 1 and self._given[1][0] < time - options.hearing:
+        while len(self._given) > 1 and self._given[1].time < time - options.hearing:
             self._given.popleft()
         distances = self._distances(time, positions)
         if distances is None:
@@ -204,20 +224,20 @@ class JointWatch:
         ndarray, shape (n, 12)
             The newest last [rad]; None before the first may have begun.
         """
-        age = self._options.age
         rows = []
-        for k, (_, trajectory) in enumerate(self._given):
+        for k, (_, trajectory, delay) in enumerate(self._given):
+            age = self._options.age + delay
             start = trajectory.stamp + float(trajectory.times[0])
             if time - age < start:
                 if k == 0:
                     # Where the joints were commanded before is not known.
                     return None
                 # On its way into this one the robot is between it and the last.
-                before = _at(self._given[k - 1][1], time)
-                ends = np.stack([before, trajectory.positions[0]])
+                before = _at(self._given[k - 1].trajectory, time)
+                ends = np.stack([before, trajectory.positions[0], _at(trajectory, time)])
                 low, high = ends.min(axis=0), ends.max(axis=0)
             else:
-                instants = (time - age, time - age / 2.0, time)
+                instants = np.linspace(time - age, time, 3 + round(delay / _SPACING))
                 path = np.stack([_at(trajectory, instant) for instant in instants])
                 low, high = path.min(axis=0), path.max(axis=0)
             rows.append(np.maximum(np.maximum(low - positions, positions - high), 0.0))
