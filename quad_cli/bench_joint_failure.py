@@ -91,7 +91,7 @@ class FailureOutcome:
     still: float
     """When it stands still, after the failure [s]; infinite if never."""
     period: float
-    """Of a cycle [s]."""
+    """Of a cycle, by the clock where the ground is uneven [s]."""
     reason: str
 
 
@@ -214,7 +214,16 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
         controller.set_plan(course.plan)
     speed = _SPEED[case.gait] * robot.largest_stride
 
+    # Over uneven ground a cycle lasts as long as its feet need: new footholds tell of the next.
+    begun: list[float] = []
+    planned = np.empty((0, 2))
+
     def is_over() -> bool:
+        nonlocal planned
+        footholds = controller.footholds()[:, :2]
+        if len(footholds) and not np.array_equal(footholds, planned):
+            planned = footholds
+            begun.append(walk.time)
         if not is_uneven:
             controller.set_twist(Twist2D(speed, 0.0, 0.0))
         return controller.activity in (Activity.LAME, Activity.FALLEN)
@@ -242,6 +251,6 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
         name in controller.reason,
         noticed,
         float(still),
-        gait.cycle_period,
+        float(np.median(np.diff(begun))) if is_uneven and len(begun) > 1 else gait.cycle_period,
         controller.reason,
     )

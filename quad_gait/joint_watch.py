@@ -21,8 +21,11 @@ from quad_common.robot import JOINTS_PER_LEG, LEGS, Robot
 
 Array = NDArray[np.float64]
 
-_SPACING = 0.05
+_SPACING = 0.02
 """Of instants at which a trajectory that may run late is looked at [s]."""
+
+_BETWEEN = 6
+"""So many postures are looked at on the way from one trajectory into the next."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +138,10 @@ class JointWatch:
 
     def commanded(self, time: float) -> Array | None:
         """Return where the joints are commanded to be at a time [s], shape (12,) [rad]."""
-        return None if not self._given else _at(self._given[-1].trajectory, time)
+        if not self._given:
+            return None
+        commanded: Array = _at(self._given[-1].trajectory, np.array([time]))[0]
+        return commanded
 
     def update(
         self, time: float, positions: Array, efforts: Array | None = None
@@ -174,25 +180,25 @@ class JointWatch:
             return None
         while len(self._given) > 1 and self._given[1].time < time - options.hearing:
             self._given.popleft()
-        distances = self._distances(time, positions)
-        if distances is None:
-            self._off_for[:] = 0.0
-            return None
-        far = distances > options.tolerance
+        newest = _at(self._given[-1].trajectory, np.array([time]))
+        postures = newest
+        if np.any(np.abs(newest - positions) > options.tolerance):
+            postures = self._postures(time)
+        errors = np.abs(postures - positions)
+        far = errors > options.tolerance
+        # Where the robot may be is told by all joints but one: there that one should be as well.
         others = far.sum(axis=1, keepdims=True) - far
-        # An earlier trajectory may run still if all other joints follow it.
-        runs = others == 0
-        runs[-1] = True
-        off = (far | ~runs).all(axis=0)
+        follow = others == 0
+        off = (follow & far).any(axis=0) & ~(follow & ~far).any(axis=0)
+        if np.count_nonzero(off) > 1:
+            # Not heard as late as one of them would have it: that one without which all fit best.
+            off &= np.arange(len(off)) == _odd_one(errors, off)
         if efforts is not None:
             off &= np.abs(efforts) < options.saturated * self._largest
         self._off_from[~off] = positions[~off]
         self._off_for = np.where(off, self._off_for + min(dt, options.longest_gap), 0.0)
         failed = np.flatnonzero(self._off_for >= options.patience)
-        # A joint that fails is one; several that do not follow have not heard.
-        if not len(failed) or others[-1, failed[0]] > 0:
-            return None
-        return self._fault(int(failed[0]), time, positions, efforts)
+        return self._fault(int(failed[0]), time, positions, efforts) if len(failed) else None
 
     def _fault(
         self, joint: int, time: float, positions: Array, efforts: Array | None
@@ -215,49 +221,49 @@ class JointWatch:
             is_slack,
         )
 
-    def _distances(self, time: float, positions: Array) -> Array | None:
+    def _postures(self, time: float) -> Array:
         """
-        Say how far joints are from what each trajectory that may be heard demands of them.
+        List the postures that a sound robot may be in.
 
         Returns
         -------
         ndarray, shape (n, 12)
-            The newest last [rad]; None before the first may have begun.
+            By each trajectory that it may follow, at each of the instants that may be measured
+            [rad]; none before the first one has begun.
         """
-        rows = []
+        rows = [np.empty((0, len(self._robot.joint_names)))]
         for k, (_, trajectory, delay) in enumerate(self._given):
-            age = self._options.age + delay
-            start = trajectory.stamp + float(trajectory.times[0])
-            if time - age < start:
-                if k == 0:
-                    # Where the joints were commanded before is not known.
-                    return None
-                # On its way into this one the robot is between it and the last.
-                before = _at(self._given[k - 1].trajectory, time)
-                ends = np.stack([before, trajectory.positions[0], _at(trajectory, time)])
-                low, high = ends.min(axis=0), ends.max(axis=0)
-            else:
-                instants = np.linspace(time - age, time, 3 + round(delay / _SPACING))
-                path = np.stack([_at(trajectory, instant) for instant in instants])
-                low, high = path.min(axis=0), path.max(axis=0)
-            rows.append(np.maximum(np.maximum(low - positions, positions - high), 0.0))
-        return np.stack(rows)
+            latest = self._options.age + delay
+            instants = time - np.linspace(0.0, latest, 1 + round(latest / _SPACING))
+            runs = instants >= trajectory.stamp + float(trajectory.times[0])
+            if not runs.all() and k == 0:
+                # Where the joints were commanded before is not known.
+                return rows[0]
+            rows.append(_at(trajectory, instants[runs]))
+            if not runs.all():
+                # On its way from one trajectory into the next.
+                before = _at(self._given[k - 1].trajectory, np.array([time]))[0]
+                share = np.linspace(0.0, 1.0, _BETWEEN)[:, None]
+                rows.append(before + share * (trajectory.positions[0] - before))
+        return np.concatenate(rows)
 
 
-def _at(trajectory: JointTrajectory, time: float) -> Array:
-    """Return the positions on the cubic through two points, shape (n,) [rad]."""
-    t = time - trajectory.stamp
-    times, positions = trajectory.times, trajectory.positions
-    k = int(np.searchsorted(times, t, side='right')) - 1
-    if k < 0:
-        first: Array = positions[0]
-        return first
-    if k >= len(times) - 1:
-        last: Array = positions[-1]
-        return last
-    h = times[k + 1] - times[k]
-    s = (t - times[k]) / h
-    a, b = positions[k], positions[k + 1]
-    u, v = trajectory.velocities[k] * h, trajectory.velocities[k + 1] * h
-    point: Array = a + s * (u + s * (3.0 * (b - a) - 2.0 * u - v + s * (u + v - 2.0 * (b - a))))
-    return point
+def _odd_one(errors: Array, candidates: NDArray[np.bool_]) -> int:
+    """Return the joint without which the others are nearest to one of the postures."""
+    joints = np.flatnonzero(candidates)
+    left = [np.delete(errors, joint, axis=1).max(axis=1).min() for joint in joints]
+    return int(joints[int(np.argmin(left))])
+
+
+def _at(trajectory: JointTrajectory, time: Array) -> Array:
+    """Return the positions on the cubics between points, shape (m, n) for m times [rad]."""
+    times, positions, velocities = trajectory.times, trajectory.positions, trajectory.velocities
+    if len(times) == 1:
+        return np.repeat(positions, len(time), axis=0)
+    t = np.clip(time - trajectory.stamp, times[0], times[-1])
+    k = np.clip(np.searchsorted(times, t, side='right') - 1, 0, len(times) - 2)
+    h = (times[k + 1] - times[k])[:, None]
+    s = (t - times[k])[:, None] / h
+    a, b, u, v = positions[k], positions[k + 1], velocities[k] * h, velocities[k + 1] * h
+    path: Array = a + s * (u + s * (3.0 * (b - a) - 2.0 * u - v + s * (u + v - 2.0 * (b - a))))
+    return path
