@@ -16,6 +16,7 @@ from rich.table import Table
 
 from quad_cli.bench import Bar, at_least, at_most
 from quad_cli.bench_active_pair import active_pair_bars
+from quad_cli.bench_joint_failure import joint_failure_bars
 from quad_cli.terrain_walk import COURSES, TerrainOutcome, make_course, walk_course
 from quad_common.robot import load_robot
 
@@ -33,7 +34,11 @@ _WAYS = {
 }
 """What the gait takes the ground for, and whether it has the height map."""
 
-_BLIND_SEEDS = 5
+_FEWER = 5
+"""Seeds where there is no bar: without a height map, and by the gait for flat ground but on
+bumps, where tilts are compared."""
+
+_COMPARED = ('flat', 'bumps')
 
 _BLIND = ('bumps', 'slope', 'cross_slope', 'kerb')
 """Courses that the first robot also walks without a height map."""
@@ -80,7 +85,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
             for course in COURSES
             for way in _WAYS
             if way != 'blind' or (robot == _ROBOTS[0] and course in _BLIND)
-            for k in range(_BLIND_SEEDS if way == 'blind' else _SEEDS)
+            for k in range(_SEEDS if way == 'uneven' or (way, course) == _COMPARED else _FEWER)
         ]
     walks: list[_Walk] = []
     with ProcessPoolExecutor(os.cpu_count()) as pool:
@@ -96,7 +101,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     for walk in walks:
         groups.setdefault((walk.robot, walk.course, walk.way), []).append(walk.outcome)
     console.print(_table(groups))
-    bars = _walk_bars(groups) + active_pair_bars(quick, seed)
+    bars = _walk_bars(groups) + joint_failure_bars(quick, seed) + active_pair_bars(quick, seed)
     return bars, {'walks': [_described(walk) for walk in walks]}
 
 

@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -135,8 +137,13 @@ class Stance:
     """Their centres in the same frame, shape (4, 3) [m]."""
     joint_positions: Array
     """Shape (4, 3) [rad]."""
-    loads: Array | None
-    """Vertical force on each foot, shape (4,) [N]; None where motors do not tell."""
+    find_loads: Callable[[], Array | None]
+    """Finds :attr:`loads`, when they are asked for: it takes longer than all the rest."""
+
+    @cached_property
+    def loads(self) -> Array | None:
+        """Vertical force on each foot, shape (4,) [N]; None where motors do not tell."""
+        return self.find_loads()
 
     @classmethod
     def measured(
@@ -171,12 +178,17 @@ class Stance:
         roll, pitch, _ = angles_of(orientation)
         body = BodyPose(np.array([pose.x, pose.y, 0.0]), roll, pitch, pose.yaw)
         joints = joint_positions.reshape(4, 3)
-        loads = None
-        if joint_efforts is not None and np.any(joint_efforts):
+
+        def find_loads() -> Array | None:
+            if joint_efforts is None or not np.any(joint_efforts):
+                return None
             up = body.rotation[2]
             forces = foot_forces(robot, joints, joint_efforts.reshape(4, 3), up)
-            loads = np.nan_to_num(forces @ up)
-        return cls(time, body, body.transform(robot.foot_positions(joints)), joints, loads)
+            loads: Array = np.nan_to_num(forces @ up)
+            return loads
+
+        feet = body.transform(robot.foot_positions(joints))
+        return cls(time, body, feet, joints, find_loads)
 
 
 class _Phase(enum.Enum):
@@ -365,7 +377,7 @@ class UnevenStride:
         joints = now.joint_positions.copy()
         joints[leg] = touched.joint_positions[leg]
         feet = before.body.transform(self._robot.foot_positions(joints))
-        return Stance(now.time, before.body, feet, joints, now.loads)
+        return Stance(now.time, before.body, feet, joints, lambda: now.loads)
 
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
