@@ -184,15 +184,15 @@ class JointWatch:
         postures = newest
         if np.any(np.abs(newest - positions) > options.tolerance):
             postures = self._postures(time)
-        errors = np.abs(postures - positions)
-        far = errors > options.tolerance
+        far = np.abs(postures - positions) > options.tolerance
         # Where the robot may be is told by all joints but one: there that one should be as well.
         others = far.sum(axis=1, keepdims=True) - far
         follow = others == 0
         off = (follow & far).any(axis=0) & ~(follow & ~far).any(axis=0)
         if np.count_nonzero(off) > 1:
-            # Not heard as late as one of them would have it: that one without which all fit best.
-            off &= np.arange(len(off)) == _odd_one(errors, off)
+            # What one of them says of the instant, another denies: nearer to now is likelier.
+            first = (follow & far)[:, off].argmax(axis=0)
+            off &= np.arange(len(off)) == np.flatnonzero(off)[int(first.argmin())]
         if efforts is not None:
             off &= np.abs(efforts) < options.saturated * self._largest
         self._off_from[~off] = positions[~off]
@@ -229,16 +229,17 @@ class JointWatch:
         -------
         ndarray, shape (n, 12)
             By each trajectory that it may follow, at each of the instants that may be measured
-            [rad]; none before the first one has begun.
+            [rad], the latest first; none before the first trajectory has begun.
         """
         rows = [np.empty((0, len(self._robot.joint_names)))]
-        for k, (_, trajectory, delay) in enumerate(self._given):
+        for k in reversed(range(len(self._given))):
+            _, trajectory, delay = self._given[k]
             latest = self._options.age + delay
             instants = time - np.linspace(0.0, latest, 1 + round(latest / _SPACING))
             runs = instants >= trajectory.stamp + float(trajectory.times[0])
             if not runs.all() and k == 0:
                 # Where the joints were commanded before is not known.
-                return rows[0]
+                return np.empty((0, len(self._robot.joint_names)))
             rows.append(_at(trajectory, instants[runs]))
             if not runs.all():
                 # On its way from one trajectory into the next.
@@ -246,13 +247,6 @@ class JointWatch:
                 share = np.linspace(0.0, 1.0, _BETWEEN)[:, None]
                 rows.append(before + share * (trajectory.positions[0] - before))
         return np.concatenate(rows)
-
-
-def _odd_one(errors: Array, candidates: NDArray[np.bool_]) -> int:
-    """Return the joint without which the others are nearest to one of the postures."""
-    joints = np.flatnonzero(candidates)
-    left = [np.delete(errors, joint, axis=1).max(axis=1).min() for joint in joints]
-    return int(joints[int(np.argmin(left))])
 
 
 def _at(trajectory: JointTrajectory, time: Array) -> Array:

@@ -455,8 +455,10 @@ class LameStop:
         tries = []
         for pitch in np.linspace(lower[1], upper[1], 41):
             tried = np.array([angles[0], pitch, angles[2]])
-            depth = -float(self._robot.legs[self._leg].chain(tried)[1][2])
-            if depth <= room:
+            _, knee, foot = self._robot.legs[self._leg].chain(tried)
+            depth = -float(knee[2])
+            # The knee may be stuck after all: its foot must not prop up the body.
+            if max(depth, -float(foot[2])) <= room:
                 tries.append((round(depth, 4), -abs(pitch - angles[1]), pitch))
         angles[1] = max(tries)[2] if tries else angles[1]
         return angles
