@@ -78,7 +78,7 @@ def assert_stands_on_four_feet(bench: Bench, robot_name: str = 'titan_viii') -> 
     bench.wait_until('ten seconds go by', lambda: bench.elapsed > since + 10.0)
     assert bench.pose.distance_to(stopped) < 1e-3
     assert abs(wrap_angle(bench.pose.yaw - stopped.yaw)) < 1e-3
-    positions, velocities, _ = joints_from_message(bench.joint_states, robot)
+    positions, velocities, *_ = joints_from_message(bench.joint_states, robot)
     assert np.abs(velocities).max() < 0.01
     feet = robot.foot_positions(positions.reshape(4, 3))
     np.testing.assert_allclose(feet, robot.neutral_feet, atol=0.05 * robot.hip_height)

@@ -185,7 +185,7 @@ def test_joint_states_come_back_whatever_their_order():
     message.name = [message.name[k] for k in order]
     message.position = [message.position[k] for k in order]
     message.velocity = [message.velocity[k] for k in order]
-    positions, velocities, _ = joints_from_message(message, ROBOT)
+    positions, velocities, *_ = joints_from_message(message, ROBOT)
     assert (positions == np.arange(12.0)).all()
     assert (velocities == -np.arange(12.0)).all()
 
