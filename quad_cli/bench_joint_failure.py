@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.direct_walk import DirectWalk
-from quad_cli.terrain_walk import HIP_HEIGHT, make_course
+from quad_cli.terrain_walk import make_course
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import load_robot
 from quad_gait.gait import load_gait, turning_gait_for
@@ -193,7 +193,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
     """
     robot = load_robot(case.robot)
     gait = load_gait(case.gait, robot)
-    scale = robot.hip_height / HIP_HEIGHT
+    scale = robot.relative_size
     is_uneven = case.ground != 'flat'
     options = ControllerOptions(
         least_margin=-math.inf if is_uneven else 0.01 * scale,

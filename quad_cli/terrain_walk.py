@@ -27,9 +27,6 @@ from quad_sim.terrain_shapes import boxes
 from quad_sim.terrain_spec import TerrainSpec, make_terrain, specs_from_text
 from quad_sim.world import Obstacle, World, occupancy_of, world_from_map
 
-HIP_HEIGHT = 0.243
-"""Of TITAN-VIII, for which courses are given [m]; other robots walk them in proportion."""
-
 GROUNDS = {
     'bumps': 'bumps:height=0.04',
     'slope': 'slope:angle=0.1745,length=1.2+noise:height=0.01',
@@ -143,7 +140,7 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
     """
     if name == 'boxes':
         return _box_field(robot, seed)
-    scale = robot.hip_height / HIP_HEIGHT
+    scale = robot.relative_size
     turn = float(np.random.default_rng(seed).uniform(-_STRAY, _STRAY))
     start, end = Pose2D(0.0, 0.0, turn), Pose2D(0.0, 0.0, turn) @ Pose2D(scale * LENGTH, 0.0, 0.0)
     bounds = (
@@ -175,7 +172,7 @@ def _scaled(spec: TerrainSpec, scale: float, seed: int) -> TerrainSpec:
 
 def _box_field(robot: Robot, seed: int) -> Course:
     """Mix low boxes with large obstacles, and plan a way with both maps."""
-    scale, rng = robot.hip_height / HIP_HEIGHT, np.random.default_rng(seed)
+    scale, rng = robot.relative_size, np.random.default_rng(seed)
     bounds = (-scale * _BEYOND, -2.2 * scale, scale * (LENGTH + _BEYOND), 2.2 * scale)
     start, goal = Pose2D(0.0, 0.0, 0.0), Pose2D(scale * LENGTH, 0.0, 0.0)
     level = HeightMap.level(bounds, scale * _RESOLUTION)
@@ -222,7 +219,7 @@ def _planned(
     goal: Pose2D,
 ) -> Plan:
     """Plan with both maps, as the planner node does."""
-    scale = robot.hip_height / HIP_HEIGHT
+    scale = robot.relative_size
     safety = scale * PlannerParameters().safety_distance
     planner = make_planner(
         'shortest',

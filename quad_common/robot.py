@@ -41,6 +41,9 @@ LEG_TYPES = {
 }
 """The builds that a leg may have, and the kinds of their joints from the body outward."""
 
+_HIP_HEIGHT_OF_TITAN_VIII = 0.243
+"""S0 sec. 6 [m]."""
+
 _QUANTITIES = ('lower', 'upper', 'velocity', 'effort')
 
 ROBOTS_FOLDER = Path(__file__).parent / 'robots'
@@ -134,6 +137,11 @@ class Robot:
     def hip_height(self) -> float:
         """Height of the hips above the feet's centres in the initial posture, H0 [m]."""
         return float(self.legs[0].hip[2] - np.mean(self.neutral_feet[:, 2]))
+
+    @cached_property
+    def relative_size(self) -> float:
+        """Hip height as a share of TITAN-VIII's, for which many lengths were chosen."""
+        return self.hip_height / _HIP_HEIGHT_OF_TITAN_VIII
 
     @cached_property
     def standing_height(self) -> float:

@@ -15,7 +15,8 @@ from quad_common.robot import Robot
 
 Array = NDArray[np.float64]
 
-_GRAVITY = 9.80665
+GRAVITY = 9.80665
+"""[m/s^2]"""
 
 _STEP = 1e-5
 """Of joint angles, for a difference quotient [rad]."""
@@ -83,5 +84,5 @@ def weight_torques(robot: Robot, joint_angles: Array, up: Array) -> Array:
     change = _STEP * np.eye(joints).reshape(joints, *joint_angles.shape)
     height = robot.center_of_mass(np.stack([joint_angles + change, joint_angles - change])) @ up
     slope = (height[0] - height[1]) / (2.0 * _STEP)
-    torques: Array = robot.mass * _GRAVITY * slope.reshape(joint_angles.shape)
+    torques: Array = robot.mass * GRAVITY * slope.reshape(joint_angles.shape)
     return torques

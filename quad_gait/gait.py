@@ -35,9 +35,6 @@ _LEAST_SWAY_TIME = 0.05
 _GRAVITY = 9.80665
 """[m/s^2]"""
 
-_HIP_HEIGHT = 0.243
-"""TITAN-VIII's, for whom the swing heights of gait files are written [m]."""
-
 
 @dataclass(frozen=True)
 class Swing:
@@ -172,7 +169,7 @@ class Gait:
         height = settings.swing_height if settings else None
         fitted = self if period is None else self.with_period(period)
         if height is None:
-            height = self.swing_height * robot.hip_height / _HIP_HEIGHT
+            height = self.swing_height * robot.relative_size
         if not self.is_static:
             center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
             fitted = replace(fitted, pendulum_rate=math.sqrt(_GRAVITY / float(center)))

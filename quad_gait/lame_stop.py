@@ -30,9 +30,6 @@ from quad_gait.uneven_stride import Stance
 
 Array = NDArray[np.float64]
 
-_HIP_HEIGHT = 0.243
-"""Of TITAN-VIII, for which the lengths here were chosen; other robots' are in proportion [m]."""
-
 _SHARES = tuple(np.linspace(1.0, 0.0, 11).tolist())
 """Of a motion, of which the legs may reach a part only."""
 
@@ -172,7 +169,7 @@ class LameStop:
         self._robot = robot
         self._fault = fault
         self._options = LameOptions() if options is None else options
-        self._scale = robot.hip_height / _HIP_HEIGHT
+        self._scale = robot.relative_size
         self._wanted = 0.8 * self._scale * self._options.margin
         self._leg = fault.leg
         self._sound = np.arange(len(LEGS)) != fault.leg

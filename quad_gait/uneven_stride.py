@@ -38,17 +38,12 @@ from quad_gait.body_placement import (
     heading_over,
     rotation_of,
 )
-from quad_gait.foot_forces import foot_forces
+from quad_gait.foot_forces import GRAVITY, foot_forces
 from quad_gait.gait import Gait
 from quad_gait.ground_model import FootholdChoice, GroundModel
 from quad_gait.joint_motion import JointMotion
 
 Array = NDArray[np.float64]
-
-_GRAVITY = 9.80665
-
-_HIP_HEIGHT = 0.243
-"""Of TITAN-VIII, for which the lengths here were chosen; other robots' are in proportion [m]."""
 
 _BIT = 3
 """So many samples of a search are given out at a time: a foot presses on for no longer."""
@@ -229,7 +224,7 @@ class UnevenStride:
     ) -> None:
         self._robot = robot
         self._options = options
-        self._scale = robot.hip_height / _HIP_HEIGHT
+        self._scale = robot.relative_size
         self._order = [LEGS.index(swing.leg) for swing in gait.swings]
         self._swing_height = gait.swing_height
         self._footholds = (pose @ motion.end).transform(robot.neutral_feet)[:, :2]
@@ -247,8 +242,8 @@ class UnevenStride:
         self._has_lowered = False
         self._left = np.zeros((len(LEGS), 3))
         self._motion: JointMotion | None = None
-        self.has_shortened = False
-        """Whether a leg did not get as far as it was to."""
+        self.limit = ''
+        """What kept a leg from getting as far as it was to; empty if nothing did."""
 
     @property
     def is_over(self) -> bool:
@@ -358,7 +353,7 @@ class UnevenStride:
         """Return what a foot bears, as a share of the robot's weight."""
         if now.loads is None:
             return 0.0
-        return float(now.loads[leg]) / (self._robot.mass * _GRAVITY)
+        return float(now.loads[leg]) / (self._robot.mass * GRAVITY)
 
     def _has_load(self, now: Stance, leg: int) -> bool:
         return self._load_share(now, leg) > self._options.contact_share
@@ -390,7 +385,7 @@ class UnevenStride:
         if now.loads is None:
             self._seeking = []
         else:
-            little = 0.2 * self._options.contact_share * self._robot.mass * _GRAVITY
+            little = 0.2 * self._options.contact_share * self._robot.mass * GRAVITY
             self._seeking = [
                 leg
                 for leg in range(len(LEGS))
@@ -431,7 +426,8 @@ class UnevenStride:
             except GaitError as error:
                 problem = problem or error
                 continue
-            self.has_shortened = self.has_shortened or share < 1.0
+            if share < 1.0 and not self.limit:
+                self.limit = f'a step was shortened: {problem}'
             self._untouched = self._touched = None
             self._has_lowered = False
             return self._motion.trajectory(self._options.reaction_time)

@@ -541,6 +541,7 @@ class WalkController:
             self._give_up(Activity.STOPPED, str(error))
             return None
         self._busy_until = stride.end
+        self.limit = stride.limit or self.limit
         if stride.is_over:
             self._end_stride(stride)
         return trajectory
