@@ -14,6 +14,8 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import MarkerArray
@@ -106,7 +108,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
             Odometry, p.odom_topic, self.guarded(self._on_odometry), qos_profile_sensor_data
         )
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
-        self._requests.submit(self._warm_up, self._on_warm)
+        # Once the executor has the node: what is answered before would reach nobody.
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._beginning = self.create_timer(0.0, self._on_beginning, clock=clock)
         self.update_status()
 
     def update_status(self) -> None:
@@ -129,6 +133,12 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report(OK, "ready: waiting for a goal on 'goal_pose'")
         else:
             self.report(OK, self._described(self._plan), error_code=0)
+
+    def _on_beginning(self) -> None:
+        self._beginning.cancel()
+        # A goal that came even before is not given up for it.
+        if not self._requests.is_busy:
+            self._requests.submit(self._warm_up, self._on_warm)
 
     def _warm_up(self) -> float:
         began = time.monotonic()
