@@ -18,7 +18,7 @@ from quad_cli.terrain_walk import make_course
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import load_robot
 from quad_gait.gait import load_gait, turning_gait_for
-from quad_gait.uneven_stride import UnevenOptions
+from quad_gait.swing_planner import UnevenOptions
 from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
 from quad_sim.joint_failure import FAILURES, JointFailure
 from quad_sim.simulator import Observation

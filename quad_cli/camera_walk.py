@@ -23,7 +23,8 @@ from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.gait import load_gait
 from quad_gait.leg_odometry import LegOdometry
-from quad_gait.walk_controller import Activity, Measurement
+from quad_gait.measurement import Measurement
+from quad_gait.walk_controller import Activity
 from quad_perception.perception import Perceiver
 from quad_perception.room_watch import RoomWatch, Sighting
 from quad_planner.parameters import PlannerParameters

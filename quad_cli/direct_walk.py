@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
+from quad_gait.measurement import Measurement
 from quad_gait.stability import stability_margin
-from quad_gait.walk_controller import Measurement, WalkController
+from quad_gait.walk_controller import WalkController
 from quad_sim.simulation import Simulation, make_simulator
 from quad_sim.simulator import Observation, tilt_of
 from quad_sim.world import World

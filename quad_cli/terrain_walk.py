@@ -16,7 +16,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import Robot
 from quad_gait.gait import load_gait, turning_gait_for
-from quad_gait.uneven_stride import UnevenOptions
+from quad_gait.swing_planner import UnevenOptions
 from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import make_planner

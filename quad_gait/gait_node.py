@@ -33,6 +33,7 @@ from quad_common.ros_conversions import (
 from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode, run_node
 from quad_gait.gait import Gait, load_gait, turning_gait_for
 from quad_gait.leg_odometry import LegOdometry
+from quad_gait.measurement import Measurement
 from quad_gait.parameters import GaitParameters
 from quad_gait.path_follower import FollowerOptions
 from quad_gait.ros_conversions import (
@@ -46,8 +47,9 @@ from quad_gait.ros_conversions import (
     twist_from_message,
 )
 from quad_gait.slip_compensation import compensation_for
-from quad_gait.uneven_stride import UnevenOptions, check_suits_uneven_ground
-from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
+from quad_gait.swing_planner import UnevenOptions
+from quad_gait.uneven_stride import check_suits_uneven_ground
+from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -210,9 +212,7 @@ class GaitNode(QuadNode[GaitParameters]):
             tilt=max(tilt_from_odometry(message), _tilt_of(self._imu[0])),
             joint_positions=None if joints is None else joints.positions,
             joint_velocities=None if joints is None else joints.velocities,
-            orientation=self._imu[0]
-            if self._imu[0] is not None
-            else orientation_from_odometry(message),
+            orientation=orientation,
             joint_efforts=None if joints is None else joints.efforts,
             joint_time=None if joints is None else joints.time,
         )

@@ -26,7 +26,7 @@ from quad_gait.body_placement import balanced, rotation_of
 from quad_gait.joint_watch import JointFault
 from quad_gait.posture import crouching_joint_angles, posture_trajectory
 from quad_gait.stability import stability_margin
-from quad_gait.uneven_stride import Stance
+from quad_gait.stance import Stance
 
 Array = NDArray[np.float64]
 

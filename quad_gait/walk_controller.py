@@ -22,20 +22,24 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.body_motion import BodyMotion
-from quad_gait.body_placement import angles_of, rotation_of
-from quad_gait.foot_tracking import track_feet
+from quad_gait.cycle_planner import CyclePlanner
 from quad_gait.gait import Gait
-from quad_gait.gait_generator import Cycle, FootTracking, generate_cycle, generate_largest_cycle
+from quad_gait.gait_generator import Cycle
+from quad_gait.gears import Gears
 from quad_gait.joint_watch import JointFault, JointWatch
 from quad_gait.lame_stop import Lameness, LameStop
-from quad_gait.motion_limits import MotionLimits
+from quad_gait.measurement import Measurement
 from quad_gait.motion_sequence import MotionSequence, ScheduledCycle
 from quad_gait.path_follower import FollowerOptions, PathFollower, Step
 from quad_gait.posture import crouching_joint_angles, posture_trajectory
+from quad_gait.progress import Progress
 from quad_gait.reference_path import Piece
 from quad_gait.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.stability import stability_margin, support_polygon
-from quad_gait.uneven_stride import Stance, UnevenOptions, UnevenStride
+from quad_gait.stance import Stance
+from quad_gait.steering import Steering
+from quad_gait.swing_planner import UnevenOptions
+from quad_gait.uneven_stride import UnevenStride
 
 Array = NDArray[np.float64]
 
@@ -49,20 +53,8 @@ _FIRST_STAMP = 1e-3
 _STILL_TIME = 0.5
 """A robot out of its posture must be still for so long before it is made to stand up [s]."""
 
-_BLOCKED_CYCLES = 3
-"""After so many cycles without the planned effect in a row the robot gives up."""
-
 _LAST_MOMENT = 0.05
 """A cycle that is to follow another at once is given out at least so long before [s]."""
-
-_SPEED_STEP = 0.4
-"""Share of its largest speed that a dynamic gait gathers in one cycle."""
-
-_MORE_BESIDE = 1.2
-"""How much farther beside its feet the body may be in a dynamic gait's changes of speed."""
-
-_PURE_TURN = 0.02
-"""Steering that moves the body by less than this per radian is a turn on the spot [m]."""
 
 
 class Activity(enum.Enum):
@@ -84,28 +76,6 @@ class Activity(enum.Enum):
 
 _SAID = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED)
 """What is said until something new is wished for."""
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """What the controller is told about the robot at one instant."""
-
-    time: float
-    """[s]"""
-    pose: Pose2D
-    """base_link in the plan's frame."""
-    tilt: float
-    """Between the body's z axis and the vertical [rad]."""
-    joint_positions: Array | None
-    """Shape (12,) [rad]; None before the first were heard of."""
-    joint_velocities: Array | None
-    """Shape (12,) [rad/s]."""
-    orientation: Array | None = None
-    """Of the body, quaternion xyzw, shape (4,); None: level."""
-    joint_efforts: Array | None = None
-    """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
-    joint_time: float | None = None
-    """When the joints were measured [s]; None: at ``time``."""
 
 
 @dataclass(frozen=True)
@@ -142,15 +112,6 @@ class ControllerOptions:
     """Whether a joint that does not answer brings the robot to a standstill."""
 
 
-@dataclass(frozen=True)
-class Steering:
-    """A velocity that somebody wants, and since when."""
-
-    twist: Twist2D
-    time: float
-    """[s]"""
-
-
 class WalkController:
     """
     Plans each cycle at the end of the last, from where the robot then is.
@@ -179,14 +140,17 @@ class WalkController:
     ) -> None:
         self._robot = robot
         self._options = options
-        self._compensation = compensation
+        self._planner = CyclePlanner(
+            robot, compensation, options.sample_period, options.tracking_gain
+        )
         self._sequence = MotionSequence()
         self._watch = JointWatch(robot)
         self._lameness: Lameness | None = None
         self._busy_until = -math.inf
         self._stride: UnevenStride | None = None
         self._height_map: HeightMap | None = None
-        self._stride_end = Pose2D(0.0, 0.0, 0.0)
+        # Where the stride is to bring the body.
+        self._stride_goal = Pose2D(0.0, 0.0, 0.0)
         # In which the robot stands between two cycles.
         self._stance = robot.initial_joint_angles
         self._take_gaits(gait, turning_gait, options.follower)
@@ -195,19 +159,15 @@ class WalkController:
         self._pieces: list[Piece] | None = None
         self._stopped_goal: Pose2D | None = None
         self._has_new_plan = False
-        self._steering: Steering | None = None
-        self._course: Pose2D | None = None
+        correction = options.follower.largest_correction if options.hold_course else 0.0
+        self._steering = Steering(options.twist_timeout, correction)
         self._reason_to_stand = ''
         self._is_to_sit = False
         self._has_fallen = False
         self._last_time = -math.inf
-        # At the end of the cycle that was planned last, without compensation for slip.
-        self._speed = STILL
-        # What slip takes from that cycle, by the compensation.
-        self._slip = BodyMotion()
-        self._decided: Pose2D | None = None
+        self._progress = Progress(robot.largest_stride)
+        # When the cycle began whose successor was decided on last.
         self._decided_after = -math.inf
-        self._cycles_without_effect = 0
         self._still_since = math.inf
         self.activity = Activity.WAITING
         """What the robot is doing."""
@@ -229,13 +189,11 @@ class WalkController:
     @property
     def gait(self) -> Gait:
         """The gait for walking."""
-        return self._walking.gait
+        return self.gears.walking.gait
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self._walking.largest_share(BodyMotion(forward=1.0))
-        for side in (1.0, -1.0):
-            self._turning.largest_share(BodyMotion(turn=side))
+        self.gears.prepare()
 
     def set_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
         """Change gaits and the way to follow plans, once the robot is at rest."""
@@ -270,7 +228,7 @@ class WalkController:
         self._wanted = plan
         self._pieces = pieces
         self._has_new_plan = True
-        self._steering = None
+        self._steering.end()
         self._reason_to_stand = ''
 
     def set_twist(self, twist: Twist2D) -> None:
@@ -282,9 +240,7 @@ class WalkController:
             return
         self._give_up_plan()
         self._reason_to_stand = ''
-        if self._steering is None:
-            self._course = None
-        self._steering = Steering(twist, self._last_time)
+        self._steering.wish(twist, self._last_time)
 
     def stop(self) -> str:
         """
@@ -296,7 +252,7 @@ class WalkController:
             What will happen.
         """
         self._give_up_plan()
-        self._steering = None
+        self._steering.end()
         self._reason_to_stand = ''
         return 'the robot stops at the end of its gait cycle, on four feet'
 
@@ -380,26 +336,15 @@ class WalkController:
         """Return the stability margin with joints and attitude as measured [m]."""
         if now.joint_positions is None:
             return math.nan
-        feet, center = self._level_feet(now)
+        feet, center = now.level_feet(self._robot)
         return float(stability_margin(center, feet, self.in_contact_at(now.time)))
 
     def measured_support_polygon(self, now: Measurement) -> Array:
         """Return the support polygon of the feet as measured, counter-clockwise, (n, 2) [m]."""
         if now.joint_positions is None:
             return np.empty((0, 2))
-        polygon = support_polygon(self._level_feet(now)[0], self.in_contact_at(now.time))
+        polygon = support_polygon(now.level_feet(self._robot)[0], self.in_contact_at(now.time))
         return now.pose.transform(polygon)
-
-    def _level_feet(self, now: Measurement) -> tuple[Array, Array]:
-        """Place feet and centre of mass beside base_link, seen from above, (4, 2) and (2,) [m]."""
-        assert now.joint_positions is not None
-        joints = now.joint_positions.reshape(4, 3)
-        feet, center = self._robot.foot_positions(joints), self._robot.center_of_mass(joints)
-        if now.orientation is not None:
-            roll, pitch, _ = angles_of(now.orientation)
-            rotation = rotation_of(np.array([roll, pitch, 0.0]))
-            feet, center = feet @ rotation.T, center @ rotation.T
-        return feet[:, :2], center[:2]
 
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
@@ -471,7 +416,7 @@ class WalkController:
             self._set_activity(Activity.SITTING, 'sitting on request; it waits for stand')
             return None
         try:
-            problem = self._lack_of_effect(now.pose, now.pose)
+            problem = self._progress.problem(now.pose, self._expected_at_rest(now.pose))
             if problem is not None:
                 self._give_up(Activity.BLOCKED, problem)
                 return None
@@ -487,42 +432,34 @@ class WalkController:
 
     def _go_on(self, now: Measurement, current: ScheduledCycle) -> JointTrajectory | None:
         """Decide for a robot in motion, shortly before its cycle ends."""
-        expected = current.pose_at(now.time)
-        end = now.pose @ self._without_slip(current, now.time, expected)
+        end = now.pose @ self._planner.end_with_slip(current, now.time)
         self._take_new_plan(now.pose)
-        problem = self._lack_of_effect(now.pose, expected)
+        problem = self._progress.problem(now.pose, current.pose_at(now.time))
         if problem is not None:
             self._give_up(Activity.BLOCKED, problem)
         if problem is not None or self._new_gaits is not None or self._is_to_sit:
             self._come_to_rest(current)
             return None
         try:
-            step = self._next_step(end, self._speed)
-            if step is None or self._gear(step) is not self._gear_in_use:
+            step = self._next_step(end, self._planner.speed)
+            if step is None or self.gears.of(step) is not self._planner.gear:
                 self._come_to_rest(current)
                 return None
-            cycle = self._generate(step, current.cycle.joint_positions[-1], current.cycle)
-            if cycle.limit and self._gait_for(step) != cycle.gait:
+            cycle = self._planner.go_on(self.gears, step, current.cycle)
+            if cycle.limit and self.gears.order_of(step) != cycle.gait:
                 # Another order of the legs can do more, but is taken up at rest only.
                 self._come_to_rest(current)
                 return None
-            planned = self._with_stop(ScheduledCycle(cycle, current.end, end))
+            planned = self._planner.with_stop(ScheduledCycle(cycle, current.end, end))
         except GaitError as error:
             self.limit = str(error)
             self._come_to_rest(current)
             return None
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
-        self._decided = now.pose
+        self._progress.begin(now.pose)
         self._say(step, cycle.motion, cycle.limit)
         return self._sequence.trajectory(self._robot, now.time)
-
-    def _without_slip(self, current: ScheduledCycle, time: float, expected: Pose2D) -> Pose2D:
-        """Return how the body will have moved at a cycle's end: slip takes back what it costs."""
-        ahead = expected.inverse() @ current.end_pose
-        share = (current.end - time) / current.cycle.period
-        slip = self._slip
-        return ahead @ BodyMotion(-share * slip.forward, -share * slip.left, -share * slip.turn).end
 
     def _come_to_rest(self, current: ScheduledCycle) -> None:
         """Let the stop that follows this cycle happen: it was given out with it."""
@@ -565,110 +502,33 @@ class WalkController:
         """Begin a step over uneven ground."""
         options = self._options.uneven
         assert options is not None
-        self._gear_in_use = self._gear(step)
         self._stride = UnevenStride(
-            self._robot, self._gait_for(step), step.motion, now.pose, self._height_map, options
+            self._robot, self.gears.order_of(step), step.motion, now.pose, self._height_map, options
         )
-        self._decided = now.pose
-        self._stride_end = step.motion.end
+        self._progress.begin(now.pose)
+        self._stride_goal = now.pose @ step.motion.end
         self._say(step, step.motion)
         return self._go_on_with_stride(now)
 
     def _first_cycle(self, now: Measurement, step: Step) -> JointTrajectory:
         """Begin to move."""
         assert now.joint_positions is not None
-        cycle = self._generate(step, now.joint_positions.reshape(4, 3))
+        cycle = self._planner.begin(self.gears, step, now.joint_positions.reshape(4, 3))
         options = self._options
         # Back to back with the last cycle, unless that is too late to be heard in time.
         earliest = now.time + options.lead_time - cycle.gait.motion_start
         start = max(self._busy_until, earliest, _FIRST_STAMP)
-        planned = self._with_stop(ScheduledCycle(cycle, start, now.pose))
+        planned = self._planner.with_stop(ScheduledCycle(cycle, start, now.pose))
         self._sequence.clear()
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
-        self._decided = now.pose
+        self._progress.begin(now.pose)
         self._say(step, cycle.motion, cycle.limit)
         return self._sequence.trajectory(self._robot, start)
 
-    def _with_stop(self, scheduled: ScheduledCycle) -> list[ScheduledCycle]:
-        """Add the cycle that brings the body to rest, if it is not at rest anyway."""
-        stop = self._stop_after(scheduled.cycle)
-        if stop is None:
-            return [scheduled]
-        return [scheduled, ScheduledCycle(stop, scheduled.end, scheduled.end_pose)]
-
-    def _stop_after(self, cycle: Cycle) -> Cycle | None:
-        """Plan the cycle that brings the body to rest; None if it is at rest anyway."""
-        if not cycle.exit:
-            return None
-        return generate_cycle(
-            self._robot,
-            cycle.gait,
-            BodyMotion.during(cycle.exit, (1.0 - cycle.gait.gathering) * cycle.period),
-            start_feet=cycle.end_feet,
-            entry=cycle.exit,
-            sample_period=self._options.sample_period,
-            least_margin=_slack(self._gear_in_use.least_margin),
-            track=self._tracking(cycle.joint_positions[-1]),
-        )
-
-    def _generate(self, step: Step, start_joints: Array, before: Cycle | None = None) -> Cycle:
-        """Plan a step: from rest, or following another cycle at its speed."""
-        gear = self._gear(step)
-        self._gear_in_use = gear
-        entry = STILL if before is None else self._speed
-        motion, exit = step.motion, self._gathered(step.exit, entry, gear)
-        if exit is not step.exit:
-            # Less speed at the end: less way.
-            lost = BodyMotion.during(step.exit.minus(exit), gear.gathering * gear.period)
-            motion = motion.minus(lost)
-        compensated = self._compensation.compensated
-        speed = compensated(gear.gait, BodyMotion.during(exit, gear.period)).rate(gear.period)
-        cycle = generate_largest_cycle(
-            self._robot,
-            self._gait_for(step) if before is None else before.gait,
-            compensated(gear.gait, motion),
-            start_feet=None if before is None else before.end_feet,
-            entry=STILL if before is None else before.exit,
-            exit=speed,
-            sample_period=self._options.sample_period,
-            least_margin=_slack(gear.least_margin),
-            track=self._tracking(start_joints),
-            accept=self._check_stop_after,
-        )
-        share = _ratio(cycle.exit, speed)
-        self._speed = exit.scaled(share)
-        self._slip = BodyMotion.during(speed.minus(exit), share * gear.period)
-        return cycle
-
-    def _check_stop_after(self, cycle: Cycle) -> None:
-        """Raise a GaitError if the body could not be brought to rest after a cycle."""
-        self._stop_after(cycle)
-
-    def _gathered(self, wanted: Twist2D, entry: Twist2D, gear: MotionLimits) -> Twist2D:
-        """Let a dynamic gait gather speed over a few cycles: it would rock otherwise."""
-        if gear.gait.is_static or not wanted:
-            return wanted
-        way = BodyMotion.during(wanted, gear.period)
-        largest = gear.largest_share(way) * gear.size(way)
-        gain = wanted.minus(entry)
-        size = gear.size(BodyMotion.during(gain, gear.period))
-        if size <= _SPEED_STEP * largest:
-            return wanted
-        return entry.plus(gain.scaled(_SPEED_STEP * largest / size))
-
-    def _tracking(self, start_joints: Array) -> FootTracking | None:
-        """Return S1's law, beginning at the joints' angles, if it is to be used."""
-        gain = self._options.tracking_gain
-        if gain is None:
-            return None
-        return lambda robot, times, feet, velocities: track_feet(
-            robot, times, feet, velocities, start_joints, gain
-        )
-
     def _next_step(self, pose: Pose2D, entry: Twist2D) -> Step | None:
         """Turn what is wanted into a step; None to stay, or to come to rest."""
-        if self._steering is not None:
+        if self._steering:
             return self._steer(pose, entry)
         if self._follower.plan is None:
             if not entry and self.activity not in _SAID:
@@ -682,70 +542,16 @@ class WalkController:
         return step
 
     def _steer(self, pose: Pose2D, entry: Twist2D) -> Step | None:
-        """Walk with the wanted velocity, on the course that it has described so far."""
-        assert self._steering is not None
-        steering, self.limit = self._steering, ''
-        if self._last_time > steering.time + self._options.twist_timeout:
-            self._steering = None
-            self._reason_to_stand = 'the steering has timed out'
-            if not entry:
-                self._set_activity(Activity.STANDING, self._reason_to_stand)
-            return None
-        wanted = steering.twist
-        gear = self.gear_for(wanted)
-        twist, limit = gear.limited(wanted)
-        if not wanted or not twist:
-            self.limit = limit
-            if not entry:
-                self._set_activity(Activity.STANDING, limit or 'steered to stand')
-            self._course = None
-            return None
-        if limit:
-            self.limit = (
-                f'steered at {_described(wanted)}, walking at {_described(twist)}, '
-                f'the most that the {gear.gait.name} gait does: {limit}'
-            )
-        if entry and gear is not self._gear_in_use:
-            self._course = None
-            return None
-        period = gear.period
-        motion = BodyMotion.during(twist, period)
-        if gear.is_steady:
-            share = gear.gathering
-            motion = BodyMotion.during(entry.scaled(1.0 - share).plus(twist.scaled(share)), period)
-        target = self._on_course(pose) @ motion.end
-        self._course = target
-        exit_twist = twist if gear.is_steady else STILL
-        return Step(
-            is_turn=gear is self._turning and gear is not self._walking,
-            motion=BodyMotion.reaching(pose.inverse() @ target),
-            exit=exit_twist,
+        """Turn the velocity that is wanted into a step."""
+        steered = self._steering.next_step(
+            self._last_time, pose, entry, self.gears, self._planner.gear
         )
-
-    def _on_course(self, pose: Pose2D) -> Pose2D:
-        """Return where the steering would have brought the robot; or where it is, if lost."""
-        course = self._course
-        if course is None or not self._options.hold_course:
-            return pose
-        correction = self._options.follower.largest_correction
-        apart = pose.inverse() @ course
-        near = math.hypot(apart.x, apart.y) <= correction
-        return course if near and abs(apart.yaw) < math.radians(12.0) else pose
-
-    def _gait_for(self, step: Step) -> Gait:
-        """Choose the order of the legs by where the body goes, not by what is corrected."""
-        gear = self._gear(step)
-        way = BodyMotion.during(step.exit, gear.period) if step.exit else step.motion
-        return gear.gait_for(way)
-
-    def _gear(self, step: Step) -> MotionLimits:
-        return self._turning if step.is_turn else self._walking
-
-    def gear_for(self, twist: Twist2D) -> MotionLimits:
-        """Return the gait that a velocity is walked with: for walking, or for turning."""
-        translation = math.hypot(twist.forward, twist.left)
-        is_turn = bool(twist.turn) and translation <= _PURE_TURN * abs(twist.turn)
-        return self._turning if is_turn else self._walking
+        self.limit = steered.limit
+        if not self._steering:
+            self._reason_to_stand = steered.reason
+        if steered.reason and not entry:
+            self._set_activity(Activity.STANDING, steered.reason)
+        return steered.step
 
     @cached_property
     def _crouching(self) -> Array:
@@ -776,7 +582,7 @@ class WalkController:
         self._lameness = Lameness(self._robot, fault, stop)
         self._give_up_plan()
         self._follower.follow(None, now.pose)
-        self._steering = None
+        self._steering.end()
         self._forget_schedule()
         self.limit = ''
 
@@ -799,20 +605,16 @@ class WalkController:
     def _take_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
         # Over uneven ground every swing is balanced anew: there only legs and joints limit.
         margin = self._options.least_margin if self._options.uneven is None else -math.inf
-        self._walking = MotionLimits(self._robot, gait, margin)
-        is_same = turning_gait == gait
-        self._turning = (
-            self._walking if is_same else MotionLimits(self._robot, turning_gait, margin)
-        )
-        self._gear_in_use = self._walking
-        self._follower = PathFollower(self._walking, self._turning, follower)
+        self.gears = Gears(self._robot, gait, turning_gait, margin)
+        """The gaits for walking and for turning."""
+        self._follower = PathFollower(self.gears.walking, self.gears.turning, follower)
 
     def _take_new_wishes(self, pose: Pose2D) -> None:
         if self._new_gaits is not None:
             is_following = self._follower.plan is not None
             self._take_gaits(*self._new_gaits)
             self._new_gaits = None
-            self._course = None
+            self._steering.lose_course()
             if is_following:
                 self._follower.follow(self._wanted, pose, self._pieces)
         self._take_new_plan(pose)
@@ -821,7 +623,7 @@ class WalkController:
         if self._has_new_plan:
             self._has_new_plan = False
             self._follower.follow(self._wanted, pose, self._pieces)
-            self._cycles_without_effect = 0
+            self._progress.begin_anew()
             if self.activity in _SAID:
                 self._set_activity(Activity.STANDING, self._why_standing())
             self.limit = ''
@@ -839,7 +641,7 @@ class WalkController:
 
     def _give_up(self, activity: Activity, reason: str) -> None:
         self._follower.follow(None, Pose2D(0.0, 0.0, 0.0))
-        self._steering = None
+        self._steering.end()
         self._set_activity(activity, reason)
 
     def _why_standing(self) -> str:
@@ -880,48 +682,15 @@ class WalkController:
         self._still_since = math.inf
         self._stride = None
         self._sequence.clear()
-        self._decided = None
-        self._course = None
-        if self._steering is not None:
-            self._steering = Steering(self._steering.twist, -math.inf)
+        self._progress.forget()
+        self._steering.expire()
 
-    def _lack_of_effect(self, pose: Pose2D, expected: Pose2D) -> str | None:
-        """Say how little came of the last cycles, if they did not move the robot."""
-        if self._decided is None:
-            return None
-        last = self._sequence.last
+    def _expected_at_rest(self, pose: Pose2D) -> Pose2D:
+        """Return where the cycle that was begun last should have brought the robot by its end."""
         if self._options.uneven is not None:
-            expected = self._decided @ self._stride_end
-        elif last is not None and expected is pose:
-            expected = last.end_pose if not last.cycle.exit else self._resting_pose()
-        planned = self._decided.inverse() @ expected
-        done = self._decided.inverse() @ pose
-        self._decided = None
-        # A turn of 1 rad counts as much as a quarter of a metre.
-        size = math.hypot(planned.x, planned.y, 0.25 * planned.yaw)
-        error = planned.inverse() @ done
-        missing = math.hypot(error.x, error.y, 0.25 * error.yaw)
-        if size < 0.1 * self._robot.largest_stride:
-            # Too little to tell, as the first cycle of a gait that gathers speed.
-            return None
-        has_effect = missing < 0.7 * size
-        self._cycles_without_effect = 0 if has_effect else self._cycles_without_effect + 1
-        if self._cycles_without_effect < _BLOCKED_CYCLES:
-            return None
-        self._cycles_without_effect = 0
-        return (
-            f'the robot does not follow its commands: {_BLOCKED_CYCLES} cycles without effect, '
-            f'the last planned {math.hypot(planned.x, planned.y):.3f} m and '
-            f'{math.degrees(planned.yaw):.1f} degrees and gave '
-            f'{math.hypot(done.x, done.y):.3f} m and {math.degrees(done.yaw):.1f} degrees; '
-            f'is it stuck, or is its joint controller not running?'
-        )
-
-    def _resting_pose(self) -> Pose2D:
-        """Where the body is to be after the cycle that brings it to rest."""
-        resting = self._sequence.final
-        assert resting is not None
-        return resting.end_pose
+            return self._stride_goal
+        final = self._sequence.final
+        return pose if final is None else final.end_pose
 
     def _take_posture(self, time: float, joint_positions: Array, posture: Array) -> JointTrajectory:
         options = self._options
@@ -934,7 +703,7 @@ class WalkController:
             sample_period=options.sample_period,
         )
         self._sequence.clear()
-        self._decided = None
+        self._progress.forget()
         self._busy_until = trajectory.end
         self._stance = self._robot.initial_joint_angles if self._is_to_sit else posture
         if self._is_to_sit:
@@ -947,7 +716,7 @@ class WalkController:
         return trajectory
 
     def _say(self, step: Step, motion: BodyMotion, limit: str = '') -> None:
-        if self._steering is None:
+        if not self._steering:
             self.limit = ''
         if limit:
             self.limit = f'a cycle was shortened: {limit}'
@@ -957,7 +726,7 @@ class WalkController:
         else:
             self.activity = Activity.WALKING
             self.reason = f'walking {math.hypot(motion.forward, motion.left):.3f} m'
-            if self._options.follower.turning != 'in_place' or self._steering is not None:
+            if self._options.follower.turning != 'in_place' or self._steering:
                 self.reason += f' and turning by {math.degrees(motion.turn):.1f} degrees'
 
     def _set_activity(self, activity: Activity, reason: str) -> None:
@@ -977,21 +746,6 @@ class WalkController:
         center = self._robot.center_of_mass(joints)[:2]
         feet = self._robot.neutral_feet[:, :2]
         return float(stability_margin(center, feet, np.ones(4, dtype=bool)))
-
-
-def _ratio(a: Twist2D, b: Twist2D) -> float:
-    """Say how much of a velocity another one with the same direction is."""
-    part, whole = (abs(v.forward) + abs(v.left) + abs(v.turn) for v in (a, b))
-    return part / whole if whole else 0.0
-
-
-def _slack(least_margin: float) -> float:
-    """Allow dynamic gaits a little more while they change their speed."""
-    return least_margin if least_margin >= 0.0 else _MORE_BESIDE * least_margin
-
-
-def _described(twist: Twist2D) -> str:
-    return f'({twist.forward:.3f}, {twist.left:.3f}) m/s and {math.degrees(twist.turn):.1f} deg/s'
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:

@@ -13,11 +13,12 @@ from quad_common.robot import load_robot
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.gait_generator import generate_cycle
+from quad_gait.measurement import Measurement
 from quad_gait.motion_limits import MotionLimits
 from quad_gait.path_follower import FollowerOptions
 from quad_gait.posture import crouching_joint_angles
 from quad_gait.slip_compensation import NO_SLIP, Calibration, SlipCompensation
-from quad_gait.walk_controller import Activity, ControllerOptions, Measurement, WalkController
+from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 from quad_sim.simulator import tilt_of
@@ -624,7 +625,7 @@ def test_a_limit_that_bites_is_reported_and_keeps_the_direction(gait, wanted):
     walk.controller.set_twist(wanted.scaled(3.0))
     walk.run(lambda: walk.controller.cycle is not None, 2.0)
     controller = walk.controller
-    twist, reason = controller.gear_for(wanted).limited(wanted.scaled(3.0))
+    twist, reason = controller.gears.of_twist(wanted).limited(wanted.scaled(3.0))
     assert reason
     for velocity in (wanted.scaled(3.0), twist):
         said = f'({velocity.forward:.3f}, {velocity.left:.3f}) m/s'

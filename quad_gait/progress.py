@@ -1,0 +1,91 @@
+"""
+Whether cycles have the effect that was planned: a robot may be stuck, or nobody moves it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from quad_common.planar_pose import Pose2D
+
+_BLOCKED_CYCLES = 3
+"""After so many cycles without the planned effect in a row the robot gives up."""
+
+_TURN = 0.25
+"""A turn of 1 rad counts as much as so many metres."""
+
+_LARGEST_LACK = 0.7
+"""A cycle of which a larger share is missing has had no effect."""
+
+_TOO_LITTLE = 0.1
+"""A share of the largest stride that tells nothing, as the first cycle of a gait that gathers
+speed."""
+
+
+class Progress:
+    """
+    Compares what cycles were planned to do with what they did.
+
+    Parameters
+    ----------
+    largest_stride : float
+        Of the robot [m].
+    """
+
+    def __init__(self, largest_stride: float) -> None:
+        self._least = _TOO_LITTLE * largest_stride
+        self._begun_at: Pose2D | None = None
+        self._without_effect = 0
+
+    def begin(self, pose: Pose2D) -> None:
+        """Note where the robot is when its next cycle is planned."""
+        self._begun_at = pose
+
+    def forget(self) -> None:
+        """Leave the cycle out: something else moved the robot."""
+        self._begun_at = None
+
+    def begin_anew(self) -> None:
+        """Count from here: something new is wished for."""
+        self._without_effect = 0
+
+    def problem(self, pose: Pose2D, expected: Pose2D) -> str | None:
+        """
+        Say how little came of the last cycles, if they did not move the robot.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Where the robot is now.
+        expected : Pose2D
+            Where the cycle that was begun last should have brought it by now.
+
+        Returns
+        -------
+        str or None
+            A sentence; None if the cycle had effect, or too few had none.
+        """
+        if self._begun_at is None:
+            return None
+        before = self._begun_at.inverse()
+        self._begun_at = None
+        planned, done = before @ expected, before @ pose
+        size = _size(planned)
+        if size < self._least:
+            return None
+        has_effect = _size(planned.inverse() @ done) < _LARGEST_LACK * size
+        self._without_effect = 0 if has_effect else self._without_effect + 1
+        if self._without_effect < _BLOCKED_CYCLES:
+            return None
+        self._without_effect = 0
+        return (
+            f'the robot does not follow its commands: {_BLOCKED_CYCLES} cycles without effect, '
+            f'the last planned {math.hypot(planned.x, planned.y):.3f} m and '
+            f'{math.degrees(planned.yaw):.1f} degrees and gave '
+            f'{math.hypot(done.x, done.y):.3f} m and {math.degrees(done.yaw):.1f} degrees; '
+            f'is it stuck, or is its joint controller not running?'
+        )
+
+
+def _size(way: Pose2D) -> float:
+    return math.hypot(way.x, way.y, _TURN * way.yaw)
