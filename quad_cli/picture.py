@@ -199,8 +199,10 @@ def _draw_map(
     picture[grid.unknown()] = (0.8, 0.8, 0.8, 1.0)
     picture[grid.occupied()] = (0.15, 0.15, 0.15, 1.0)
     if of_map is not None:
-        picture[grid.occupied() & ~of_map.occupied()] = (0.6, 0.3, 0.1, 1.0)
-        axes.plot([], [], 's', color=(0.6, 0.3, 0.1), label='too high or too steep')
+        too_much = grid.occupied() & ~of_map.occupied()
+        picture[too_much] = (0.6, 0.3, 0.1, 1.0)
+        if too_much.any():
+            axes.plot([], [], 's', color=(0.6, 0.3, 0.1), label='too high or too steep')
     # Cells are drawn in map coordinates and brought into the world, for maps with a yaw.
     to_world = (
         Affine2D()

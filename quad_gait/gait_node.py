@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.errors import WrongFrame
+from quad_common.errors import QuadError, WrongFrame
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
@@ -252,8 +252,10 @@ class GaitNode(QuadNode[GaitParameters]):
         self, request: Any, _: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
         """Hand stand, sit or stop to the controller."""
-        response.message = request()
-        response.success = True
+        try:
+            response.message, response.success = request(), True
+        except QuadError as error:
+            response.message, response.success = str(error), False
         return response
 
 

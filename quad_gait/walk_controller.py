@@ -270,7 +270,7 @@ class WalkController:
     def sit(self) -> str:
         """Stop, and lower the body as far as it goes; only :meth:`stand` ends it."""
         if self._lameness is not None:
-            return f'the robot is lame, and stays as it is: {self._lameness.fault}'
+            raise GaitError(f'the robot is lame, and stays as it is: {self._lameness.fault}')
         self.stop()
         self._is_to_sit = True
         return 'the robot stops at the end of its gait cycle and sits down, until stand is called'

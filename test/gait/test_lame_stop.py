@@ -8,12 +8,13 @@ import pytest
 pytest.importorskip('pybullet')
 
 from quad_cli.direct_walk import DirectWalk
+from quad_common.errors import GaitError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import LEGS, load_robot
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.lame_stop import tipping
-from quad_gait.uneven_stride import UnevenOptions
+from quad_gait.swing_planner import UnevenOptions
 from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
 from quad_sim.joint_failure import JointFailure
 
@@ -93,6 +94,8 @@ def test_a_lame_robot_refuses_plans_and_steering_and_says_so(lame_walk):
     walk = lame_walk('rf_knee_pitch_joint', 'stuck', 4.5)
     walk.rests()
     controller, reason = walk.controller, walk.controller.reason
+    with pytest.raises(GaitError, match='stays as it is: rf_knee_pitch_joint'):
+        controller.sit()
     for wish, words in (
         (lambda: controller.set_plan(Plan.through([[0.0, 0.0], [0.0, 2.0]], 0.0)), 'the plan is'),
         (lambda: controller.set_twist(Twist2D(0.05)), 'steering is'),
