@@ -7,7 +7,7 @@ that of whoever says where the robot is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from quad_common.height_map import HeightMap
 Array = NDArray[np.float64]
 
 _ALONG = 0.02
-"""Between the points of a path at which the ground is looked up [m]."""
+"""Between the points of a path at which a plane is looked up [m]."""
 
 _FLATTEST = 1e-3
 """Feet on a line give no plane: slopes across it are taken to be level; squared [m^2]."""
@@ -109,17 +109,20 @@ class GroundModel:
         float
             [m]
         """
-        count = 2 + int(np.hypot(*(end - start)) / _ALONG)
+        # No farther apart than cells: a corner between two points is in the way all the same.
+        apart = _ALONG if self.height_map is None else self.height_map.resolution
+        count = 2 + int(np.hypot(*(end - start)) / apart)
         way = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
         highest = float(np.max(self.height(way)))
         if self.height_map is not None:
-            near = self.height_map.highest_within(way, radius) + self.shift
+            reach = radius + self.height_map.resolution / 2.0
+            near = self.height_map.highest_within(way, reach) + self.shift
             highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
         return highest
 
     def best_foothold(self, wanted: Array, choice: FootholdChoice) -> Array:
         """
-        Find the nearest place where a foot stands well: on no edge, in no hole.
+        Find the nearest place where a foot stands well: on no edge, in no hole, its shin free.
 
         Parameters
         ----------
@@ -145,10 +148,26 @@ class GroundModel:
         bad = np.maximum(rough - choice.largest_step, 0.0) + np.maximum(
             off - choice.largest_offset, 0.0
         )
+        bad += _lack_of_room(heights, places, choice)
         away = np.hypot(*choice.offsets.T)
         order = np.lexsort((away, np.round(bad, 4)))
         best: Array = places[order[0]]
         return best
+
+
+def _lack_of_room(heights: HeightMap, places: Array, choice: FootholdChoice) -> Array:
+    """Return by how much edges are too high, or too deep, so near to foot and shin, (n,) [m]."""
+    if not len(choice.shin):
+        return np.zeros(len(places))
+    # Cells as they are: between them heights are interpolated, which hides edges.
+    own = heights.highest_within(places, 0.0)
+    near = choice.shin_radius + heights.resolution / 2.0
+    beside = places[:, None] + choice.shin[:, :2]
+    room = own[:, None] + choice.shin[:, 2] - heights.highest_within(beside, near)
+    drop = np.nan_to_num(own - heights.lowest_within(places, near))
+    too_deep = np.maximum(drop - choice.shin[:, 2].min(), 0.0)
+    lack: Array = too_deep - np.nanmin(room, axis=1, initial=0.0)
+    return lack
 
 
 @dataclass(frozen=True)
@@ -163,6 +182,11 @@ class FootholdChoice:
     """Heights around it may differ by so much [m]."""
     largest_offset: float
     """From the plane through the feet [m]."""
+    shin: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """Where the middle of foot and shin is while the foot stands, in all postures, from the
+    point below the foot, shape (n, 3) [m]."""
+    shin_radius: float = 0.0
+    """Ground so near to it must not be higher than it is [m]."""
 
     @property
     def offsets(self) -> Array:

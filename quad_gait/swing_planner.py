@@ -42,6 +42,12 @@ then, and its knee would be too fast."""
 BIT = 3
 """So many samples of a search are given out at a time: a foot presses on for no longer."""
 
+_STANCE = (0.5, 0.0, -0.5, -1.0)
+"""Where a foot stands beside its place under the body, in strides, until it is lifted."""
+
+_ON_SHIN = np.linspace(0.0, 0.7, 8)
+"""Points between foot and knee, higher than which no step is."""
+
 _WAYS = sorted(
     product(_SHARES, _TILTS, _LOWER),
     # A lower body costs little, a shorter step more, and a tilt most.
@@ -88,6 +94,8 @@ class UnevenOptions:
     """How far a foot may be put beside its place, for a better hold [m]."""
     foothold_radius: float = 0.045
     """Around a foot the ground should be even [m]."""
+    shin_clearance: float = 0.01
+    """Around foot and shin what is higher than they are is kept so far away [m]."""
     largest_step: float = 0.025
     """Heights around a foot differ by at most so much on even ground [m]."""
 
@@ -158,10 +166,11 @@ class SwingPlanner:
             If they can do none.
         """
         start = now.feet[leg]
+        shin = self._shin(leg, place - start[:2], now.body.yaw)
         problem: GaitError | None = None
         for share, tilt, lower in _WAYS:
             try:
-                target = self._target(ground, start, place, share)
+                target = self._target(ground, start, place, share, shin)
                 swing = self._swing_to(now, commanded, ground, leg, target, 1.0, tilt, lower)
             except GaitError as error:
                 problem = problem or error
@@ -281,7 +290,34 @@ class SwingPlanner:
         lifted_at, feels_from = (int(np.searchsorted(times, t)) for t in (lift, lift_end))
         return Swing(motion, lifted_at, feels_from, depth)
 
-    def _target(self, ground: GroundModel, start: Array, place: Array, share: float) -> Array:
+    def _shin(self, leg: int, stride: Array, yaw: float) -> Array:
+        """
+        Place points of foot and shin while the foot stands, shape (n, 3) [m].
+
+        They are measured from the point below the foot. The body goes on by one stride,
+        shape (2,), until the foot is lifted again; how it sways meanwhile does not count.
+        """
+        robot, c, s = self._robot, math.cos(yaw), math.sin(yaw)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        way = np.array([*stride, 0.0]) @ turn
+        shins = []
+        for share in _STANCE:
+            foot = robot.neutral_feet[leg] + share * way
+            try:
+                shins.append(robot.legs[leg].chain(robot.legs[leg].inverse(foot))[1] - foot)
+            except GaitError:
+                continue
+        shin = np.array(shins).reshape(-1, 1, 3)
+        points = _ON_SHIN[:, None] * shin
+        # The foot rolls under its shin.
+        points[..., :2] += robot.foot_radius * (_lean(shin) - _lean(shin[:1]))
+        points[..., 2] += robot.foot_radius
+        turned: Array = points.reshape(-1, 3) @ turn.T
+        return turned
+
+    def _target(
+        self, ground: GroundModel, start: Array, place: Array, share: float, shin: Array
+    ) -> Array:
         """Choose where a foot goes: its centre, shape (3,) [m]."""
         options, scale = self._options, self._scale
         wanted = start[:2] + share * (place - start[:2])
@@ -291,6 +327,8 @@ class SwingPlanner:
                 max(scale * options.foothold_radius, self._robot.foot_radius),
                 scale * options.largest_step,
                 self._robot.roughness + scale * self._swing_height,
+                shin,
+                self._robot.foot_radius + scale * options.shin_clearance,
             )
             wanted = ground.best_foothold(wanted, choice)
         return np.array([*wanted, float(ground.height(wanted)) + self._robot.foot_radius])
@@ -395,6 +433,11 @@ def _turn(start: BodyPose, end: BodyPose) -> float:
 
 def _lowered(body: BodyPose, way: float) -> BodyPose:
     return BodyPose(body.position - np.array([0.0, 0.0, way]), body.roll, body.pitch, body.yaw)
+
+
+def _lean(shin: Array) -> Array:
+    """By which angles a shin, shape (..., 3), leans to x and y, shape (..., 2) [rad]."""
+    return np.arctan2(shin[..., :2], shin[..., 2:])
 
 
 def _ramp(duration: float) -> float:

@@ -1,6 +1,7 @@
 """What is known of the ground: a plane through the feet, a height map, good footholds."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,12 +70,46 @@ def test_the_highest_ground_between_two_places_is_found_also_beside_the_way():
     assert ground.highest_between(start, np.array([-0.1, 0.0]), 0.05) == pytest.approx(0.0)
 
 
+def test_a_corner_beside_a_fine_map_s_way_is_found_wherever_it_is():
+    level = HeightMap.level((-0.2, -0.2, 0.2, 0.2), 0.005)
+    start, end = np.array([-0.1, 0.0]), np.array([0.1, 0.0])
+    for x in np.arange(-0.05, 0.05, 0.005):
+        corner = np.hypot(level.centres[..., 0] - x, level.centres[..., 1] - 0.01) < 0.004
+        ground = GroundModel.through(FEET / 10.0, level.with_heights(np.where(corner, 0.03, 0.0)))
+        assert ground.highest_between(start, end, 0.01) == pytest.approx(0.03)
+
+
 @pytest.mark.parametrize('x', [-0.02, -0.01, 0.0, 0.01, 0.02])
 def test_a_foothold_moves_off_an_edge(x):
     ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero())
     best = ground.best_foothold(np.array([x, 0.1]), CHOICE)
     assert abs(best[0]) >= 0.02
     assert math.dist(best, (x, 0.1)) <= CHOICE.reach + 1e-9
+
+
+@pytest.mark.parametrize('lean', [-0.6, 0.0, 0.6])
+def test_a_foothold_leaves_room_for_the_shin(lean):
+    ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero())
+    up = np.linspace(0.0, 0.15, 8)
+    shin = np.column_stack([lean * up, np.zeros(8), 0.015 + up])
+    choice = replace(CHOICE, reach=0.1, shin=shin, shin_radius=0.025)
+    best = ground.best_foothold(np.array([-0.04, 0.1]), choice)
+    assert best[0] < 0.0
+    below_the_edge = best[0] + shin[shin[:, 2] < 0.05, 0]
+    assert (below_the_edge < -choice.shin_radius).all()
+    # It goes no farther than it must.
+    assert best[0] > -0.04 - choice.reach
+    if lean <= 0.0:
+        assert best == pytest.approx([-0.04, 0.1], abs=0.026)
+
+
+@pytest.mark.parametrize('x', [-0.015, 0.005, 0.015])
+def test_a_foot_stands_neither_beside_nor_on_the_edge_of_a_step_that_is_small(x):
+    ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero(0.022))
+    assert ground.best_foothold(np.array([x, 0.1]), CHOICE) == pytest.approx([x, 0.1])
+    choice = replace(CHOICE, shin=np.array([[0.0, 0.0, 0.015]]), shin_radius=0.025)
+    best = ground.best_foothold(np.array([x, 0.1]), choice)
+    assert abs(best[0]) >= choice.shin_radius
 
 
 def test_good_ground_is_left_as_it_is_and_so_is_ground_without_a_map():

@@ -44,8 +44,8 @@ def controller_for(robot, height_map=None, **options):
     return controller
 
 
-def world_with(*blocks):
-    field = HeightMap.level((-2.0, -2.0, 4.0, 2.0), 0.02)
+def world_with(*blocks, resolution=0.02):
+    field = HeightMap.level((-2.0, -2.0, 4.0, 2.0), resolution)
     return replace(world_from_map(None), terrain=Terrain(field, blocks))
 
 
@@ -201,6 +201,16 @@ def test_a_kerb_is_climbed_with_the_body_level(sees):
     assert controller.activity is Activity.ARRIVED, controller.reason
     assert max(walk.record.tilts) < math.radians(2.5)
     assert min(walk.record.margins) > 0.01
+    if sees:
+        assert walk.simulation.contacts_seen == set()
+
+
+def test_a_small_robot_climbs_a_kerb_and_its_shins_keep_off_the_edge():
+    world = world_with(Block(Pose2D(0.45, 0.0, 0.0), 0.6, 1.2, 0.021), resolution=0.01)
+    walk, controller = walked(load_robot('genibo'), world, 0.6, world.terrain.height_map)
+    assert controller.activity is Activity.ARRIVED, controller.reason
+    assert walk.simulation.contacts_seen == set()
+    assert max(walk.record.tilts) < math.radians(1.5)
 
 
 def test_the_robot_turns_on_bumps():
