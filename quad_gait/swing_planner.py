@@ -7,8 +7,10 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,7 @@ from quad_gait.joint_motion import JointMotion
 from quad_gait.stance import Stance
 
 Array = NDArray[np.float64]
+Planned = TypeVar('Planned')
 
 _LIFT_AT = 0.85
 """A foot is lifted after this share of the time in which the body goes over the others."""
@@ -167,32 +170,23 @@ class SwingPlanner:
         """
         start = now.feet[leg]
         shin = self._shin(leg, place - start[:2], now.body.yaw)
-        problem: GaitError | None = None
-        for share, tilt, lower in _WAYS:
-            try:
-                target = self._target(ground, start, place, share, shin)
-                swing = self._swing_to(now, commanded, ground, leg, target, 1.0, tilt, lower)
-            except GaitError as error:
-                problem = problem or error
-                continue
-            if share < 1.0:
-                return replace(swing, limit=f'a step was shortened: {problem}')
-            return swing
-        assert problem is not None
-        raise problem
+
+        def plan(share: float, tilt: float, lower: float) -> tuple[float, Swing]:
+            target = self._target(ground, start, place, share, shin)
+            return share, self._swing_to(now, commanded, ground, leg, target, 1.0, tilt, lower)
+
+        (share, swing), problem = _first_possible(plan, _WAYS)
+        return swing if share == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
     ) -> Swing:
         """Plan the way back to where a foot stood, its centre, shape (3,) [m]; as `swing`."""
-        problem: GaitError | None = None
-        for tilt, lower in _POSTURES:
-            try:
-                return self._swing_to(now, commanded, ground, leg, target, _STRETCHED, tilt, lower)
-            except GaitError as error:
-                problem = problem or error
-        assert problem is not None
-        raise problem
+
+        def plan(tilt: float, lower: float) -> Swing:
+            return self._swing_to(now, commanded, ground, leg, target, _STRETCHED, tilt, lower)
+
+        return _first_possible(plan, _POSTURES)[0]
 
     def search(self, now: Stance, commanded: Array | None, legs: list[int]) -> JointMotion:
         """Plan how feet that bear nothing are lowered, a little more than the ground is rough."""
@@ -220,20 +214,17 @@ class SwingPlanner:
     def shift(self, now: Stance, commanded: Array | None, ground: GroundModel) -> JointMotion:
         """Plan how the body gets over its four feet; raise GaitError if no posture will do."""
         yaw = heading_over(self._robot, now.feet)
-        problem: GaitError | None = None
-        for tilt, lower in _POSTURES:
+
+        def plan(tilt: float, lower: float) -> JointMotion:
             target = body_over(self._robot, now.feet, yaw, ground.slope, tilt)
             target = _lowered(target, self._scale * lower)
             duration = self._shift_duration(now.body, target)
             times = self._times(duration)
             share = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
-            try:
-                return self._planned(now, commanded, times, target, share, feet)
-            except GaitError as error:
-                problem = problem or error
-        assert problem is not None
-        raise problem
+            return self._planned(now, commanded, times, target, share, feet)
+
+        return _first_possible(plan, _POSTURES)[0]
 
     def _swing_to(
         self,
@@ -425,6 +416,20 @@ class SwingPlanner:
             start=now.time + self._options.reaction_time,
             given=last if given is None else min(given, last),
         )
+
+
+def _first_possible(
+    plan: Callable[..., Planned], ways: Iterable[tuple[float, ...]]
+) -> tuple[Planned, GaitError | None]:
+    """Plan in one way after the other; return the first that works, and what the first lacked."""
+    problem: GaitError | None = None
+    for way in ways:
+        try:
+            return plan(*way), problem
+        except GaitError as error:
+            problem = problem or error
+    assert problem is not None
+    raise problem
 
 
 def _turn(start: BodyPose, end: BodyPose) -> float:
