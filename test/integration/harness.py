@@ -25,7 +25,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -47,6 +47,9 @@ OK, WARN, ERROR, STALE = (
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = qos_profile_sensor_data
+
+EVERY_SAMPLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""For what comes at 100 Hz of simulated time: ten seconds of it may pass in a test's pause."""
 
 START = Pose2D(1.2, 1.2, 0.0)
 """Where the robot stands at first, unless a test says otherwise."""
@@ -122,8 +125,8 @@ class Bench:
         self._executor.add_node(self.node)
         create = self.node.create_subscription
         create(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
-        create(Odometry, 'odom', self._on_odometry, SENSOR)
-        create(JointState, 'joint_states', self._on_joint_states, SENSOR)
+        create(Odometry, 'odom', self._on_odometry, EVERY_SAMPLE)
+        create(JointState, 'joint_states', self._on_joint_states, EVERY_SAMPLE)
         create(Path, 'plan', self._on_plan, LATCHED)
 
     def __enter__(self) -> Bench:
@@ -158,6 +161,7 @@ class Bench:
         self.start('gait_node')
         self.wait_for_status('planner_node', 'ready', level=OK)
         self.wait_for_status('gait_node', 'standing', level=OK)
+        self.wait_until('the robot is heard of', lambda: self.odometry is not None)
 
     def kill(self, name: str) -> None:
         """End a node at once, as a crash would."""

@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from harness import ERROR, LATCHED, OK, SENSOR, WARN, Bench
+from harness import ERROR, EVERY_SAMPLE, LATCHED, OK, SENSOR, WARN, Bench
 from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -163,7 +163,7 @@ def spoilt(name: str) -> np.ndarray | Image:
 )
 def test_a_bad_picture_is_said_and_the_last_good_map_stays(bench: Bench, room: Room, name, words):
     maps = bench.hear(OccupancyGrid, 'map', LATCHED)
-    fused = bench.hear(Odometry, 'odom/camera', SENSOR)
+    fused = bench.hear(Odometry, 'odom/camera', EVERY_SAMPLE)
     bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
     bench.wait_until('a map', lambda: bool(maps))
     heard = len(maps)
@@ -195,7 +195,7 @@ def stops_when_too_old(bench: Bench, fused: list[Odometry]) -> None:
 
 def test_a_frozen_picture_is_said_while_the_legs_walk(bench: Bench, room: Room):
     bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
-    fused = bench.hear(Odometry, 'odom/camera', SENSOR)
+    fused = bench.hear(Odometry, 'odom/camera', EVERY_SAMPLE)
     room.legs = Pose2D(0.2, 0.0, 0.0)
     bench.wait_for_status('ceiling_camera_node', 'frozen: it has not changed', level=ERROR)
     stops_when_too_old(bench, fused)
@@ -207,7 +207,7 @@ def test_a_robot_out_of_sight_is_carried_on_by_its_legs_and_then_not_known(
     bench: Bench, room: Room
 ):
     bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
-    fused = bench.hear(Odometry, 'odom/camera', SENSOR)
+    fused = bench.hear(Odometry, 'odom/camera', EVERY_SAMPLE)
     room.image = picture(None)
     bench.wait_for_status('ceiling_camera_node', 'the robot is not seen', level=WARN)
     stops_when_too_old(bench, fused)
