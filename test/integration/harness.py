@@ -161,7 +161,7 @@ class Bench:
         self.start('gait_node')
         self.wait_for_status('planner_node', 'ready', level=OK)
         self.wait_for_status('gait_node', 'standing', level=OK)
-        self.wait_until('the robot is heard of', lambda: self.odometry is not None)
+        self.wait_for_robot()
 
     def kill(self, name: str) -> None:
         """End a node at once, as a crash would."""
@@ -260,7 +260,8 @@ class Bench:
 
     @property
     def pose(self) -> Pose2D:
-        """Where the robot is."""
+        """Where the robot is; it is waited for until it is known."""
+        self.wait_for_robot()
         assert self.odometry is not None
         return pose_from_message(self.odometry.pose.pose)
 
@@ -287,6 +288,11 @@ class Bench:
             lambda: self.activity == 'arrived' and self.is_near(goal),
             **timeouts,
         )
+
+    def wait_for_robot(self) -> None:
+        """Listen until odometry and joint states were heard: other nodes may hear them sooner."""
+        self.wait_until('odometry', lambda: self.odometry is not None)
+        self.wait_until('joint states', lambda: self.joint_states is not None)
 
     def wait_for_walking(self, distance: float = 0.15) -> None:
         """Listen until the robot is in the middle of its walk."""

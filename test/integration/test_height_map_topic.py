@@ -25,6 +25,7 @@ def test_the_height_map_is_that_of_the_ground_and_the_robot_is_on_it(bench: Benc
     heard = bench.hear(PointCloud2, 'height_map', LATCHED)
     bench.wait_until('a height map', lambda: bool(heard))
     heights = height_map_from_message(heard[0], ('map',))
+    bench.wait_for_robot()
     start = bench.odometry.pose.pose.position
     assert heights.bounds == pytest.approx(
         (START.x - 5.0, START.y - 5.0, START.x + 5.0, START.y + 5.0), abs=1e-4

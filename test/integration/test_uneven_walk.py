@@ -8,9 +8,8 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import OK, START, Bench
+from harness import EVERY_SAMPLE, OK, START, Bench
 from nav_msgs.msg import Odometry
-from rclpy.qos import qos_profile_sensor_data
 
 from quad_common.planar_pose import Pose2D
 from quad_common.ros_conversions import tilt_from_odometry
@@ -36,12 +35,13 @@ def start_nodes(bench: Bench, terrain: str, **simulator):
     bench.start('gait_node', ground='uneven')
     bench.wait_for_status('planner_node', 'ready', level=OK)
     bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.wait_for_robot()
 
 
 @pytest.mark.parametrize('sees', [True, False])
 def test_it_climbs_a_kerb_with_its_body_level(bench: Bench, sees: bool):
     start_nodes(bench, 'kerb:height=0.04,length=2.0', publish_height_map=sees)
-    heard = bench.hear(Odometry, 'odom', qos_profile_sensor_data)
+    heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
     lowest = bench.odometry.pose.pose.position.z
     bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL, simulated_timeout=120.0)
