@@ -22,7 +22,7 @@ from quad_common.occupancy_grid import OccupancyGrid as Grid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import pose_message
-from quad_common.ros_node import make_executor
+from quad_common.run_node import make_executor
 from quad_planner.parameters import PlannerParameters
 from quad_planner.shortest_planner import ShortestPlanner
 

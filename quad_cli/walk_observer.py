@@ -32,7 +32,7 @@ from quad_common.ros_conversions import (
     pose_message,
     seconds_from_time,
 )
-from quad_common.ros_node import make_executor
+from quad_common.run_node import make_executor
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -1,18 +1,15 @@
 """
-What the nodes have in common: parameters, diagnostics, sane start and end.
+What the nodes have in common: parameters and diagnostics.
 """
 
 from __future__ import annotations
 
 import math
-import signal
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -22,10 +19,8 @@ from rcl_interfaces.msg import (
 )
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
-from rclpy.signals import SignalHandlerOptions
 
 from quad_common.errors import QuadError
 from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
@@ -38,9 +33,6 @@ ERROR = DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE
 
 _NO_LIMIT = 1e308
-
-_LONGEST_WAIT = 0.1
-"""Of an idle node, before it looks whether it is to end [s]."""
 
 _OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 """Parameters that rclpy itself declares."""
@@ -227,90 +219,6 @@ class QuadNode(Node, Generic[Table]):
         except QuadError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
-
-
-def run_node(
-    make_node: Callable[[], Node],
-    args: list[str] | None = None,
-    drive: Callable[[Any], float] | None = None,
-) -> int:
-    """
-    Run a node until it is interrupted; end quietly.
-
-    Parameters
-    ----------
-    make_node : callable
-        Makes the node.
-    args : list of str, optional
-        Command-line arguments; those of the process if not given.
-    drive : callable, optional
-        Called with the node between callbacks; returns how long it has nothing to do [s].
-
-    Returns
-    -------
-    int
-        Exit code: 0, or 2 if the node could not be made.
-    """
-    # Signals are only noted. rclpy's own handlers end its context at once, from another
-    # thread and in the middle of whatever publishes; Python's exception could come anywhere,
-    # also in the clean-up: under ros2 launch a second interrupt follows the first.
-    signals: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, frame: signals.append(number))
-    node = None
-    try:
-        try:
-            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        except RuntimeError as error:
-            print(f'error: {error}', file=sys.stderr)
-            return 2
-        node = make_node()
-        executor = make_executor()
-        executor.add_node(node)
-        while not signals:
-            executor.spin_once(timeout_sec=_LONGEST_WAIT if drive is None else drive(node))
-    except (QuadError, ParameterException) as error:
-        print(f'error: {error}', file=sys.stderr)
-        return 2
-    finally:
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
-        _ignore_signals()
-    return 0
-
-
-def _ignore_signals() -> None:
-    """Ignore further signals: while Python ends, it restores the handlers that kill."""
-    hook = sys.unraisablehook
-    # A signal that comes just now makes Python complain of a race; it is ignored all the same.
-    sys.unraisablehook = lambda _: None
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
-    sys.unraisablehook = hook
-
-
-def make_executor(context: Any = None) -> Any:
-    """
-    Make the executor with the least cost per message that rclpy has.
-
-    Parameters
-    ----------
-    context : rclpy.Context, optional
-        The default one if not given.
-
-    Returns
-    -------
-    rclpy.executors.Executor
-        Call its ``spin_once`` in a loop: its ``spin`` runs no callbacks in some releases.
-    """
-    try:
-        from rclpy.experimental import EventsExecutor
-    except ImportError:
-        from rclpy.executors import SingleThreadedExecutor
-
-        return SingleThreadedExecutor(context=context)
-    return EventsExecutor(context=context)
 
 
 def _plain(value: Any) -> object:

@@ -30,7 +30,8 @@ from quad_common.ros_conversions import (
     seconds_from_time,
     tilt_from_odometry,
 )
-from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode, run_node
+from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode
+from quad_common.run_node import run_node
 from quad_gait.gait import Gait, load_gait, turning_gait_for
 from quad_gait.leg_odometry import LegOdometry
 from quad_gait.measurement import Measurement

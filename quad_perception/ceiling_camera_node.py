@@ -27,7 +27,8 @@ from quad_common.ros_conversions import (
     rgb_from_image,
     seconds_from_time,
 )
-from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
+from quad_common.ros_node import OK, STALE, WARN, QuadNode
+from quad_common.run_node import run_node
 from quad_perception.annotated import annotated
 from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.perception import Perceiver, default_ranges

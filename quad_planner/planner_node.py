@@ -31,7 +31,8 @@ from quad_common.ros_conversions import (
     pose_from_message,
     seconds_from_time,
 )
-from quad_common.ros_node import OK, STALE, WARN, QuadNode, run_node
+from quad_common.ros_node import OK, STALE, WARN, QuadNode
+from quad_common.run_node import run_node
 from quad_planner.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.inflation import combined_obstacles
 from quad_planner.latest_request import LatestRequest, join_workers

@@ -37,7 +37,8 @@ from quad_common.ros_conversions import (
     pose_transform,
     time_from_seconds,
 )
-from quad_common.ros_node import ERROR, OK, WARN, QuadNode, run_node
+from quad_common.ros_node import ERROR, OK, WARN, QuadNode
+from quad_common.run_node import run_node
 from quad_common.urdf import urdf_from_robot
 from quad_sim.joint_failure import JointFailure
 from quad_sim.parameters import SimParameters

@@ -39,7 +39,7 @@ from quad_common.ros_conversions import (
     pose_message,
     seconds_from_time,
 )
-from quad_common.ros_node import make_executor
+from quad_common.run_node import make_executor
 
 OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE

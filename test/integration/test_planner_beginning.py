@@ -10,7 +10,7 @@ pytest.importorskip('rclpy')
 
 import rclpy
 
-from quad_common.ros_node import make_executor
+from quad_common.run_node import make_executor
 from quad_planner.planner import Planner
 
 pytestmark = pytest.mark.ros
