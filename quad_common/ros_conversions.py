@@ -10,10 +10,11 @@ from array import array
 import cv2
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Pose, Quaternion, TransformStamped, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import ArrayLike, NDArray
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 
 from quad_common.camera import CameraModel
@@ -23,6 +24,9 @@ from quad_common.height_map import HeightMap
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+
+LARGEST_COORDINATE = 1e6
+"""A position is no farther from its frame's origin, along each axis [m]."""
 
 _CHANNELS = {'rgb8': 3, 'bgr8': 3, 'mono8': 1}
 """Of the encodings of pictures that are understood."""
@@ -37,14 +41,63 @@ _ROUNDED = 7
 """Decimals of a resolution and an origin that come as single precision [m]."""
 
 
-def seconds_from_time(stamp: Time) -> float:
-    """Convert a time stamp to seconds."""
+def check_clock(message: Clock) -> None:
+    """Raise InvalidMessage if simulated time is none that a stamp can hold."""
+    seconds_from_time(message.clock, 'clock')
+
+
+def seconds_from_time(stamp: Time, what: str = 'time stamp') -> float:
+    """
+    Convert a time stamp to seconds.
+
+    Parameters
+    ----------
+    stamp : Time
+        From 0 s on.
+    what : str
+        What it is, for the error's sentence.
+
+    Returns
+    -------
+    float
+        Seconds.
+
+    Raises
+    ------
+    InvalidMessage
+        If the seconds are negative, or the nanoseconds are a second or more.
+    """
+    if stamp.sec < 0 or stamp.nanosec >= 10**9:
+        raise InvalidMessage(
+            what,
+            f'it is {stamp.sec} s and {stamp.nanosec} ns; it must be 0 s or more, and less '
+            'than 1000000000 ns',
+        )
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
 def time_from_seconds(seconds: float) -> Time:
-    """Convert seconds to a time stamp, to the nanosecond."""
-    nanoseconds = max(0, round(seconds * 1e9))
+    """
+    Convert seconds to a time stamp, to the nanosecond.
+
+    Parameters
+    ----------
+    seconds : float
+        Before 2^31 s; times before 0 become 0, as trajectories that run already have them.
+
+    Returns
+    -------
+    Time
+        The stamp.
+
+    Raises
+    ------
+    InvalidMessage
+        If no stamp can hold them.
+    """
+    if not seconds < 2.0**31 - 1.0:
+        raise InvalidMessage('time stamp', f'it would be {seconds:g} s; 2147483646 s are the most')
+    nanoseconds = max(0, round(max(seconds, 0.0) * 1e9))
     return Time(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
 
 
@@ -80,37 +133,96 @@ def pose_from_message(message: Pose, what: str = 'pose') -> Pose2D:
     Raises
     ------
     InvalidPose
-        If a number is not finite, or the quaternion is no rotation.
+        If a number is not finite, the position is out of range, or the quaternion is no
+        rotation.
     """
-    q = message.orientation
-    numbers = (message.position.x, message.position.y, q.x, q.y, q.z, q.w)
-    if not all(map(math.isfinite, numbers)):
-        raise InvalidPose(what, f'x, y and the quaternion xyzw are {numbers}')
-    norm = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2)
-    if not 0.9 < norm < 1.1:
-        raise InvalidPose(what, f'its quaternion has length {norm:.3f}; it must be 1')
-    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y**2 + q.z**2))
-    return Pose2D(message.position.x, message.position.y, yaw)
+    x, y, _ = position_from_message(message.position, what)
+    qx, qy, qz, qw = unit_quaternion(message.orientation, what)
+    yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy**2 + qz**2))
+    return Pose2D(x, y, yaw)
+
+
+def position_from_message(position: Point, what: str) -> tuple[float, float, float]:
+    """
+    Read a position.
+
+    Parameters
+    ----------
+    position : Point
+        In any frame.
+    what : str
+        What is there, for the error's sentence.
+
+    Returns
+    -------
+    tuple of float
+        x, y and z [m].
+
+    Raises
+    ------
+    InvalidPose
+        If one is not finite, or farther than `LARGEST_COORDINATE` from the frame's origin.
+    """
+    numbers = (position.x, position.y, position.z)
+    if not all(abs(number) <= LARGEST_COORDINATE for number in numbers):
+        raise InvalidPose(
+            what,
+            f'its position is {numbers} m; each must be from {-LARGEST_COORDINATE:g} to '
+            f'{LARGEST_COORDINATE:g} m',
+        )
+    return numbers
+
+
+def unit_quaternion(q: Quaternion, what: str) -> tuple[float, float, float, float]:
+    """
+    Read a rotation.
+
+    Parameters
+    ----------
+    q : Quaternion
+        Of about length 1.
+    what : str
+        What is turned by it, for the error's sentence.
+
+    Returns
+    -------
+    tuple of float
+        x, y, z and w, of length 1.
+
+    Raises
+    ------
+    InvalidPose
+        If its length is not within 0.1 of 1.
+    """
+    # Squares of large components would overflow; hypot scales them.
+    length = math.hypot(q.x, q.y, q.z, q.w)
+    if not 0.9 < length < 1.1:
+        raise InvalidPose(
+            what,
+            f'its quaternion xyzw {(q.x, q.y, q.z, q.w)} has length {length:.4g}; it must be 1',
+        )
+    return (q.x / length, q.y / length, q.z / length, q.w / length)
 
 
 def tilt_from_odometry(message: Odometry) -> float:
-    """Return the angle between the body's z axis and the vertical [rad]."""
-    q = message.pose.pose.orientation
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (q.x**2 + q.y**2))))
+    """Return the angle between the body's z axis and the vertical [rad]; or InvalidPose."""
+    x, y, _, _ = unit_quaternion(message.pose.pose.orientation, 'odometry')
+    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x**2 + y**2))))
 
 
 def orientation_from_odometry(message: Odometry) -> NDArray[np.float64]:
-    """Return the body's orientation, a quaternion xyzw, shape (4,)."""
-    q = message.pose.pose.orientation
-    return np.array([q.x, q.y, q.z, q.w])
+    """Return the body's orientation, a unit quaternion xyzw, shape (4,); or InvalidPose."""
+    return np.array(unit_quaternion(message.pose.pose.orientation, 'odometry'))
 
 
 def base_transform(odometry: Odometry) -> TransformStamped:
-    """Write the pose of an odometry as a transform."""
+    """Write the pose of an odometry as a transform; InvalidPose if it is none."""
     transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)
-    position = odometry.pose.pose.position
-    transform.transform.translation = Vector3(x=position.x, y=position.y, z=position.z)
-    transform.transform.rotation = odometry.pose.pose.orientation
+    pose = odometry.pose.pose
+    x, y, z = position_from_message(pose.position, 'odometry')
+    transform.transform.translation = Vector3(x=x, y=y, z=z)
+    qx, qy, qz, qw = unit_quaternion(pose.orientation, 'odometry')
+    transform.transform.rotation = Quaternion(x=qx, y=qy, z=qz, w=qw)
     return transform
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
@@ -19,11 +18,12 @@ from rcl_interfaces.msg import (
 )
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from quad_common.errors import QuadError
+from quad_common.guarded_node import GuardedNode
 from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
+from quad_common.quoting import clipped
 
 Table = TypeVar('Table')
 
@@ -40,10 +40,13 @@ _OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 _SAME_LOG_AGAIN = 10.0
 """The same sentence is logged again only after so long [s]."""
 
+_LOGGED_SENTENCES = 200
+"""Different sentences that are logged in that time; more of them are bad input in a stream."""
 
-class QuadNode(Node, Generic[Table]):
+
+class QuadNode(GuardedNode, Generic[Table]):
     """
-    A node with a table of parameters and a voice on ``diagnostics``.
+    A node with a table of parameters, a voice on ``diagnostics`` and a net under its callbacks.
 
     Parameters
     ----------
@@ -88,10 +91,11 @@ class QuadNode(Node, Generic[Table]):
         level : bytes
             OK, WARN, ERROR or STALE.
         message : str
-            One sentence.
+            One sentence; of one that is too long, beginning and end are said.
         **values
             Numbers that go with it.
         """
+        message = clipped(message)
         self._status = (level, message)
         self._values = values
         if self._said != self._status:
@@ -109,23 +113,19 @@ class QuadNode(Node, Generic[Table]):
         Nodes that have such parameters override it; a QuadError refuses the change.
         """
 
-    def guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
-        """Wrap a subscription's callback: quadwalk's errors become a report."""
-
-        def wrapped(message: Any) -> None:
-            try:
-                callback(message)
-            except QuadError as error:
-                self.report_error(error)
-
-        return wrapped
-
     def report_error(self, error: QuadError) -> None:
         """Report an error, with its code if it has one; its sentence stays as last_error."""
         code = getattr(error, 'code', None)
         values = {} if code is None else {'error_code': code}
-        self._last_refusal = {'last_error': str(error)}
+        self._last_refusal = {'last_error': clipped(str(error))}
         self.report(ERROR, str(error), error=type(error).__name__, **values)
+
+    def report_unexpected(self, sentence: str, kind: str, stack: str | None) -> None:
+        """Report what should not have happened; its stack is logged once a kind."""
+        if stack is not None:
+            self.get_logger().error(stack)
+        self._last_refusal = {'last_error': clipped(sentence)}
+        self.report(ERROR, sentence, error=kind)
 
     def clock_problem(self) -> str | None:
         """Say why simulated time does not advance; None if it does, or is not used."""
@@ -154,6 +154,8 @@ class QuadNode(Node, Generic[Table]):
         if now - self._logged_at.get(message, -math.inf) < _SAME_LOG_AGAIN:
             return
         self._logged_at = {m: t for m, t in self._logged_at.items() if now - t < _SAME_LOG_AGAIN}
+        if len(self._logged_at) >= _LOGGED_SENTENCES:
+            return
         self._logged_at[message] = now
         if level == ERROR:
             self.get_logger().error(message)
@@ -169,7 +171,7 @@ class QuadNode(Node, Generic[Table]):
             message=message,
             hardware_id=str(getattr(self.parameters, 'robot', '')),
             values=[
-                KeyValue(key=key, value=str(value))
+                KeyValue(key=key, value=clipped(str(value)))
                 for key, value in {**self._values, **self._last_refusal}.items()
             ],
         )
@@ -217,7 +219,7 @@ class QuadNode(Node, Generic[Table]):
                 self.take_parameters(changed)
                 self.parameters = changed
         except QuadError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+            return SetParametersResult(successful=False, reason=clipped(str(error)))
         return SetParametersResult(successful=True)
 
 

@@ -11,17 +11,14 @@ from typing import Any
 
 import rclpy
 from rclpy.exceptions import ParameterException
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from quad_common.errors import QuadError
-
-_LONGEST_WAIT = 0.1
-"""Of an idle node, before it looks whether it is to end [s]."""
+from quad_common.guarded_node import GuardedNode
 
 
 def run_node(
-    make_node: Callable[[], Node],
+    make_node: Callable[[], GuardedNode],
     args: list[str] | None = None,
     drive: Callable[[Any], float] | None = None,
 ) -> int:
@@ -58,8 +55,8 @@ def run_node(
         node = make_node()
         executor = make_executor()
         executor.add_node(node)
-        while not signals:
-            executor.spin_once(timeout_sec=_LONGEST_WAIT if drive is None else drive(node))
+        while not signals and rclpy.ok():
+            node.turn(executor, drive)
     except (QuadError, ParameterException) as error:
         print(f'error: {error}', file=sys.stderr)
         return 2

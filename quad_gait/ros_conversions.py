@@ -22,7 +22,12 @@ from quad_common.errors import InvalidMessage, JointNotFound
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import LEGS, Robot
-from quad_common.ros_conversions import pose_message, seconds_from_time, time_from_seconds
+from quad_common.ros_conversions import (
+    pose_message,
+    seconds_from_time,
+    time_from_seconds,
+    unit_quaternion,
+)
 from quad_gait.leg_odometry import LegOdometry
 
 Array = NDArray[np.float64]
@@ -177,9 +182,7 @@ def imu_from_message(message: Imu) -> tuple[Array | None, float | None]:
     q, rate = message.orientation, message.angular_velocity.z
     orientation: Array | None = None
     if message.orientation_covariance[0] != -1.0:
-        orientation = np.array([q.x, q.y, q.z, q.w])
-        if not 0.9 < float(np.linalg.norm(orientation)) < 1.1:
-            raise InvalidMessage('imu', f'its quaternion xyzw is {(q.x, q.y, q.z, q.w)}')
+        orientation = np.array(unit_quaternion(q, 'orientation of the imu'))
     has_rate = message.angular_velocity_covariance[0] != -1.0
     if has_rate and not np.isfinite(rate):
         raise InvalidMessage('imu', 'its angular velocity is not finite')

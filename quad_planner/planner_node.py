@@ -62,7 +62,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         robot = load_robot(p.robot)
         self._pace = _pace(p)
         # Searches run beside the executor: a newer goal or map must be heard meanwhile.
-        self._requests: LatestRequest[Any] = LatestRequest(self._call_soon)
+        self._requests: LatestRequest[Any] = LatestRequest(self.call_soon)
         self._planner = make_planner(
             p.method,
             pace=self._pace,
@@ -281,11 +281,6 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self._publish(plan)
         self._is_plan_void = False
         self.update_status()
-
-    def _call_soon(self, callback: Callable[[], None]) -> None:
-        """Have something called by the executor; from any thread."""
-        if self.executor is not None:
-            self.executor.create_task(callback)
 
     def destroy_node(self) -> None:
         """Give up what is being searched, and end."""

@@ -11,8 +11,10 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
-from harness import ERROR, LATCHED, OK, SENSOR, START, Bench
+from harness import ERROR, LATCHED, SENSOR, START, Bench
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.srv import GetPlan
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from quad_common.occupancy_grid import OccupancyGrid as Grid
@@ -22,7 +24,14 @@ from quad_common.ros_conversions import grid_message, pose_message
 
 pytestmark = pytest.mark.ros
 
-QOS = {'map': LATCHED, 'plan': LATCHED, 'odom': SENSOR, 'joint_states': SENSOR}
+QOS = {
+    'map': LATCHED,
+    'plan': LATCHED,
+    'odom': SENSOR,
+    'joint_states': SENSOR,
+    'goal_pose': 10,
+    '/clock': SENSOR,
+}
 NAMES = list(load_robot('titan_viii').joint_names)
 GOAL = Pose2D(1.6, 1.2, 0.0)
 
@@ -37,11 +46,23 @@ def a_map(resolution=0.05, yaw_w=1.0, **info) -> OccupancyGrid:
     return message
 
 
-def odometry(x: float) -> Odometry:
+def odometry(x: float, w: float = 1.0) -> Odometry:
     message = Odometry()
     message.header.frame_id = 'odom'
     message.pose.pose = pose_message(Pose2D(x, 1.2, 0.0))
+    message.pose.pose.orientation.w = w
     return message
+
+
+def goal_turned_by(w: float) -> PoseStamped:
+    message = PoseStamped(pose=pose_message(GOAL))
+    message.header.frame_id = 'map'
+    message.pose.orientation.w = w
+    return message
+
+
+def before_time() -> Clock:
+    return Clock(clock=Time(sec=-1))
 
 
 def plan(frame: str, *points: tuple[float, float]) -> Path:
@@ -62,6 +83,32 @@ REFUSED = {
     'a map without heading': ('planner_node', 'map', a_map(yaw_w=0.0), "the map's origin is not"),
     'odometry that is no pose': ('planner_node', 'odom', odometry(math.nan), 'odometry is not'),
     'odometry for the gait': ('gait_node', 'odom', odometry(math.inf), 'odometry is not a pose'),
+    'a huge quaternion of a goal': (
+        'planner_node',
+        'goal_pose',
+        goal_turned_by(1.4e154),
+        'the goal is not a pose',
+    ),
+    'a huge quaternion for the planner': (
+        'planner_node',
+        'odom',
+        odometry(1.2, 1e308),
+        'the odometry is not a pose',
+    ),
+    'a huge quaternion for the gait': (
+        'gait_node',
+        'odom',
+        odometry(1.2, 1e308),
+        'the odometry is not a pose',
+    ),
+    'a robot out of all maps': ('gait_node', 'odom', odometry(1e200), '-1e+06 to 1e+06 m'),
+    'a clock before all time': ('gait_node', '/clock', before_time(), 'the clock cannot be used'),
+    'the same for the planner': (
+        'planner_node',
+        '/clock',
+        before_time(),
+        'the clock cannot be used',
+    ),
     'a plan from the moon': ('gait_node', 'plan', plan('moon', (0, 0), (1, 0)), "frame 'moon'"),
     'a plan without end': ('gait_node', 'plan', plan('map', (1, 1), (math.nan, 1)), 'pose 1 of'),
     'joints without positions': ('gait_node', 'joint_states', joints(positions=0), '0 positions'),
@@ -76,7 +123,11 @@ def test_malformed_messages_are_refused_and_the_walk_goes_on(bench: Bench):
         # Again and again, for what is best effort may be lost.
         with bench.publishing(topic, message, QOS[topic]), bench.expects(node, words, level=ERROR):
             pass
-    bench.wait_for_status('planner_node', 'ready', level=OK)
+    start = PoseStamped(pose=pose_message(START))
+    request = GetPlan.Request(start=start, goal=goal_turned_by(1e308))
+    assert not bench.call('get_plan', GetPlan, request).plan.poses
+    # What the goal was refused for stands until a good one comes.
+    bench.wait_for_status('planner_node', 'the goal is not a pose', level=ERROR)
     bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL)
     assert bench.pose.y == pytest.approx(START.y, abs=0.05)

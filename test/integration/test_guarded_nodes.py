@@ -1,0 +1,121 @@
+"""Every callback of every node is over the net: those that rclpy made for itself too."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+import rclpy
+from rclpy.parameter import Parameter
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from quad_common.errors import MapError
+from quad_common.guarded_node import Guarded
+from quad_common.ros_node import ERROR, QuadNode
+from quad_common.run_node import make_executor
+
+pytestmark = pytest.mark.ros
+
+NODES = {
+    'planner_node': ('quad_planner.planner_node', 'PlannerNode', {}),
+    'gait_node': ('quad_gait.gait_node', 'GaitNode', {'ground': 'uneven', 'gait': 'crawl'}),
+    'sim_node': ('quad_sim.sim_node', 'SimNode', {'backend': 'kinematic', 'use_sim_time': True}),
+    'ceiling_camera_node': ('quad_perception.ceiling_camera_node', 'CeilingCameraNode', {}),
+}
+
+
+@pytest.fixture
+def make(domain) -> Iterator:
+    """Make nodes by name in a context of their own, and destroy them in the end."""
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    nodes = []
+
+    def make_node(name: str) -> QuadNode:
+        module, kind, parameters = NODES[name]
+        overrides = [Parameter(key, value=value) for key, value in parameters.items()]
+        node = getattr(importlib.import_module(module), kind)(
+            context=context, parameter_overrides=overrides
+        )
+        nodes.append(node)
+        return node
+
+    yield make_node
+    for node in nodes:
+        node.destroy_node()
+    context.try_shutdown()
+
+
+def callbacks_of(node: QuadNode) -> dict[str, object]:
+    """Return every callback that rclpy could call."""
+    found = {f'subscription {s.topic_name}': s.callback for s in node.subscriptions}
+    found |= {f'service {s.srv_name}': s.callback for s in node.services}
+    found |= {f'timer {index}': t.callback for index, t in enumerate(node.timers)}
+    found |= {f'guard {index}': g.callback for index, g in enumerate(node.guards)}
+    for kind in ('pre', 'on', 'post'):
+        listed = getattr(node, f'_{kind}_set_parameters_callbacks')
+        found |= {f'{kind}_set_parameters {i}': c for i, c in enumerate(listed)}
+    return found
+
+
+@pytest.mark.parametrize('name', NODES)
+def test_every_callback_of_a_node_is_guarded(make, name):
+    callbacks = callbacks_of(make(name))
+    assert not [what for what, callback in callbacks.items() if not isinstance(callback, Guarded)]
+    # rclpy's own are among them: simulated time, and the parameters' services.
+    assert 'subscription /clock' in callbacks
+    assert any('set_parameters' in what for what in callbacks)
+    assert any('timer' in what for what in callbacks)
+
+
+def test_whatever_a_callback_raises_the_node_goes_on_and_says_it(make):
+    node = make('ceiling_camera_node')
+    executor = make_executor(node.context)
+    executor.add_node(node)
+    heard, answers = [], []
+
+    def fail(*_: object) -> None:
+        raise OverflowError(34, 'Numerical result out of range')
+
+    def refuse(*_: object) -> None:
+        raise MapError('there is no such map')
+
+    node.create_subscription(String, 'bad', fail, 10)
+    node.create_subscription(String, 'good', heard.append, 10)
+    node.create_service(Trigger, 'fails', fail)
+    node.create_service(Trigger, 'refuses', refuse)
+    timer = node.create_timer(0.01, fail)
+    to_bad, to_good = (
+        node.create_publisher(String, 'bad', 10),
+        node.create_publisher(String, 'good', 10),
+    )
+    to_bad.publish(String())
+    to_good.publish(String())
+    clients = [node.create_client(Trigger, service) for service in ('fails', 'refuses')]
+    for client in clients:
+        assert client.wait_for_service(timeout_sec=10.0)
+        answers.append(client.call_async(Trigger.Request()))
+    node.call_soon(fail)
+
+    def broken_drive(_: object) -> float:
+        fail()
+        return 0.0
+
+    for _ in range(500):
+        node.turn(executor, broken_drive)
+        if heard and all(answer.done() for answer in answers):
+            break
+    timer.cancel()
+    assert heard == [String()]
+    failed, refused = (answer.result() for answer in answers)
+    assert (failed.success, refused.success) == (False, False)
+    assert "'fails' led to an unexpected OverflowError at test_guarded_nodes" in failed.message
+    assert refused.message == 'there is no such map'
+    level, message = node._status
+    assert level == ERROR
+    assert 'unexpected OverflowError' in message
