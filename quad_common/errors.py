@@ -10,9 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from quad_common.quoting import escaped, quoted, shown
+
+_LISTED = 40
+"""Names that a sentence lists."""
+
+_LONGEST_NAME = 60
+"""Characters of each of them."""
+
 
 def _listed(names: Iterable[str]) -> str:
-    return ', '.join(sorted(names)) or 'none'
+    known = list(names)
+    # What is listed may come from a message: neither its length nor its names are bounded.
+    text = ', '.join(sorted(escaped(name[:_LONGEST_NAME]) for name in known[:_LISTED])) or 'none'
+    return text if len(known) <= _LISTED else f'{text} and {len(known) - _LISTED} more'
 
 
 class QuadError(Exception):
@@ -36,7 +47,7 @@ class ParameterError(QuadError, ValueError):
     def __init__(self, name: str, value: object, valid: str) -> None:
         self.name = name
         self.value = value
-        super().__init__(f"'{name}' is {value!r}; it must be {valid}")
+        super().__init__(f"'{name}' is {shown(value)}; it must be {valid}")
 
 
 class RobotModelError(QuadError):
@@ -66,7 +77,9 @@ class InvalidPlanner(PlannerError):
     code = 201
 
     def __init__(self, method: str, available: Iterable[str]) -> None:
-        super().__init__(f"there is no planning method '{method}'; available: {_listed(available)}")
+        super().__init__(
+            f'there is no planning method {quoted(method)}; available: {_listed(available)}'
+        )
 
 
 class WrongFrame(PlannerError):
@@ -76,8 +89,8 @@ class WrongFrame(PlannerError):
 
     def __init__(self, what: str, frame: str, expected: str) -> None:
         super().__init__(
-            f"the {what} is in frame '{frame}', which cannot be related to '{expected}'; "
-            f"give it in '{expected}'"
+            f'the {what} is in frame {quoted(frame)}, which cannot be related to '
+            f'{quoted(expected)}; give it in {quoted(expected)}'
         )
 
 
@@ -510,11 +523,29 @@ class ObstacleOnRobot(SimulatorError):
         )
 
 
+class TooManyObstacles(SimulatorError):
+    """
+    More obstacles would stand in the world than it may hold.
+
+    Parameters
+    ----------
+    count : int
+        Number that there would be.
+    most : int
+        Number that there may be.
+    """
+
+    def __init__(self, count: int, most: int) -> None:
+        self.count = count
+        self.most = most
+        super().__init__(f'there would be {count} obstacles; {most} are the most')
+
+
 class JointNotFound(SimulatorError):
     """A joint of that name does not exist."""
 
     def __init__(self, name: str, available: Iterable[str]) -> None:
-        super().__init__(f"there is no joint '{name}'; available: {_listed(available)}")
+        super().__init__(f'there is no joint {quoted(name)}; available: {_listed(available)}')
 
 
 class MissingOptionalDependency(SimulatorError):

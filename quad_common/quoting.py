@@ -13,6 +13,8 @@ LONGEST_SENTENCE = 500
 _END = 150
 """Characters kept of the end of a sentence that is too long: it says what would be valid."""
 
+_LEFT_OUT = ' ... [left out] ... '
+
 _LONGEST_INTEGER = 512
 """Bits of an integer that is written out: Python refuses to write some thousand digits."""
 
@@ -35,22 +37,24 @@ def quoted(text: str, longest: int = LONGEST_QUOTE) -> str:
     text : str
         Any text, of any length.
     longest : int
-        Characters of it that are quoted.
+        Characters of the quotation, escapes counted as they are written.
 
     Returns
     -------
     str
         In single quotes, on one line; how long it was if it is not quoted whole.
     """
-    if len(text) <= longest:
-        return f"'{escaped(text)}'"
-    return f"'{escaped(text[:longest])}' ... ({len(text)} characters)"
+    # Escaped after it is cut: to escape ten million characters takes seconds.
+    whole = escaped(text[: longest + 1])
+    if len(whole) <= longest:
+        return f"'{whole}'"
+    return f"'{whole[:longest]}' ... ({len(text)} characters)"
 
 
 def shown(value: object, longest: int = LONGEST_QUOTE) -> str:
     """Show a value of any type, as Python writes it, on one line and not too long."""
     if isinstance(value, str):
-        return repr(value) if len(value) <= longest else quoted(value, longest)
+        return repr(value) if len(value) <= longest and value.isprintable() else quoted(value)
     if isinstance(value, int) and value.bit_length() > _LONGEST_INTEGER:
         return f'an integer of {value.bit_length()} bits'
     try:
@@ -58,15 +62,16 @@ def shown(value: object, longest: int = LONGEST_QUOTE) -> str:
     except Exception as error:
         # Whatever else cannot be written must not hide what was wrong with it.
         return f'a {type(value).__name__} that cannot be shown ({type(error).__name__})'
-    if len(text) <= longest:
-        return escaped(text)
-    return f'{escaped(text[:longest])} ... ({len(text)} characters)'
+    whole = escaped(text[: longest + 1])
+    if len(whole) <= longest:
+        return whole
+    return f'{whole[:longest]} ... ({len(text)} characters)'
 
 
 def clipped(sentence: str, longest: int = LONGEST_SENTENCE) -> str:
     """Return a sentence on one line; of one that is too long, its beginning and its end."""
-    if len(sentence) <= longest:
-        return escaped(sentence)
-    left_out = len(sentence) - longest
-    begin, end = sentence[: longest - _END], sentence[-_END:]
-    return f'{escaped(begin)} ... ({left_out} characters left out) ... {escaped(end)}'
+    whole = escaped(sentence[: longest + 1])
+    if len(whole) <= longest:
+        return whole
+    end = escaped(sentence[-_END:])[-_END:]
+    return f'{whole[: longest - _END - len(_LEFT_OUT)]}{_LEFT_OUT}{end}'
