@@ -17,6 +17,9 @@ from quad_common.errors import TrajectoryError
 
 Array = NDArray[np.float64]
 
+LONGEST_TRAJECTORY = 20_000
+"""Points of a trajectory that is executed, unless a parameter says otherwise."""
+
 
 @dataclass(frozen=True)
 class JointTrajectory:

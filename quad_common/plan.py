@@ -15,6 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from quad_common.planar_pose import Pose2D, wrap_angle
 
+LONGEST_PLAN = 1000
+"""Poses of a plan that is walked, unless a parameter says otherwise."""
+
 _STRAIGHT = 1e-6
 """Two segments whose headings differ by less are one [rad]."""
 

@@ -22,11 +22,27 @@ from quad_common.errors import InvalidMessage, InvalidPose, MapError
 from quad_common.height_map import MAX_CELLS as MAX_HEIGHT_CELLS
 from quad_common.height_map import HeightMap
 from quad_common.occupancy_grid import OccupancyGrid
-from quad_common.plan import Plan
+from quad_common.plan import LONGEST_PLAN, Plan
 from quad_common.planar_pose import Pose2D
+from quad_common.quoting import LONGEST_QUOTE, clipped, quoted
 
 LARGEST_COORDINATE = 1e6
 """A position is no farther from its frame's origin, along each axis [m]."""
+
+LARGEST_PICTURE = 2**24
+"""Pixels of a picture that is taken: 4096 x 4096."""
+
+LONGEST_NAME = 200
+"""Characters of the name of a frame, a joint or an obstacle."""
+
+_MOST_FIELDS = 64
+"""Of the points of a cloud."""
+
+_FOCAL_LENGTHS = (1.0, 1e5)
+"""Range of a camera's focal lengths [pixels]."""
+
+_LARGEST_CAMERA_NUMBER = 1e5
+"""Of a principal point [pixels], and of the numbers of a lens."""
 
 _CHANNELS = {'rgb8': 3, 'bgr8': 3, 'mono8': 1}
 """Of the encodings of pictures that are understood."""
@@ -140,6 +156,30 @@ def pose_from_message(message: Pose, what: str = 'pose') -> Pose2D:
     qx, qy, qz, qw = unit_quaternion(message.orientation, what)
     yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy**2 + qz**2))
     return Pose2D(x, y, yaw)
+
+
+def checked_name(name: str, what: str) -> str:
+    """
+    Return the name of a frame, a joint or an obstacle.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+    what : str
+        What it belongs to, for the error's sentence.
+
+    Raises
+    ------
+    InvalidMessage
+        If it is too long to be kept and sent on, or cannot be printed.
+    """
+    if len(name) > LONGEST_NAME or not name.isprintable():
+        raise InvalidMessage(
+            what,
+            f'a name in it is {quoted(name, 60)}; {LONGEST_NAME} printable characters are the most',
+        )
+    return name
 
 
 def position_from_message(position: Point, what: str) -> tuple[float, float, float]:
@@ -273,7 +313,7 @@ def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -
     return transform
 
 
-def plan_from_message(message: Path) -> Plan | None:
+def plan_from_message(message: Path, longest: int = LONGEST_PLAN) -> Plan | None:
     """
     Read a plan.
 
@@ -281,6 +321,8 @@ def plan_from_message(message: Path) -> Plan | None:
     ----------
     message : Path
         Turning points; an empty path takes the plan back.
+    longest : int
+        Poses that it may have.
 
     Returns
     -------
@@ -289,11 +331,17 @@ def plan_from_message(message: Path) -> Plan | None:
 
     Raises
     ------
+    InvalidMessage
+        If it has more poses.
     InvalidPose
         If a pose is not valid.
     """
     if not message.poses:
         return None
+    if len(message.poses) > longest:
+        raise InvalidMessage(
+            'plan', f'it has {len(message.poses)} poses; {longest} turning points are the most'
+        )
     return Plan(
         tuple(
             pose_from_message(stamped.pose, f'pose {index} of the plan')
@@ -374,7 +422,9 @@ def height_map_from_message(message: PointCloud2, frames: tuple[str, ...]) -> He
     what = 'height map'
     frame = message.header.frame_id
     if frame not in frames:
-        raise InvalidMessage(what, f"it is in frame '{frame}'; give it in '{frames[0]}'")
+        raise InvalidMessage(
+            what, f'it is in frame {quoted(frame)}; give it in {quoted(frames[0])}'
+        )
     rows, columns = message.height, message.width
     if rows < 2 or columns < 2:
         raise InvalidMessage(
@@ -393,12 +443,18 @@ def height_map_from_message(message: PointCloud2, frames: tuple[str, ...]) -> He
 def _cloud_points(message: PointCloud2, what: str) -> NDArray[np.float64]:
     """Return x, y and z of the points of a cloud, shape (height, width, 3)."""
     rows, columns, step = message.height, message.width, message.point_step
+    if len(message.fields) > _MOST_FIELDS:
+        raise InvalidMessage(
+            what, f'its points have {len(message.fields)} fields; {_MOST_FIELDS} are the most'
+        )
     offsets = []
     for name in 'xyz':
         field = next((field for field in message.fields if field.name == name), None)
         if field is None:
             given = ', '.join(field.name for field in message.fields) or 'none'
-            raise InvalidMessage(what, f"it has no field '{name}'; its fields are {given}")
+            raise InvalidMessage(
+                what, f"it has no field '{name}'; its fields are {clipped(given, LONGEST_QUOTE)}"
+            )
         if field.datatype != PointField.FLOAT32 or field.count != 1 or field.offset + 4 > step:
             raise InvalidMessage(
                 what,
@@ -434,6 +490,11 @@ def _height_map_of(points: NDArray[np.float64], what: str) -> HeightMap:
     if not np.isfinite(flat).all():
         raise InvalidMessage(
             what, 'x or y of a point is not finite; unknown heights have z NaN only'
+        )
+    farthest = float(np.abs(flat).max())
+    if farthest > LARGEST_COORDINATE:
+        raise InvalidMessage(
+            what, f'a point is {farthest:g} m off its origin; {LARGEST_COORDINATE:g} m are the most'
         )
     longer = 0 if columns >= rows else 1
     span = flat[-1, -1, longer] - flat[0, 0, longer]
@@ -509,10 +570,16 @@ def rgb_from_image(message: Image) -> NDArray[np.uint8]:
     channels = _CHANNELS.get(message.encoding)
     if channels is None:
         known = ', '.join(_CHANNELS)
-        raise InvalidMessage('image', f"its encoding is '{message.encoding}'; known are {known}")
+        raise InvalidMessage(
+            'image', f'its encoding is {quoted(message.encoding)}; known are {known}'
+        )
     height, width, step = message.height, message.width, message.step
     if not (height > 0 and width > 0):
         raise InvalidMessage('image', f'it has {width} x {height} pixels')
+    if width * height > LARGEST_PICTURE:
+        raise InvalidMessage(
+            'image', f'it has {width} x {height} pixels; {LARGEST_PICTURE} are the most'
+        )
     if step < channels * width or len(message.data) != step * height:
         raise InvalidMessage(
             'image',
@@ -590,11 +657,29 @@ def camera_model_from_info(
     if message.distortion_model not in ('plumb_bob', '') or numbers not in (0, 4, 5):
         raise InvalidMessage(
             what,
-            f"its distortion model is '{message.distortion_model}' with {numbers} numbers; "
+            f'its distortion model is {quoted(message.distortion_model)} with {numbers} numbers; '
             "it must be 'plumb_bob' with 4 or 5, or none",
         )
     if max(message.binning_x, message.binning_y) > 1 or message.roi.width or message.roi.height:
         raise InvalidMessage(what, 'it has binning or a region of interest; both must be unset')
+    width, height = message.width, message.height
+    if not 0 < width * height <= LARGEST_PICTURE:
+        raise InvalidMessage(
+            what, f'its pictures have {width} x {height} pixels; 1 to {LARGEST_PICTURE} are valid'
+        )
+    low, high = _FOCAL_LENGTHS
+    if not all(low <= message.k[index] <= high for index in (0, 4)):
+        raise InvalidMessage(
+            what,
+            f'its focal lengths are {message.k[0]:g} and {message.k[4]:g} pixels; '
+            f'they must be from {low:g} to {high:g}',
+        )
+    if not all(abs(value) <= _LARGEST_CAMERA_NUMBER for value in (*message.k, *message.d)):
+        raise InvalidMessage(
+            what,
+            f'a number of its matrix K or of its lens D is not from {-_LARGEST_CAMERA_NUMBER:g} '
+            f'to {_LARGEST_CAMERA_NUMBER:g}',
+        )
     matrix = np.reshape(message.k, (3, 3)).astype(float)
     matrix[:2, 2] += _CENTRE
     distortion = np.zeros(5)

@@ -164,7 +164,7 @@ class GaitNode(QuadNode[GaitParameters]):
             )
 
     def _on_plan(self, message: Path) -> None:
-        plan = plan_from_message(message)
+        plan = plan_from_message(message, self.parameters.longest_plan)
         map_frame = self.parameters.map_frame
         if plan is not None and message.header.frame_id not in (map_frame, self._frame):
             raise WrongFrame('plan', message.header.frame_id, map_frame)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.parameters import parameter
+from quad_common.plan import LONGEST_PLAN
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,9 @@ class GaitParameters:
         'of quadwalk calibrate.',
     )
     map_frame: str = parameter('map', 'Frame of the plans; it coincides with that of the odometry.')
+    longest_plan: int = parameter(
+        LONGEST_PLAN, 'Plans with more poses are refused.', lower=1, upper=100_000
+    )
     transient_local_plan: bool = parameter(
         True, "Hear the last plan when starting late; false to hear volatile plans, as Nav2's."
     )

@@ -32,6 +32,12 @@ from quad_gait.leg_odometry import LegOdometry
 
 Array = NDArray[np.float64]
 
+_FASTEST = 100.0
+"""Of what is asked for or measured: more is no velocity of a robot [m/s, rad/s]."""
+
+_MOST_JOINTS = 1000
+"""Names in one message of joint states, of whatever robots."""
+
 _NEGLIGIBLE = 1e-6
 """Slower than this is not at all [m/s, rad/s]."""
 
@@ -102,6 +108,10 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
     InvalidMessage
         If there are not as many numbers as names, or they are not finite.
     """
+    if len(message.name) > _MOST_JOINTS:
+        raise InvalidMessage(
+            'joint state', f'it names {len(message.name)} joints; {_MOST_JOINTS} are the most'
+        )
     for what, numbers in (
         ('positions', message.position),
         ('velocities', message.velocity),
@@ -143,14 +153,20 @@ def twist_from_message(message: Twist) -> Twist2D:
     Raises
     ------
     InvalidMessage
-        If a number is not finite, or asks for what a walking robot cannot do: to rise,
-        to roll or to pitch.
+        If a number is not finite or absurd, or asks for what a walking robot cannot do: to
+        rise, to roll or to pitch.
     """
     linear, angular = message.linear, message.angular
     twist = Twist2D(float(linear.x), float(linear.y), float(angular.z))
     rest = (linear.z, angular.x, angular.y)
     if not twist.is_finite() or not np.all(np.isfinite(rest)):
         raise InvalidMessage('cmd_vel', 'its numbers are not finite')
+    if not max(abs(twist.forward), abs(twist.left), abs(twist.turn)) <= _FASTEST:
+        raise InvalidMessage(
+            'cmd_vel',
+            f'linear x and y are {linear.x:g} and {linear.y:g} m/s, angular z is {angular.z:g} '
+            f'rad/s; each must be from {-_FASTEST:g} to {_FASTEST:g}',
+        )
     if any(abs(value) > _NEGLIGIBLE for value in rest):
         raise InvalidMessage(
             'cmd_vel',
@@ -177,15 +193,21 @@ def imu_from_message(message: Imu) -> tuple[Array | None, float | None]:
     Raises
     ------
     InvalidMessage
-        If a number is not finite, or the quaternion is no rotation.
+        If the angular velocity is not finite or absurd.
+    InvalidPose
+        If the quaternion is no rotation.
     """
     q, rate = message.orientation, message.angular_velocity.z
     orientation: Array | None = None
     if message.orientation_covariance[0] != -1.0:
         orientation = np.array(unit_quaternion(q, 'orientation of the imu'))
     has_rate = message.angular_velocity_covariance[0] != -1.0
-    if has_rate and not np.isfinite(rate):
-        raise InvalidMessage('imu', 'its angular velocity is not finite')
+    if has_rate and not abs(rate) <= _FASTEST:
+        raise InvalidMessage(
+            'imu',
+            f'its angular velocity about z is {rate:g} rad/s; it must be from {-_FASTEST:g} '
+            f'to {_FASTEST:g}',
+        )
     return orientation, float(rate) if has_rate else None
 
 

@@ -16,6 +16,7 @@ from quad_common.camera_file import load_camera
 from quad_common.errors import InvalidMessage, QuadError
 from quad_common.markers import Colour, GoalMarker, RobotMarker
 from quad_common.planar_pose import Pose2D
+from quad_common.quoting import quoted
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     camera_model_from_info,
@@ -232,7 +233,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         if frame in ('', self.parameters.map_frame):
             raise InvalidMessage(
                 self.parameters.odometry_topic,
-                f"it is in frame '{frame}'; it must be in one of its own, as 'odom' is",
+                f"it is in frame {quoted(frame)}; it must be in one of its own, as 'odom' is",
             )
         return pose_from_message(message.pose.pose, 'odometry')
 

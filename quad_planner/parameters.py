@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from quad_common.occupancy_grid import MAX_CELLS
 from quad_common.parameters import parameter
 from quad_planner.traversability import LARGEST_SLOPE, STEEPEST
 
@@ -106,5 +107,8 @@ class PlannerParameters:
     )
     planning_timeout: float = parameter(
         5.0, 'A search that takes longer is given up.', 's', lower=0.01
+    )
+    largest_map: int = parameter(
+        2**26, 'Maps with more cells are refused: 2^26 are 8192 x 8192.', lower=1, upper=MAX_CELLS
     )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")

@@ -27,6 +27,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
+    checked_name,
     height_map_from_message,
     pose_from_message,
     seconds_from_time,
@@ -160,7 +161,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         return f'{text}, {time_:.0f} s to walk ({self.parameters.gait})'
 
     def _on_map(self, message: OccupancyGrid) -> None:
-        grid, frame = grid_from_message(message), message.header.frame_id or 'map'
+        grid = grid_from_message(message, self.parameters.largest_map)
+        frame = message.header.frame_id or 'map'
         is_moved = self._ground is not None and frame != self._map_frame
         self._take_maps(grid, frame, None if is_moved else self._ground)
         if is_moved:
@@ -215,12 +217,13 @@ class PlannerNode(QuadNode[PlannerParameters]):
 
     def _on_odometry(self, message: Odometry) -> None:
         first = self._pose is None
+        now = seconds_from_time(message.header.stamp)
+        frame = checked_name(message.header.frame_id, 'odometry')
         self._pose = pose_from_message(message.pose.pose, 'odometry')
         if first:
-            self._frames = [message.header.frame_id]
+            self._frames = [frame]
             self._try_waiting_goal()
             self.update_status()
-        now = seconds_from_time(message.header.stamp)
         if self._plan is None or self._goal is None or self._pending_goal is not None:
             return
         if abs(now - self._checked_at) < _CHECK_PERIOD:

@@ -14,12 +14,12 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import MapError
-from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.occupancy_grid import MAX_CELLS, OccupancyGrid
 from quad_common.plan import Plan
-from quad_common.ros_conversions import pose_from_message, pose_message
+from quad_common.ros_conversions import checked_name, pose_from_message, pose_message
 
 
-def grid_from_message(message: OccupancyGridMessage) -> OccupancyGrid:
+def grid_from_message(message: OccupancyGridMessage, most_cells: int = MAX_CELLS) -> OccupancyGrid:
     """
     Read an occupancy grid, without copying it cell by cell.
 
@@ -27,6 +27,8 @@ def grid_from_message(message: OccupancyGridMessage) -> OccupancyGrid:
     ----------
     message : nav_msgs/OccupancyGrid
         The map.
+    most_cells : int
+        Cells that it may have.
 
     Returns
     -------
@@ -36,12 +38,20 @@ def grid_from_message(message: OccupancyGridMessage) -> OccupancyGrid:
     Raises
     ------
     MapError
-        If its sizes disagree, or a value is not valid.
+        If it is too large, its sizes disagree, or a value is not valid.
+    InvalidMessage
+        If the name of its frame is none.
     InvalidPose
         If its origin is not a pose.
     """
     info = message.info
+    checked_name(message.header.frame_id, 'map')
     cells = np.frombuffer(message.data, dtype=np.int8)
+    if max(cells.size, info.width * info.height) > most_cells:
+        raise MapError(
+            f'the map has {info.width} x {info.height} cells, and {cells.size} are given; '
+            f'{most_cells} are the most'
+        )
     if cells.size != info.width * info.height:
         raise MapError(
             f'the map has {cells.size} cells; {info.width} x {info.height} needs '

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from quad_common.joint_trajectory import LONGEST_TRAJECTORY
 from quad_common.parameters import parameter
 from quad_sim.joint_failure import FAILURES
 from quad_sim.simulation import BACKENDS
@@ -77,6 +78,15 @@ class SimParameters:
         's',
         lower=0.0,
         is_dynamic=True,
+    )
+    longest_trajectory: int = parameter(
+        LONGEST_TRAJECTORY,
+        'Joint trajectories with more points are refused.',
+        lower=1,
+        upper=1_000_000,
+    )
+    most_obstacles: int = parameter(
+        1000, "So many obstacles may stand at once by 'obstacles'.", lower=0, upper=10_000
     )
     gui: bool = parameter(False, "Show PyBullet's own window.")
     seed: int = parameter(0, 'Of the noise of the simulated sensors.', lower=0)

@@ -16,8 +16,10 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage, InvalidPose, ParameterError, TrajectoryError
-from quad_common.joint_trajectory import JointTrajectory
+from quad_common.joint_trajectory import LONGEST_TRAJECTORY, JointTrajectory
+from quad_common.quoting import quoted
 from quad_common.ros_conversions import (
+    checked_name,
     pose_from_message,
     seconds_from_time,
 )
@@ -26,14 +28,22 @@ from quad_sim.simulation import ObstacleChange
 from quad_sim.simulator import Observation
 from quad_sim.world import Obstacle
 
-_LARGEST = 100.0
-"""Side of an obstacle [m]."""
+_SIZES = (1e-3, 100.0)
+"""Least and largest side of an obstacle [m]."""
+
+_MOST_MARKERS = 1000
+"""In one message."""
+
+_MOST_JOINTS = 1000
+"""Of a trajectory; that none of them is missing or unknown is checked after it is read."""
 
 _EXACT = 1e-12
 """Variance of what is known exactly: zero would mean unknown."""
 
 
-def trajectory_from_message(message: JointTrajectoryMessage) -> JointTrajectory:
+def trajectory_from_message(
+    message: JointTrajectoryMessage, most_points: int = LONGEST_TRAJECTORY
+) -> JointTrajectory:
     """
     Read a joint trajectory.
 
@@ -41,6 +51,8 @@ def trajectory_from_message(message: JointTrajectoryMessage) -> JointTrajectory:
     ----------
     message : trajectory_msgs/JointTrajectory
         Positions, and velocities or none: then the joints rest at each point.
+    most_points : int
+        Points that it may have.
 
     Returns
     -------
@@ -50,11 +62,17 @@ def trajectory_from_message(message: JointTrajectoryMessage) -> JointTrajectory:
     Raises
     ------
     TrajectoryError
-        If sizes disagree, numbers are not finite, or times do not rise.
+        If it is too long, sizes disagree, numbers are not finite, or times do not rise.
     """
     joints = len(message.joint_names)
     if joints == 0:
         raise TrajectoryError('the trajectory names no joints; it needs at least one')
+    if joints > _MOST_JOINTS:
+        raise TrajectoryError(f'the trajectory names {joints} joints; {_MOST_JOINTS} are the most')
+    if len(message.points) > most_points:
+        raise TrajectoryError(
+            f'the trajectory has {len(message.points)} points; {most_points} are the most'
+        )
     for index, point in enumerate(message.points):
         if len(point.positions) != joints or len(point.velocities) not in (0, joints):
             raise TrajectoryError(
@@ -197,14 +215,20 @@ def obstacle_changes_from_message(
     Raises
     ------
     InvalidMessage
-        If a marker is something else.
+        If there are too many, or a marker is something else.
     """
+    if len(message.markers) > _MOST_MARKERS:
+        raise InvalidMessage(
+            "message on 'obstacles'",
+            f'it has {len(message.markers)} markers; {_MOST_MARKERS} are the most',
+        )
     return [_obstacle_change(marker, frames) for marker in message.markers]
 
 
 def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
     name = (marker.ns, marker.id)
-    what = f"marker '{marker.ns}' {marker.id} on 'obstacles'"
+    what = f"marker {quoted(marker.ns)} {marker.id} on 'obstacles'"
+    checked_name(marker.ns, what)
     if marker.action == Marker.DELETEALL:
         return ObstacleChange(None, None)
     if marker.action == Marker.DELETE:
@@ -223,9 +247,12 @@ def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
         raise InvalidMessage(what, f'its colour r, g, b, a is {parts}; each must be from 0 to 1')
     red, green, blue = (round(255.0 * part) for part in parts[:3])
     size = marker.scale
-    if max(size.x, size.y, size.z) > _LARGEST:
+    low, high = _SIZES
+    if not all(low <= side <= high for side in (size.x, size.y, size.z)):
         raise InvalidMessage(
-            what, f'it is ({size.x}, {size.y}, {size.z}) m large; {_LARGEST:g} m are the most'
+            what,
+            f'it is ({size.x}, {size.y}, {size.z}) m large; each side must be from {low:g} '
+            f'to {high:g} m',
         )
     try:
         pose = pose_from_message(marker.pose)
@@ -246,7 +273,9 @@ def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
 def check_frame(what: str, frame: str, frames: tuple[str, ...]) -> None:
     """Raise InvalidMessage unless a frame is one of those that coincide with the world."""
     if frame not in frames:
-        raise InvalidMessage(what, f"it is in frame '{frame}'; give it in '{frames[0]}'")
+        raise InvalidMessage(
+            what, f'it is in frame {quoted(frame)}; give it in {quoted(frames[0])}'
+        )
 
 
 def _vector(values: NDArray[np.float64]) -> Vector3:

@@ -270,12 +270,14 @@ class SimNode(QuadNode[SimParameters]):
         return self.create_publisher(TFMessage, 'tf', 100)
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
-        self._simulation.accept(trajectory_from_message(message))
+        longest = self.parameters.longest_trajectory
+        self._simulation.accept(trajectory_from_message(message, longest))
 
     def _on_obstacles(self, message: MarkerArray) -> None:
         p = self.parameters
         frames = (p.map_frame, p.odom_frame)
-        self._simulation.change_obstacles(obstacle_changes_from_message(message, frames))
+        changes = obstacle_changes_from_message(message, frames)
+        self._simulation.change_obstacles(changes, p.most_obstacles)
 
     def _on_goal_marker(self, message: PoseStamped) -> None:
         p = self.parameters

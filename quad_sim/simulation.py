@@ -10,7 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import NotSimulated, ObstacleOnRobot, ParameterError
+from quad_common.errors import (
+    NotSimulated,
+    ObstacleOnRobot,
+    ParameterError,
+    TooManyObstacles,
+)
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -122,6 +127,19 @@ class ObstacleChange:
     """None: all of them."""
     obstacle: Obstacle | None
     """None: it goes."""
+
+
+def _count_after(changes: Iterable[ObstacleChange], standing: Iterable[Hashable]) -> int:
+    """Return the number of obstacles once all changes are made."""
+    names = set(standing)
+    for change in changes:
+        if change.obstacle is not None:
+            names.add(change.name)
+        elif change.name is None:
+            names.clear()
+        else:
+            names.discard(change.name)
+    return len(names)
 
 
 class Simulation:
@@ -240,7 +258,7 @@ class Simulation:
             raise NotSimulated(what, 'bullet')
         return self._simulator
 
-    def change_obstacles(self, changes: Iterable[ObstacleChange]) -> None:
+    def change_obstacles(self, changes: Iterable[ObstacleChange], most: int | None = None) -> None:
         """
         Put and remove obstacles, all or, if there is an error, none.
 
@@ -248,16 +266,23 @@ class Simulation:
         ----------
         changes : iterable of ObstacleChange
             In order.
+        most : int, optional
+            So many obstacles may stand at once; any number if not given.
 
         Raises
         ------
         NotSimulated
             If the simulator has no obstacles.
+        TooManyObstacles
+            If there would be more.
         ObstacleOnRobot
             If one would stand where the robot is.
         """
         changes = list(changes)
         world = self.check_visible('an obstacle')
+        count = _count_after(changes, world.obstacles)
+        if most is not None and count > max(most, len(world.obstacles)):
+            raise TooManyObstacles(count, most)
         pose = self._simulator.observe().pose
         for change in changes:
             if change.obstacle is not None:

@@ -385,5 +385,5 @@ def test_a_marker_with_a_colour_out_of_range_or_too_large_is_refused():
         changes_from(one)
     one = marker()
     one.scale.x = 1e6
-    with pytest.raises(InvalidMessage, match='100 m are the most'):
+    with pytest.raises(InvalidMessage, match=r'each side must be from 0\.001 to 100 m'):
         changes_from(one)
