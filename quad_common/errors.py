@@ -94,6 +94,18 @@ class WrongFrame(PlannerError):
         )
 
 
+class InvalidTransform(QuadError):
+    """A transform between two frames is none in the plane, or not to be believed."""
+
+    def __init__(self, parent: str, child: str, reason: str) -> None:
+        self.parent = parent
+        self.child = child
+        self.reason = reason
+        super().__init__(
+            f"the transform from '{parent[:60]}' to '{child[:60]}' is not used: {reason}"
+        )
+
+
 class InvalidPose(PlannerError):
     """A pose holds a number that is not finite, or no rotation at all."""
 

@@ -19,14 +19,15 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.errors import QuadError, WrongFrame
-from quad_common.planar_pose import Pose2D
+from quad_common.errors import QuadError
+from quad_common.map_frame import MapFrame
+from quad_common.map_frame_listener import MapFrameListener
+from quad_common.plan import Plan
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     height_map_from_message,
     orientation_from_odometry,
     plan_from_message,
-    pose_from_message,
     seconds_from_time,
     tilt_from_odometry,
 )
@@ -100,6 +101,11 @@ class GaitNode(QuadNode[GaitParameters]):
         self._published_footholds: Any = None
         self._distance_left = 0.0
         self._frame = 'odom'
+        self._map = MapFrameListener(
+            self, MapFrame(p.map_frame, p.correction_time_constant), p.correction_timeout
+        )
+        self._plan_heard = Path()
+        self._followed: Plan | None = None
         self._wire_topics()
         self.update_status()
 
@@ -112,6 +118,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._footholds = self.create_publisher(MarkerArray, 'footholds', 10)
         sensor = qos_profile_sensor_data
         self._leg_odometry = self.create_publisher(Odometry, 'odom/legs', sensor)
+        self._followed_plans = self.create_publisher(Path, 'plan/followed', _LATCHED)
         plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
         self.create_subscription(Path, 'plan', self.guarded(self._on_plan), plan_qos)
         twist = TwistStamped if p.stamped_cmd_vel else Twist
@@ -152,10 +159,10 @@ class GaitNode(QuadNode[GaitParameters]):
             controller = self._controller
             activity, cycle = controller.activity, controller.cycle
             level = _LEVELS.get(activity, OK)
+            notes = [note for note in (controller.limit, self._map.problem()) if note]
             self.report(
-                max(level, WARN) if controller.limit else level,
-                f'{activity.value}: {controller.reason}'
-                + (f'; {controller.limit}' if controller.limit else ''),
+                max(level, WARN) if notes else level,
+                '; '.join([f'{activity.value}: {controller.reason}', *notes]),
                 activity=activity.value,
                 gait=controller.gait.name,
                 distance_left=f'{self._distance_left:.3f}',
@@ -165,17 +172,28 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _on_plan(self, message: Path) -> None:
         plan = plan_from_message(message, self.parameters.longest_plan)
-        map_frame = self.parameters.map_frame
-        if plan is not None and message.header.frame_id not in (map_frame, self._frame):
-            raise WrongFrame('plan', message.header.frame_id, map_frame)
+        if plan is not None:
+            plan = self._map.frame.plan_on_map(message.header.frame_id, plan)
         self._controller.set_plan(plan)
+        if plan is not None and self._controller.wanted_plan is plan:
+            self._plan_heard = message
+        self._say_what_is_followed()
+
+    def _say_what_is_followed(self) -> None:
+        """Publish the plan that is followed when it is another one; an empty path for none."""
+        followed = self._controller.wanted_plan
+        if followed is not self._followed:
+            self._followed = followed
+            heard = self._plan_heard
+            self._followed_plans.publish(heard if followed else Path(header=heard.header))
 
     def _on_cmd_vel(self, message: Twist | TwistStamped) -> None:
         twist = message.twist if isinstance(message, TwistStamped) else message
         self._controller.set_twist(twist_from_message(twist))
+        self._say_what_is_followed()
 
     def _on_height_map(self, message: PointCloud2) -> None:
-        frames = (self.parameters.map_frame, self._frame)
+        frames = self._map.frame.frames_on_map
         self._controller.set_height_map(height_map_from_message(message, frames))
 
     def _on_imu(self, message: Imu) -> None:
@@ -199,10 +217,12 @@ class GaitNode(QuadNode[GaitParameters]):
         self._heard_odometry_at = time.monotonic()
         self._frame = message.header.frame_id
         stamp = message.header.stamp
-        pose = pose_from_message(message.pose.pose, 'odometry')
+        pose, odometry = self._map.locate(message)
+        # What is worked out from the pose on the map is in its frame.
+        frame = self._frame if self._map.frame.correction is None else self._map.frame.name
         if not self._is_placed:
             # From here on the legs tell; where the robot was put they cannot know.
-            self._odometry.reset(pose)
+            self._odometry.reset(odometry)
             self._is_placed = True
         joints, orientation = self._joints, self._imu[0]
         if orientation is None:
@@ -216,6 +236,7 @@ class GaitNode(QuadNode[GaitParameters]):
             orientation=orientation,
             joint_efforts=None if joints is None else joints.efforts,
             joint_time=None if joints is None else joints.time,
+            odometry=odometry,
         )
         controller = self._controller
         said = (controller.reason, controller.limit)
@@ -226,13 +247,14 @@ class GaitNode(QuadNode[GaitParameters]):
             # On uneven ground a stride is many trajectories.
             if len(footholds) and not np.array_equal(footholds, self._published_footholds):
                 self._published_footholds = footholds
-                self._footholds.publish(foothold_markers(footholds, self._frame, stamp))
-        self._publish_stability(now, pose, stamp)
+                self._footholds.publish(foothold_markers(footholds, frame, stamp))
+        self._publish_stability(now, frame, stamp)
+        self._say_what_is_followed()
         if (controller.reason, controller.limit) != said:
             self._distance_left = controller.distance_left(pose)
             self.update_status()
 
-    def _publish_stability(self, now: Measurement, pose: Pose2D, stamp: Any) -> None:
+    def _publish_stability(self, now: Measurement, frame: str, stamp: Any) -> None:
         controller = self._controller
         is_measured = self._is_uneven or self._measured_margins.get_subscription_count() > 0
         measured = controller.measured_margin(now) if is_measured else math.nan
@@ -246,8 +268,8 @@ class GaitNode(QuadNode[GaitParameters]):
             if self._is_uneven:
                 polygon = controller.measured_support_polygon(now)
             else:
-                polygon = controller.support_polygon_at(now.time, pose)
-            self._polygons.publish(polygon_message(polygon, self._frame, stamp))
+                polygon = controller.support_polygon_at(now.time, now.pose)
+            self._polygons.publish(polygon_message(polygon, frame, stamp))
 
     def _on_request(
         self, request: Any, _: Trigger.Request, response: Trigger.Response
@@ -257,6 +279,7 @@ class GaitNode(QuadNode[GaitParameters]):
             response.message, response.success = request(), True
         except QuadError as error:
             response.message, response.success = str(error), False
+        self._say_what_is_followed()
         return response
 
 

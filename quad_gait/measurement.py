@@ -23,7 +23,7 @@ class Measurement:
     time: float
     """[s]"""
     pose: Pose2D
-    """base_link in the plan's frame."""
+    """base_link in the plan's frame; leaps when a localiser corrects odometry."""
     tilt: float
     """Between the body's z axis and the vertical [rad]."""
     joint_positions: Array | None
@@ -36,6 +36,19 @@ class Measurement:
     """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
     joint_time: float | None = None
     """When the joints were measured [s]; None: at ``time``."""
+    odometry: Pose2D | None = None
+    """base_link in odometry's own frame, without leaps; None: odometry is in the plan's frame."""
+
+    @property
+    def motion_pose(self) -> Pose2D:
+        """Pose of base_link that tells how the robot has moved, and nothing else."""
+        return self.pose if self.odometry is None else self.odometry
+
+    def pose_corrected_as(self, before: Measurement) -> Pose2D:
+        """Return the pose in the plan's frame by the correction of an earlier measurement."""
+        if self.odometry is None or before.odometry is None:
+            return self.pose
+        return before.pose @ before.odometry.inverse() @ self.odometry
 
     def level_feet(self, robot: Robot) -> tuple[Array, Array]:
         """

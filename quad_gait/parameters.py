@@ -60,7 +60,19 @@ class GaitParameters:
         "Slip compensation: 'auto' for the robot's own, if it has any, 'none', or a file "
         'of quadwalk calibrate.',
     )
-    map_frame: str = parameter('map', 'Frame of the plans; it coincides with that of the odometry.')
+    map_frame: str = parameter(
+        'map', "Frame of the map; it coincides with odometry's unless transforms relate the two."
+    )
+    correction_time_constant: float = parameter(
+        3.0,
+        'Corrections of odometry are followed as by a first-order filter; 0: each is taken whole.',
+        's',
+        0.0,
+        60.0,
+    )
+    correction_timeout: float = parameter(
+        5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
+    )
     longest_plan: int = parameter(
         LONGEST_PLAN, 'Plans with more poses are refused.', lower=1, upper=100_000
     )

@@ -34,12 +34,12 @@ class Progress:
 
     def __init__(self, largest_stride: float) -> None:
         self._least = _TOO_LITTLE * largest_stride
-        self._begun_at: Pose2D | None = None
+        self._begun_at: tuple[Pose2D, Pose2D] | None = None
         self._without_effect = 0
 
-    def begin(self, pose: Pose2D) -> None:
-        """Note where the robot is when its next cycle is planned."""
-        self._begun_at = pose
+    def begin(self, pose: Pose2D, odometry: Pose2D) -> None:
+        """Note where the robot is, on the plan and by odometry, when its cycle is planned."""
+        self._begun_at = pose, odometry
 
     def forget(self) -> None:
         """Leave the cycle out: something else moved the robot."""
@@ -49,16 +49,16 @@ class Progress:
         """Count from here: something new is wished for."""
         self._without_effect = 0
 
-    def problem(self, pose: Pose2D, expected: Pose2D) -> str | None:
+    def problem(self, odometry: Pose2D, expected: Pose2D) -> str | None:
         """
         Say how little came of the last cycles, if they did not move the robot.
 
         Parameters
         ----------
-        pose : Pose2D
-            Where the robot is now.
+        odometry : Pose2D
+            Where the robot is now by odometry alone: a correction by a localiser moves nothing.
         expected : Pose2D
-            Where the cycle that was begun last should have brought it by now.
+            Where the cycle that was begun last should have brought it by now, on the plan.
 
         Returns
         -------
@@ -67,9 +67,10 @@ class Progress:
         """
         if self._begun_at is None:
             return None
-        before = self._begun_at.inverse()
+        pose_before, odometry_before = self._begun_at
         self._begun_at = None
-        planned, done = before @ expected, before @ pose
+        planned = pose_before.inverse() @ expected
+        done = odometry_before.inverse() @ odometry
         size = _size(planned)
         if size < self._least:
             return None

@@ -149,8 +149,9 @@ class WalkController:
         self._busy_until = -math.inf
         self._stride: UnevenStride | None = None
         self._height_map: HeightMap | None = None
-        # Where the stride is to bring the body.
+        # Where the stride is to bring the body, and with which correction it was begun.
         self._stride_goal = Pose2D(0.0, 0.0, 0.0)
+        self._stride_begun: Measurement | None = None
         # In which the robot stands between two cycles.
         self._stance = robot.initial_joint_angles
         self._take_gaits(gait, turning_gait, options.follower)
@@ -185,6 +186,11 @@ class WalkController:
     def cycle_at(self, time: float) -> ScheduledCycle | None:
         """Return the cycle that runs at a time [s]; None while the robot rests."""
         return self._sequence.at(time)
+
+    @property
+    def wanted_plan(self) -> Plan | None:
+        """The plan to follow, also while something blocks the robot; None: there is none."""
+        return self._wanted
 
     @property
     def gait(self) -> Gait:
@@ -416,11 +422,12 @@ class WalkController:
             self._set_activity(Activity.SITTING, 'sitting on request; it waits for stand')
             return None
         try:
-            problem = self._progress.problem(now.pose, self._expected_at_rest(now.pose))
+            expected = self._expected_at_rest(now.pose)
+            problem = self._progress.problem(now.motion_pose, expected)
             if problem is not None:
                 self._give_up(Activity.BLOCKED, problem)
                 return None
-            step = self._next_step(now.pose, STILL)
+            step = self._next_step(now.pose, now.motion_pose, STILL)
             if step is None:
                 return None
             if self._options.uneven is not None:
@@ -432,16 +439,17 @@ class WalkController:
 
     def _go_on(self, now: Measurement, current: ScheduledCycle) -> JointTrajectory | None:
         """Decide for a robot in motion, shortly before its cycle ends."""
-        end = now.pose @ self._planner.end_with_slip(current, now.time)
+        ahead = self._planner.end_with_slip(current, now.time)
+        end = now.pose @ ahead
         self._take_new_plan(now.pose)
-        problem = self._progress.problem(now.pose, current.pose_at(now.time))
+        problem = self._progress.problem(now.motion_pose, current.pose_at(now.time))
         if problem is not None:
             self._give_up(Activity.BLOCKED, problem)
         if problem is not None or self._new_gaits is not None or self._is_to_sit:
             self._come_to_rest(current)
             return None
         try:
-            step = self._next_step(end, self._planner.speed)
+            step = self._next_step(end, now.motion_pose @ ahead, self._planner.speed)
             if step is None or self.gears.of(step) is not self._planner.gear:
                 self._come_to_rest(current)
                 return None
@@ -457,7 +465,7 @@ class WalkController:
             return None
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
-        self._progress.begin(now.pose)
+        self._progress.begin(now.pose, now.motion_pose)
         self._say(step, cycle.motion, cycle.limit)
         return self._sequence.trajectory(self._robot, now.time)
 
@@ -472,7 +480,7 @@ class WalkController:
         stride = self._stride
         assert stride is not None
         try:
-            trajectory = stride.update(self._stance_at(now))
+            trajectory = stride.update(self._stance_at(now, self._stride_begun))
         except GaitError as error:
             self._end_stride(stride)
             self._give_up(Activity.STOPPED, str(error))
@@ -489,13 +497,19 @@ class WalkController:
             self._stance = end
         self._stride = None
 
-    def _stance_at(self, now: Measurement) -> Stance:
+    def _stance_at(self, now: Measurement, since: Measurement | None = None) -> Stance:
+        """Return how the robot stands, with the pose corrected as it was at a measurement."""
         assert now.joint_positions is not None
         orientation = now.orientation
         if orientation is None:
             orientation = np.array([0.0, 0.0, 0.0, 1.0])
         return Stance.measured(
-            self._robot, now.time, now.pose, orientation, now.joint_positions, now.joint_efforts
+            self._robot,
+            now.time,
+            now.motion_pose if since is None else now.pose_corrected_as(since),
+            orientation,
+            now.joint_positions,
+            now.joint_efforts,
         )
 
     def _first_stride(self, now: Measurement, step: Step) -> JointTrajectory | None:
@@ -505,8 +519,9 @@ class WalkController:
         self._stride = UnevenStride(
             self._robot, self.gears.order_of(step), step.motion, now.pose, self._height_map, options
         )
-        self._progress.begin(now.pose)
+        self._progress.begin(now.pose, now.motion_pose)
         self._stride_goal = now.pose @ step.motion.end
+        self._stride_begun = now
         self._say(step, step.motion)
         return self._go_on_with_stride(now)
 
@@ -522,14 +537,15 @@ class WalkController:
         self._sequence.clear()
         self._sequence.replace(*planned)
         self._busy_until = self._sequence.end
-        self._progress.begin(now.pose)
+        self._progress.begin(now.pose, now.motion_pose)
         self._say(step, cycle.motion, cycle.limit)
         return self._sequence.trajectory(self._robot, start)
 
-    def _next_step(self, pose: Pose2D, entry: Twist2D) -> Step | None:
+    def _next_step(self, pose: Pose2D, odometry: Pose2D, entry: Twist2D) -> Step | None:
         """Turn what is wanted into a step; None to stay, or to come to rest."""
         if self._steering:
-            return self._steer(pose, entry)
+            # A course is kept by odometry: a correction must not steer the robot.
+            return self._steer(odometry, entry)
         if self._follower.plan is None:
             if not entry and self.activity not in _SAID:
                 self._set_activity(Activity.STANDING, self._why_standing())
@@ -538,6 +554,7 @@ class WalkController:
         if step is None:
             # Whatever moves the robot from now on, the job is done until a new plan comes.
             self._follower.follow(None, pose)
+            self._wanted = self._pieces = None
             self._set_activity(Activity.ARRIVED, 'the goal is reached')
         return step
 

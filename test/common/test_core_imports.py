@@ -13,7 +13,9 @@ SOURCES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob
 
 MIDDLE = {'quad_planner', 'quad_gait', 'quad_sim', 'quad_perception', 'quad_view'}
 
-SHELLS = {'ros_conversions', 'ros_node', 'run_node', 'bullet_simulator'}
+SHELLS = {
+    'ros_conversions', 'ros_node', 'run_node', 'map_frame_listener', 'bullet_simulator'
+}  # fmt: skip
 """Modules whose work it is to talk to ROS or PyBullet, besides the nodes ``*_node``."""
 
 ROS_COMMANDS = {

@@ -31,10 +31,14 @@ DATA = sorted(ROOT.glob('quad_*/**/*.yaml'))
 PAGES = sorted([*ROOT.glob('*.md'), *ROOT.glob('docs/**/*.md'), *ROOT.glob('msg_docs/*.md')])
 NODES = sorted(TABLES)
 
+SHARED = {'ros_node': tuple(NODES), 'map_frame_listener': ('gait_node',)}
+"""The nodes that a module makes publishers and subscriptions for."""
+
 QUALITIES = {
     '10': 'reliable, volatile, depth 10',
     '100': 'reliable, volatile, depth 100',
     '_LATCHED': 'reliable, transient local, depth 1',
+    '_STATIC': 'reliable, transient local, depth 100',
     '_CLOCK': 'best effort, volatile, depth 1',
     'qos_profile_sensor_data': 'best effort, volatile, depth 5',
 }
@@ -80,7 +84,7 @@ def interfaces() -> Iterator[Interface]:
         tree = ast.parse(path.read_text(encoding='utf-8'), str(path))
         types = imported_types(tree)
         nodes = (path.stem,) if path.stem in NODES else ()
-        nodes = tuple(NODES) if path.stem == 'ros_node' else nodes
+        nodes = SHARED.get(path.stem, nodes)
         for call in ast.walk(tree):
             if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Attribute):
                 continue
@@ -302,6 +306,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     pytest.importorskip('rclpy')
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
+    from quad_common import map_frame_listener
     from quad_gait import gait_node
     from quad_perception import ceiling_camera_node
     from quad_planner import planner_node
@@ -313,6 +318,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
         '_LATCHED': [
             module._LATCHED for module in (ceiling_camera_node, gait_node, planner_node, sim_node)
         ],
+        '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_node._CLOCK],
         'qos_profile_sensor_data': [qos_profile_sensor_data],
     }
