@@ -1,0 +1,84 @@
+"""
+What a running node hears, answers and publishes: read from the graph, not from a list.
+"""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
+UNHEARD = ('/parameter_events',)
+"""Topics that rclpy itself subscribes to, and only for the node's own parameters."""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A topic or a service of a node."""
+
+    name: str
+    """Full name, for example ``/goal_pose``."""
+    type_name: str
+    """For example ``geometry_msgs/msg/PoseStamped``."""
+    is_service: bool = False
+
+    @property
+    def type(self) -> Any:
+        """The class of its messages, or of the service."""
+        return class_of(self.type_name)
+
+    def __str__(self) -> str:
+        return self.name.lstrip('/')
+
+
+def class_of(type_name: str) -> Any:
+    """
+    Find the class of a ROS type.
+
+    Parameters
+    ----------
+    type_name : str
+        ``package/msg/Name`` or ``package/srv/Name``.
+
+    Returns
+    -------
+    type
+        The Python class.
+    """
+    package, folder, name = type_name.split('/')
+    return getattr(importlib.import_module(f'{package}.{folder}'), name)
+
+
+def inputs_of(observer: Any, node: str) -> list[Interface]:
+    """
+    List what a node hears and answers.
+
+    Parameters
+    ----------
+    observer : rclpy.node.Node
+        Who looks at the graph; the other node must have been discovered.
+    node : str
+        Name of the other node, in the root namespace.
+
+    Returns
+    -------
+    list of Interface
+        Its subscribed topics and its services, those of its parameters included.
+
+    Raises
+    ------
+    rclpy.node.NodeNameNonExistentError
+        If there is no such node yet.
+    """
+    topics = observer.get_subscriber_names_and_types_by_node(node, '/')
+    services = observer.get_service_names_and_types_by_node(node, '/')
+    return [
+        *(Interface(name, types[0]) for name, types in sorted(topics) if name not in UNHEARD),
+        *(Interface(name, types[0], True) for name, types in sorted(services)),
+    ]
+
+
+def outputs_of(observer: Any, node: str) -> list[Interface]:
+    """List the topics that a node publishes; arguments as for :func:`inputs_of`."""
+    topics = observer.get_publisher_names_and_types_by_node(node, '/')
+    return [Interface(name, types[0]) for name, types in sorted(topics)]
