@@ -9,9 +9,12 @@ import importlib
 import json
 import math
 from dataclasses import asdict, dataclass
+from types import ModuleType
 
 from rich.console import Console
 from rich.table import Table
+
+from quad_common.errors import ParameterError
 
 BENCHMARKS = {
     'walk': 'quad_cli.bench_walk',
@@ -19,6 +22,7 @@ BENCHMARKS = {
     'planner': 'quad_cli.bench_planner',
     'camera': 'quad_cli.bench_camera',
     'terrain': 'quad_cli.bench_terrain',
+    'faults': 'quad_cli.bench_faults',
 }
 """The module of each benchmark."""
 
@@ -29,6 +33,7 @@ EXAMPLES = """examples:
   quadwalk bench planner --quick
   quadwalk bench camera --quick
   quadwalk bench terrain --quick
+  quadwalk bench faults --only messages kills
 """
 
 
@@ -72,6 +77,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('benchmark', choices=sorted(BENCHMARKS))
     parser.add_argument('--quick', action='store_true', help='a sample that ends within 45 s')
     parser.add_argument('--seed', type=int, default=0, help='of what is drawn at random')
+    parser.add_argument(
+        '--only', nargs='+', default=[], metavar='PART', help='of benchmarks that have parts'
+    )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
@@ -79,12 +87,25 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if every bar holds."""
     console = make_console(stderr=arguments.json)
     module = importlib.import_module(BENCHMARKS[arguments.benchmark])
-    bars, details = module.measure(console, arguments.quick, arguments.seed)
+    only = _parts(arguments.benchmark, module, arguments.only)
+    bars, details = module.measure(console, arguments.quick, arguments.seed, **only)
     if arguments.json:
         print(json.dumps({'bars': [asdict(bar) for bar in bars], **details}))
     else:
         print_bars(console, f'quadwalk bench {arguments.benchmark}', bars)
     return 0 if all(bar.holds is not False for bar in bars) else 1
+
+
+def _parts(benchmark: str, module: ModuleType, wanted: list[str]) -> dict[str, tuple[str, ...]]:
+    """Return the argument ``only`` of a benchmark that is run in part; ParameterError if not so."""
+    if not wanted:
+        return {}
+    parts = tuple(getattr(module, 'PARTS', ()))
+    for name in wanted:
+        if name not in parts:
+            valid = f'one of {", ".join(parts)}' if parts else f'left out: {benchmark} has no parts'
+            raise ParameterError('--only', name, valid)
+    return {'only': tuple(wanted)}
 
 
 def make_console(stderr: bool) -> Console:

@@ -24,6 +24,11 @@ ROS_COMMANDS = {
     'quad_cli.progress',
     'quad_cli.bench_walk',
     'quad_cli.bench_planner_node',
+    'quad_cli.faults_examples',
+    'quad_cli.faults_listener',
+    'quad_cli.faults_stage',
+    'quad_cli.faults_attacker',
+    'quad_cli.faults_messages',
 }
 """Of the command line: what walks over topics."""
 

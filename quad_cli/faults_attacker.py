@@ -1,0 +1,186 @@
+"""
+Sends a node what nobody means well, on everything that it hears and answers.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Twist, Vector3
+from nav_msgs.srv import GetPlan
+from rcl_interfaces.msg import Parameter
+from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+
+from quad_cli.faults_examples import example_of, goal_message, obstacle_message
+from quad_cli.faults_graph import Interface, inputs_of
+from quad_cli.faults_mutations import Mutator, random_bytes
+from quad_cli.faults_stage import Stage
+from quad_common.planar_pose import Pose2D
+
+SLOWEST = 2.0
+"""A node that answers later hangs [s]."""
+
+_SHARE_BYTES = 0.08
+"""Of messages whose bytes are damaged, instead of a field."""
+
+_GIVE_UP = 10.0
+"""Wait for an answer [s]."""
+
+_DISCOVERY = 0.5
+"""For publishers to be found by the node [s]."""
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_NOT_CHANGED = ('use_sim_time',)
+"""Parameters that are not attacked: what they change is which time is meant at all."""
+
+
+class Attacker:
+    """
+    Attacks one node.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where it runs.
+    name : str
+        Of the node.
+    rng : numpy.random.Generator
+        Of what is sent.
+    """
+
+    def __init__(self, stage: Stage, name: str, rng: np.random.Generator) -> None:
+        self._stage = stage
+        self._name = name
+        self._rng = rng
+        self._publishers: dict[str, Any] = {}
+        self._latched: list[Interface] = []
+        self._clients: dict[str, Any] = {}
+        self._mutators: dict[str, Mutator] = {}
+        self._parameters: list[Parameter] = []
+        self.inputs: list[Interface] = []
+        """What is attacked."""
+        self.recent: list[str] = []
+        """What was sent last, the newest last."""
+        self.slow: list[str] = []
+        """Requests that were answered late or never."""
+        self._connect()
+        self._turns = itertools.cycle(self.inputs)
+
+    def shoot(self) -> None:
+        """Send the next message or request."""
+        target = next(self._turns)
+        if target.is_service:
+            self._request(target)
+        else:
+            self._publish(target)
+
+    def restore_parameters(self) -> None:
+        """Give the node back the parameters that it had."""
+        request = SetParameters.Request(parameters=self._parameters)
+        self._stage.call(f'{self._name}/set_parameters', SetParameters, request)
+
+    def renew_latched(self) -> None:
+        """Take back what is latched: who starts late must not hear it."""
+        node = self._stage.node
+        for target in self._latched:
+            if target.name in self._publishers:
+                node.destroy_publisher(self._publishers[target.name])
+            self._publishers[target.name] = node.create_publisher(
+                target.type, target.name, _LATCHED
+            )
+        self._stage.spin(_DISCOVERY)
+
+    def close(self) -> None:
+        """End all publishers and clients, and with them what is latched."""
+        for publisher in self._publishers.values():
+            self._stage.node.destroy_publisher(publisher)
+        for client in self._clients.values():
+            self._stage.node.destroy_client(client)
+
+    def _connect(self) -> None:
+        node = self._stage.node
+        self._parameters = self._read_parameters()
+        for target in inputs_of(node, self._name):
+            self.inputs.append(target)
+            self._mutators[target.name] = Mutator(self._rng)
+            if target.is_service:
+                self._clients[target.name] = node.create_client(target.type, target.name)
+                continue
+            readers = node.get_subscriptions_info_by_topic(target.name)
+            if any(reader.qos_profile.durability == _LATCHED.durability for reader in readers):
+                self._latched.append(target)
+            else:
+                qos = QoSProfile(depth=10)
+                self._publishers[target.name] = node.create_publisher(target.type, target.name, qos)
+        self.renew_latched()
+
+    def _read_parameters(self) -> list[Parameter]:
+        listed = self._stage.call(f'{self._name}/list_parameters', ListParameters)
+        names = [] if listed is None else [n for n in listed.result.names if n not in _NOT_CHANGED]
+        request = GetParameters.Request(names=names)
+        answer = self._stage.call(f'{self._name}/get_parameters', GetParameters, request)
+        values = [] if answer is None else answer.values
+        return [Parameter(name=name, value=value) for name, value in zip(names, values)]
+
+    def _publish(self, target: Interface) -> None:
+        message = self._example(target)
+        if self._rng.random() < _SHARE_BYTES:
+            what, data = random_bytes(serialize_message(message), self._rng)
+        else:
+            mutation = self._mutators[target.name].draw(message)
+            what, data = str(mutation), serialize_message(mutation.message)
+        self._note(f'{target} {what}')
+        self._stage.listener.ignore(data)
+        # Not everything passes the middleware itself.
+        with contextlib.suppress(RuntimeError):
+            self._publishers[target.name].publish(data)
+
+    def _request(self, target: Interface) -> None:
+        client = self._clients[target.name]
+        mutation = self._mutators[target.name].draw(self._example(target))
+        self._note(f'{target} {mutation}')
+        if not client.service_is_ready():
+            return
+        if target.name == '/reset':
+            self._stage.listener.forget_robot()
+        took = self._stage.answer_time(client.call_async(mutation.message), _GIVE_UP)
+        if took is None or took > SLOWEST:
+            answered = 'no answer' if took is None else f'answer after {took:.1f} s'
+            self.slow.append(f'{target} {mutation}: {answered}')
+
+    def _example(self, target: Interface) -> Any:
+        """Return a valid message: the last one that was heard, or one that is made up."""
+        pose = self._stage.pose or Pose2D(1.2, 1.2, 0.0)
+        made: dict[str, Callable[[], Any]] = {
+            '/goal_pose': lambda: goal_message(self._goal(pose)),
+            '/goal_marker': lambda: goal_message(self._goal(pose)),
+            '/obstacles': lambda: obstacle_message(pose.x + 1.5, pose.y),
+            '/cmd_vel': lambda: Twist(linear=Vector3(x=0.02), angular=Vector3(z=0.02)),
+            '/get_plan': lambda: GetPlan.Request(
+                start=goal_message(pose), goal=goal_message(self._goal(pose))
+            ),
+        }
+        if target.name in made:
+            return made[target.name]()
+        if target.name.endswith(('/set_parameters', '/set_parameters_atomically')):
+            few = self._parameters
+            chosen = [few[int(self._rng.integers(len(few)))]] if few else []
+            return target.type.Request(parameters=chosen)
+        if target.is_service:
+            return example_of(target.type.Request)
+        heard = self._stage.listener.last.get(target.name)
+        return example_of(target.type) if heard is None else heard
+
+    def _goal(self, pose: Pose2D) -> Pose2D:
+        return Pose2D(pose.x + 0.2, pose.y, pose.yaw)
+
+    def _note(self, what: str) -> None:
+        self.recent = [*self.recent[-19:], what]
+        self._stage.listener.context = f'after {what}'

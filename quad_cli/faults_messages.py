@@ -1,0 +1,254 @@
+"""
+Attack by messages: every topic and service of every node, the robot standing and walking.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from nav_msgs.msg import OccupancyGrid
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rich.console import Console
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker, MarkerArray
+
+from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.faults_attacker import SLOWEST, Attacker
+from quad_cli.faults_goals import GoalDrawer
+from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG
+from quad_cli.faults_stage import NotSeen, Stage
+from quad_cli.faults_state import growth
+from quad_cli.node_processes import NodeDied, isolated_domain
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.robot import load_robot
+
+MESSAGES = 2000
+"""To each node, with the robot standing, and as many with it walking."""
+
+QUICK_MESSAGES = 120
+
+_BATCH = 20
+"""Messages between two looks whether all is well."""
+
+_WARM_UP = 0.3
+"""Fraction of the messages after which memory is measured first."""
+
+_GAP = 0.004
+"""Between two messages [s]."""
+
+_ROBOT = 'titan_viii'
+_MAP = 'room'
+_START = Pose2D(1.2, 1.2, 0.0)
+_RATE = 4.0
+"""Simulated over real time."""
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+NODES = ('planner_node', 'gait_node', 'sim_node')
+
+
+@dataclass
+class Report:
+    """What came of the attack on one node."""
+
+    node: str
+    state: str
+    """Of the robot: ``standing`` or ``walking``."""
+    messages: int = 0
+    deaths: list[str] = field(default_factory=list)
+    """Nodes that ended, with what was sent to them last."""
+    slow: list[str] = field(default_factory=list)
+    """Reactions slower than two seconds."""
+    memory_growth: dict[str, float] = field(default_factory=dict)
+    """Of each node, as a fraction."""
+    has_reached_goal: bool = False
+    """Whether the next good goal was reached without a restart."""
+    problem: str = ''
+    """Why it was not."""
+    falls: int = 0
+    """Of a robot to whose joints nothing was sent."""
+
+
+def attack_messages(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Bar], dict[str, object]]:
+    """
+    Attack, and work out the bars.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress goes.
+    quick : bool
+        A small part of the messages.
+    seed : int
+        Of what is sent.
+
+    Returns
+    -------
+    tuple
+        The bars, and details for JSON.
+    """
+    count = QUICK_MESSAGES if quick else MESSAGES
+    reports: list[Report] = []
+    violations: dict[str, list[str]] = {}
+    counts: dict[str, int] = {}
+    tracebacks: list[str] = []
+    states = {'walking': 'kinematic'} if quick else {'standing': 'kinematic', 'walking': 'bullet'}
+    for state, backend in states.items():
+        with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
+            _start(stage, backend)
+            for node in NODES:
+                attack = _Attack(stage, Report(node, state), seed)
+                attack.run(count)
+                reports.append(attack.report)
+                _say(console, attack.report, stage)
+            tracebacks += stage.tracebacks()
+            for kind, number in stage.listener.counts.items():
+                counts[kind] = counts.get(kind, 0) + number
+                violations.setdefault(kind, []).extend(stage.listener.examples[kind])
+    details: dict[str, object] = {
+        'attacks': [asdict(report) for report in reports],
+        'violations': violations,
+        'tracebacks': tracebacks,
+    }
+    return _bars(reports, counts, tracebacks), details
+
+
+def _start(stage: Stage, backend: str) -> None:
+    start = [_START.x, _START.y, _START.yaw]
+    stage.start('sim_node', backend=backend, real_time_factor=_RATE, start_pose=start)
+    stage.start('planner_node')
+    stage.start('gait_node')
+    stage.wait_until_ready()
+
+
+class _Attack:
+    """The attack on one node: sends, looks after the robot, measures."""
+
+    def __init__(self, stage: Stage, report: Report, seed: int) -> None:
+        self.report = report
+        self._stage = stage
+        self._goals = GoalDrawer(load_robot(_ROBOT), sample_map(_MAP), seed)
+        self._attacker = Attacker(stage, report.node, np.random.default_rng(seed))
+        self._maps = stage.node.create_publisher(OccupancyGrid, 'map', _LATCHED)
+        self._obstacles = stage.node.create_publisher(MarkerArray, 'obstacles', 10)
+        self._good_map = stage.listener.last['/map']
+        self._memory: dict[str, float] = {}
+        """Of each node after the warm-up [MB]."""
+
+    def run(self, count: int) -> None:
+        """Send so many messages, and see whether the robot still walks then."""
+        while self.report.messages < count:
+            self._keep_going()
+            for _ in range(_BATCH):
+                self._attacker.shoot()
+                self.report.messages += 1
+                self._stage.spin(_GAP)
+            self._look()
+            if not self._memory and self.report.messages >= _WARM_UP * count:
+                self._memory = self._stage.memory()
+        self.report.slow += self._attacker.slow
+        self._attacker.restore_parameters()
+        self._attacker.close()
+        self._walk_on()
+        after = self._stage.memory()
+        self.report.memory_growth = growth(self._memory, after)
+        self._stage.listener.context = ''
+        for publisher in (self._maps, self._obstacles):
+            self._stage.node.destroy_publisher(publisher)
+
+    def _look(self) -> None:
+        """See whether all nodes live, and answer soon."""
+        stage, report = self._stage, self.report
+        self._revive()
+        for name in stage.nodes:
+            took = stage.ping(name)
+            if (took is None or took > SLOWEST) and name not in stage.dead_nodes():
+                answered = 'no answer' if took is None else f'{took:.1f} s'
+                sent = ' | '.join(self._attacker.recent)
+                report.slow.append(f'{name}: {answered} after {sent}')
+
+    def _revive(self) -> None:
+        """Start nodes again that have ended: the attack goes on, and their deaths count."""
+        stage = self._stage
+        while dead := stage.dead_nodes():
+            # What is latched would end them again.
+            self._attacker.renew_latched()
+            for name, death in dead.items():
+                sent = ' | '.join(self._attacker.recent)
+                self.report.deaths.append(f'{death}\nsent last: {sent}')
+                self._memory.pop(name, None)
+                stage.start_again(name)
+            stage.listener.forget_robot()
+            # Another one may end meanwhile, of what was sent before.
+            with contextlib.suppress(NodeDied):
+                stage.wait_until_found()
+
+    def _keep_going(self) -> None:
+        """Take back what a stranger may rightly ask for: a pause, a seat, a wall."""
+        stage = self._stage
+        self._release()
+        if self.report.state == 'walking' and stage.activity not in ('walking', 'turning'):
+            stage.give_goal(self._goals.draw(_START, 0.3, 1.5))
+
+    def _release(self) -> None:
+        stage = self._stage
+        if stage.has_fallen:
+            if self.report.node != 'sim_node':
+                self.report.falls += 1
+            stage.listener.forget_robot()
+            stage.call('reset', Trigger)
+        stage.call('unpause', Trigger)
+        if stage.activity in ('sitting', 'sitting down'):
+            stage.call('stand', Trigger)
+        self._maps.publish(self._good_map)
+        self._obstacles.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+
+    def _walk_on(self) -> None:
+        """Give a good goal, and see whether it is reached."""
+        stage, report = self._stage, self.report
+        try:
+            self._release()
+            if report.node == 'sim_node':
+                stage.listener.forget_robot()
+                stage.call('reset', Trigger)
+            stage.spin(1.0)
+            pose = stage.pose
+            assert pose is not None
+            stage.walk_to(self._goals.draw(pose, 0.3, 1.0))
+            report.has_reached_goal = True
+        except (NotSeen, NodeDied) as error:
+            report.problem = str(error)
+            if isinstance(error, NodeDied):
+                report.deaths.append(f'{error}\nafter the attack, on the way to a good goal')
+
+
+def _bars(reports: list[Report], counts: dict[str, int], tracebacks: list[str]) -> list[Bar]:
+    grown = [value for report in reports for value in report.memory_growth.values()]
+    reached = sum(report.has_reached_goal for report in reports)
+    return [
+        figure('messages to each node', min((r.messages for r in reports), default=None), ''),
+        at_most('node deaths', sum(len(r.deaths) for r in reports), '', 0),
+        at_most('tracebacks', len(tracebacks), '', 0),
+        at_most('reactions slower than 2 s', sum(len(r.slow) for r in reports), '', 0),
+        at_most(NOT_FINITE, counts.get(NOT_FINITE, 0), '', 0),
+        at_most(OUTSIDE_LIMITS, counts.get(OUTSIDE_LIMITS, 0), '', 0),
+        at_most(JOINTS_OUTSIDE, counts.get(JOINTS_OUTSIDE, 0), '', 0),
+        at_most(TOO_LONG, counts.get(TOO_LONG, 0), '', 0),
+        at_most('largest growth of memory', max(grown, default=None), 'fraction', 0.05),
+        at_most('falls under attack', sum(r.falls for r in reports), '', 0),
+        at_least('good goals reached after', reached, f'of {len(reports)}', len(reports)),
+    ]
+
+
+def _say(console: Console, report: Report, stage: Stage) -> None:
+    console.print(
+        f'{report.node}, {report.state}: {report.messages} messages, {len(report.deaths)} deaths, '
+        f'{len(report.slow)} slow, {dict(stage.listener.counts)}, '
+        f'goal {"reached" if report.has_reached_goal else "NOT reached: " + report.problem}',
+        highlight=False,
+    )
