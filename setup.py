@@ -15,13 +15,14 @@ from setuptools import find_packages, setup
 NAME = 'quadwalk'
 HERE = Path(__file__).resolve().parent
 
+# Small modules, which hear signals before they import what is large.
 NODES = {
-    'planner_node': 'quad_planner.planner_node:main',
-    'gait_node': 'quad_gait.gait_node:main',
-    'sim_node': 'quad_sim.sim_node:main',
-    'ceiling_camera_node': 'quad_perception.ceiling_camera_node:main',
+    'planner_node': 'quad_planner.__main__:main',
+    'gait_node': 'quad_gait.__main__:main',
+    'sim_node': 'quad_sim.__main__:main',
+    'ceiling_camera_node': 'quad_perception.__main__:main',
 }
-COMMANDS = {'quadwalk': 'quad_cli.main:main'}
+COMMANDS = {'quadwalk': 'quad_cli.__main__:main'}
 
 EXTRAS = {
     # A ROS 2 installation brings its own rclpy and messages: these are for machines without one.

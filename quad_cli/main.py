@@ -4,6 +4,12 @@ The ``quadwalk`` command.
 
 from __future__ import annotations
 
+if __name__ == '__main__':
+    # What follows takes a while to import; signals count before.
+    from quad_cli.__main__ import main as start
+
+    raise SystemExit(start())
+
 import argparse
 import importlib
 import sys
@@ -64,9 +70,6 @@ def main(args: list[str] | None = None) -> int:
     except QuadError as error:
         print(f'error: {error}', file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print('interrupted', file=sys.stderr)
-        return 130
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith('quad_'):
             raise
@@ -78,7 +81,3 @@ def _advice(module: str) -> str:
     if module in ('rclpy', 'rosgraph_msgs') or module.endswith('_msgs'):
         return "source a ROS 2 installation, or pip install 'quadwalk[ros]'"
     return f'pip install {module}'
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -5,37 +5,40 @@ Starts nodes as processes of their own, keeps their logs and ends them by their 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import os
 import random
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
+import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
+from quad_common import shared_memory
+from quad_common.end_signals import SIGNALS, released_at_last, shielded
+from quad_common.entry import PARENT
 from quad_common.errors import QuadError
 from quad_common.resources import share_directory
+from quad_common.temporary_folder import temporary_folder
 
 NODES = {
-    'planner_node': 'quad_planner.planner_node',
-    'gait_node': 'quad_gait.gait_node',
-    'sim_node': 'quad_sim.sim_node',
-    'ceiling_camera_node': 'quad_perception.ceiling_camera_node',
+    'planner_node': 'quad_planner',
+    'gait_node': 'quad_gait',
+    'sim_node': 'quad_sim',
+    'ceiling_camera_node': 'quad_perception',
 }
-"""The module behind each node's executable."""
+"""What Python runs for each node's executable."""
 
-_PRCTL: Any = getattr(ctypes.CDLL(None), 'prctl', None) if sys.platform == 'linux' else None
-"""Looked up here, because little may be done between fork and exec."""
-
-_PR_SET_PDEATHSIG = 1
+_LAST_WAIT = 3.5
+"""For all nodes together to end; each sees to it that it takes less [s]."""
 
 _SHORT_WAIT = 0.05
 """Between two looks whether a node has ended [s]."""
+
+_ABORT_WAIT = 0.5
+"""For a node that hangs to say where [s]."""
 
 _FIRST_LOCK_PORT = 32768
 
@@ -111,9 +114,14 @@ def _is_quiet(domain: int) -> bool:
     return True
 
 
-def _end_with_parent() -> None:
-    """Ask Linux to end this process when its parent ends, even if that is killed."""
-    _PRCTL(_PR_SET_PDEATHSIG, signal.SIGTERM)
+@contextlib.contextmanager
+def _blocked_signals() -> Iterator[None]:
+    """Have what is started here inherit that signals wait until it is ready for them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class NodeProcess:
@@ -141,17 +149,22 @@ class NodeProcess:
         arguments = [part for key, value in parameters.items() for part in ('-p', _set(key, value))]
         if namespace:
             arguments += ['-r', f'__ns:=/{namespace.strip("/")}']
-        environment = dict(os.environ, PYTHONUNBUFFERED='1', PYTHONFAULTHANDLER='1')
+        environment = dict(
+            os.environ,
+            PYTHONUNBUFFERED='1',
+            PYTHONFAULTHANDLER='1',
+            **{PARENT: str(os.getpid())},
+        )
         # The wheels of rclpy leave it behind to start each python once more only.
         environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
-        with log.open('ab') as output:
+        command = [sys.executable, '-m', NODES[name], '--ros-args', *arguments]
+        with shielded(), log.open('ab') as output, _blocked_signals():
             self._process = subprocess.Popen(
-                [sys.executable, '-m', NODES[name], '--ros-args', *arguments],
+                command,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 env=environment,
                 start_new_session=True,
-                preexec_fn=_end_with_parent if _PRCTL is not None else None,
             )
 
     @property
@@ -186,7 +199,7 @@ class NodeProcess:
         # It hangs: Python writes into the log where, and ends.
         self._process.send_signal(signal.SIGABRT)
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return self._process.wait(timeout)
+            return self._process.wait(_ABORT_WAIT)
         self.kill()
         return self._process.returncode
 
@@ -209,8 +222,12 @@ class NodeProcesses:
 
     def __init__(self, namespace: str = '') -> None:
         self._namespace = namespace
-        self._folder = tempfile.TemporaryDirectory(prefix='quadwalk_')
         self._running: dict[str, NodeProcess] = {}
+        # What killed processes left in shared memory is not for long: a container has little.
+        shared_memory.remove_ownerless()
+        self._stack = contextlib.ExitStack()
+        self._folder = self._stack.enter_context(temporary_folder())
+        self._stack.enter_context(released_at_last(self._kill))
 
     def __enter__(self) -> NodeProcesses:
         return self
@@ -221,20 +238,29 @@ class NodeProcesses:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        for process in self._running.values():
-            process.stop()
-        self._folder.cleanup()
+        with shielded(), self._stack:
+            # All at once, so that they end beside one another.
+            for process in self._running.values():
+                process.interrupt()
+            deadline = time.monotonic() + _LAST_WAIT
+            for process in self._running.values():
+                process.stop(max(_SHORT_WAIT, deadline - time.monotonic()))
 
     def start(self, name: str, **parameters: object) -> NodeProcess:
         """Start a node, or start it again."""
-        log = Path(self._folder.name) / f'{name}.log'
-        self._running[name] = NodeProcess(name, parameters, log, self._namespace)
+        log = self._folder / f'{name}.log'
+        with shielded():
+            self._running[name] = NodeProcess(name, parameters, log, self._namespace)
         return self._running[name]
 
     def check(self) -> None:
         """Raise NodeDied if one has ended."""
         for process in self._running.values():
             process.check()
+
+    def _kill(self) -> None:
+        for process in self._running.values():
+            process.kill()
 
 
 def _set(name: str, value: object) -> str:

@@ -4,17 +4,22 @@ Runs a node from its making to its end.
 
 from __future__ import annotations
 
-import signal
+import os
 import sys
 from collections.abc import Callable
 from typing import Any
 
 import rclpy
 from rclpy.exceptions import ParameterException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
+from quad_common.end_signals import ignore_signals, released_at_last
+from quad_common.entry import node_end
 from quad_common.errors import QuadError
 from quad_common.guarded_node import GuardedNode
+from quad_common.network import check_security, library_without_security, reach_of
+from quad_common.shared_memory import release_own
 
 
 def run_node(
@@ -39,43 +44,39 @@ def run_node(
     int
         Exit code: 0, or 2 if the node could not be made.
     """
-    # Signals are only noted. rclpy's own handlers end its context at once, from another
-    # thread and in the middle of whatever publishes; Python's exception could come anywhere,
-    # also in the clean-up: under ros2 launch a second interrupt follows the first.
-    signals: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, frame: signals.append(number))
+    end = node_end()
     node = None
-    try:
+    with released_at_last(release_own):
         try:
-            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        except RuntimeError as error:
+            if end.is_wanted():
+                return 0
+            check_security(os.environ, _library_without_security)
+            try:
+                rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+            except RuntimeError as error:
+                print(f'error: {error}', file=sys.stderr)
+                return 2
+            node = make_node()
+            node.get_logger().info(reach_of(os.environ))
+            executor = make_executor()
+            executor.add_node(node)
+            while not end.is_wanted() and rclpy.ok():
+                node.turn(executor, drive)
+        except (QuadError, ParameterException, rclpy_implementation.RCLError) as error:
             print(f'error: {error}', file=sys.stderr)
             return 2
-        node = make_node()
-        executor = make_executor()
-        executor.add_node(node)
-        while not signals and rclpy.ok():
-            node.turn(executor, drive)
-    except (QuadError, ParameterException) as error:
-        print(f'error: {error}', file=sys.stderr)
-        return 2
-    finally:
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
-        _ignore_signals()
+        finally:
+            if node is not None:
+                node.destroy_node()
+            rclpy.try_shutdown()
+            ignore_signals()
     return 0
 
 
-def _ignore_signals() -> None:
-    """Ignore further signals: while Python ends, it restores the handlers that kill."""
-    hook = sys.unraisablehook
-    # A signal that comes just now makes Python complain of a race; it is ignored all the same.
-    sys.unraisablehook = lambda _: None
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
-    sys.unraisablehook = hook
+def _library_without_security() -> str | None:
+    """Find a middleware without security once it is loaded, which asking for its name does."""
+    rclpy.get_rmw_implementation_identifier()
+    return library_without_security()
 
 
 def make_executor(context: Any = None) -> Any:

@@ -4,6 +4,12 @@ The node that turns a plan, or steering, into joint trajectories, one gait cycle
 
 from __future__ import annotations
 
+if __name__ == '__main__':
+    # What follows takes seconds to import; signals count before.
+    from quad_gait.__main__ import main as start
+
+    raise SystemExit(start())
+
 import math
 import time
 from functools import partial
@@ -310,7 +316,3 @@ def _uneven_options(p: GaitParameters) -> UnevenOptions:
 def main(args: list[str] | None = None) -> int:
     """Run the gait node."""
     return run_node(GaitNode, args)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -4,6 +4,12 @@ The node that sees the room from the ceiling: map, goal and the robot's pose (S1
 
 from __future__ import annotations
 
+if __name__ == '__main__':
+    # What follows takes seconds to import; signals count before.
+    from quad_perception.__main__ import main as start
+
+    raise SystemExit(start())
+
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
@@ -261,7 +267,3 @@ def bounds_of(numbers: list[float]) -> tuple[float, float, float, float] | None:
 def main(args: list[str] | None = None) -> int:
     """Run the ceiling camera node."""
     return run_node(CeilingCameraNode, args)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

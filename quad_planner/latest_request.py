@@ -80,15 +80,3 @@ class LatestRequest(Generic[Result]):
         if number == self._latest:
             self._is_busy = False
             done(future.result)
-
-
-def join_workers(timeout: float) -> bool:
-    """
-    Wait for the workers that were closed; return whether all have ended.
-
-    Work ends where it asks whether it is superseded. Compiling does not ask.
-    """
-    workers = [thread for thread in threading.enumerate() if thread.name.startswith(_NAME)]
-    for worker in workers:
-        worker.join(timeout)
-    return not any(worker.is_alive() for worker in workers)

@@ -4,8 +4,12 @@ The node that turns an occupancy grid and a goal into a plan of turning points.
 
 from __future__ import annotations
 
-import os
-import sys
+if __name__ == '__main__':
+    # What follows takes seconds to import; signals count before.
+    from quad_planner.__main__ import main as start
+
+    raise SystemExit(start())
+
 import time
 from collections.abc import Callable
 from functools import partial
@@ -36,7 +40,7 @@ from quad_common.ros_node import OK, STALE, WARN, QuadNode
 from quad_common.run_node import run_node
 from quad_planner.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.inflation import combined_obstacles
-from quad_planner.latest_request import LatestRequest, join_workers
+from quad_planner.latest_request import LatestRequest
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import make_planner
 from quad_planner.ros_conversions import grid_from_message, path_message, plan_markers
@@ -46,9 +50,6 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _CHECK_PERIOD = 0.2
 """How often it is checked whether the robot has left its path [s]."""
-
-_LAST_WAIT = 1.0
-"""For a search to end when the node ends [s]."""
 
 _LONG = 3.0
 """Compiled code that is there is ready sooner [s]."""
@@ -342,14 +343,4 @@ def _pace(parameters: PlannerParameters) -> Pace | None:
 
 def main(args: list[str] | None = None) -> int:
     """Run the planner node."""
-    code = run_node(PlannerNode, args)
-    if not join_workers(_LAST_WAIT):
-        # Python would wait until all is compiled.
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
-    return code
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())
+    return run_node(PlannerNode, args)

@@ -4,6 +4,12 @@ The node that walks the robot in simulation and closes the loop.
 
 from __future__ import annotations
 
+if __name__ == '__main__':
+    # What follows takes seconds to import; signals count before.
+    from quad_sim.__main__ import main as start
+
+    raise SystemExit(start())
+
 import time
 from typing import Any
 
@@ -317,7 +323,3 @@ def _failure_from(p: SimParameters) -> JointFailure | None:
 def main(args: list[str] | None = None) -> int:
     """Run the simulator node."""
     return run_node(SimNode, args, drive=SimNode.drive)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

@@ -1,0 +1,16 @@
+"""
+Starts gait_node, as ``gait_node`` and ``ros2 run quadwalk gait_node`` do.
+"""
+
+from __future__ import annotations
+
+from quad_common.entry import start_node
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node in a process of its own."""
+    return start_node('quad_gait.gait_node', args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,16 @@
+"""
+Starts ceiling_camera_node, as its name does and ``ros2 run quadwalk ceiling_camera_node``.
+"""
+
+from __future__ import annotations
+
+from quad_common.entry import start_node
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node in a process of its own."""
+    return start_node('quad_perception.ceiling_camera_node', args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

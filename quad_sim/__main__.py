@@ -1,0 +1,16 @@
+"""
+Starts sim_node, as ``sim_node`` and ``ros2 run quadwalk sim_node`` do.
+"""
+
+from __future__ import annotations
+
+from quad_common.entry import start_node
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node in a process of its own."""
+    return start_node('quad_sim.sim_node', args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())
