@@ -5,8 +5,6 @@ Part of ``quadwalk bench camera``: whole walks by the camera alone, in physics.
 from __future__ import annotations
 
 import math
-import os
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -16,6 +14,7 @@ from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.camera_walk import CameraWalk, CameraWalkOptions
+from quad_cli.workers import worker_pool
 from quad_common.errors import PlannerError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
@@ -107,7 +106,7 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
     jobs += [_Job(seed + 100 + k, with_drop=True) for k in range(_DROPS)]
     jobs += [_Job(seed + 1, latency=latency) for latency in _LATENCIES]
     outcomes: list[_Outcome] = []
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with worker_pool() as pool:
         for outcome in pool.map(_walk, jobs):
             end = 'arrived' if outcome.arrived else outcome.problem
             console.print(f'walk {len(outcomes) + 1} of {len(jobs)}, room {outcome.room}: {end}')

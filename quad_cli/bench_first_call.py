@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +14,8 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_cli.bench import Bar, at_most, figure
+from quad_cli.workers import end_with_parent
+from quad_common.temporary_folder import temporary_folder
 
 _METHODS = {
     'mesh': ('mesh', False),
@@ -115,7 +116,8 @@ def _starts(method: str, any_angle: bool, rounds: int) -> _Starts:
     """Measure a method with an empty cache, and with what it then holds."""
     firsts, laters = [], []
     for _ in range(rounds):
-        with tempfile.TemporaryDirectory(prefix='quadwalk_compiled_') as cache:
+        with temporary_folder() as folder:
+            cache = str(folder)
             firsts.append(_first_plan(method, any_angle, cache))
             laters += [_first_plan(method, any_angle, cache) for _ in range(_LATER)]
     return _Starts(min(firsts), min(laters))
@@ -131,5 +133,6 @@ def _first_plan(method: str, any_angle: bool, cache: str) -> float:
         timeout=_TIMEOUT,
         cwd=Path(__file__).parents[1],
         env={**os.environ, 'NUMBA_CACHE_DIR': cache},
+        preexec_fn=end_with_parent,
     )
     return float(result.stdout)

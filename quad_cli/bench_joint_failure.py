@@ -5,8 +5,6 @@ Part of ``quadwalk bench terrain``: joints that fail in mid-walk, in physics.
 from __future__ import annotations
 
 import math
-import os
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.direct_walk import DirectWalk
 from quad_cli.terrain_walk import make_course
+from quad_cli.workers import worker_pool
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import load_robot
 from quad_gait.gait import load_gait, turning_gait_for
@@ -116,7 +115,7 @@ def joint_failure_bars(quick: bool, seed: int) -> list[Bar]:
         for k, walk in enumerate(_WALKS)
         for case in random_cases(*walk, count, np.random.default_rng((seed, k)))
     ]
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with worker_pool() as pool:
         outcomes = list(pool.map(walk_and_fail, cases))
     bars = []
     for walk in _WALKS:

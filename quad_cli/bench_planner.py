@@ -24,6 +24,7 @@ from quad_cli.bench_first_call import first_call_times
 from quad_cli.bench_quickest import walking_bars
 from quad_cli.bench_searches import scenario_bars, search_bars
 from quad_cli.planner_peers import available_peers
+from quad_cli.workers import end_with_parent
 from quad_common.errors import PlannerError
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -226,5 +227,6 @@ def _memory_of_a_plan(size: int) -> float:
         text=True,
         check=True,
         cwd=Path(__file__).parents[1],
+        preexec_fn=end_with_parent,
     )
     return float(result.stdout) / 1024.0

@@ -4,9 +4,7 @@ Part of ``quadwalk bench planner``: how much walking time the quickest path save
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -18,6 +16,7 @@ from rich.table import Table
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.benchmark_maps import benchmark_maps
 from quad_cli.gait_measures import plan_walk
+from quad_cli.workers import worker_pool
 from quad_common.errors import PlannerError
 from quad_common.map_file import load_map
 from quad_common.pace import load_pace
@@ -98,7 +97,7 @@ def walking_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], d
         )
     console.print(table)
     jobs = [(name, request) for request in requests for name in _WALKED]
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with worker_pool() as pool:
         walked = list(pool.map(_walk, *zip(*((r.start, r.plans[name]) for name, r in jobs))))
     times = {
         name: np.array([time for time, job in zip(walked, jobs) if job[0] == name])

@@ -5,8 +5,6 @@
 from __future__ import annotations
 
 import math
-import os
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -18,6 +16,7 @@ from quad_cli.bench import Bar, at_least, at_most
 from quad_cli.bench_active_pair import active_pair_bars
 from quad_cli.bench_joint_failure import joint_failure_bars
 from quad_cli.terrain_walk import COURSES, TerrainOutcome, make_course, walk_course
+from quad_cli.workers import worker_pool
 from quad_common.robot import load_robot
 
 _ROBOTS = ('titan_viii', 'genibo')
@@ -88,7 +87,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
             for k in range(_SEEDS if way == 'uneven' or (way, course) == _COMPARED else _FEWER)
         ]
     walks: list[_Walk] = []
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with worker_pool() as pool:
         for walk in pool.map(_walked, *zip(*jobs)):
             walks.append(walk)
             outcome = walk.outcome

@@ -122,7 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
         'seed': options.seed,
         **result.as_dict(),
         'picture': str(picture),
-        'recording': None if options.recording is None else str(options.recording),
+        'recording': _existing(options.recording),
     }
     (output / 'walk.json').write_text(json.dumps(summary, indent=2) + '\n', encoding='utf-8')
     if arguments.json:
@@ -160,6 +160,11 @@ def _recording(output: Path, console: Console) -> Path | None:
         return output / 'recording'
     console.print('no recording: the package rosbags is not installed (pip install rosbags)')
     return None
+
+
+def _existing(recording: Path | None) -> str | None:
+    """Return where a recording is; None if there is none, or nothing was heard for it."""
+    return None if recording is None or not recording.is_dir() else str(recording)
 
 
 def _print_table(console: Console, summary: dict[str, object]) -> None:

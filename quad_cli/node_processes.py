@@ -187,9 +187,8 @@ class NodeProcess:
         self._process.kill()
         self._process.wait()
 
-    def stop(self, timeout: float = 5.0) -> int:
-        """Interrupt it, as Ctrl-C would, and wait; return its exit code."""
-        self.interrupt()
+    def wait(self, timeout: float = 5.0) -> int:
+        """Wait for its end; return its exit code."""
         # In short waits: the time for which the whole machine stood still does not count.
         for _ in range(max(1, round(timeout / _SHORT_WAIT))):
             try:
@@ -202,6 +201,11 @@ class NodeProcess:
             return self._process.wait(_ABORT_WAIT)
         self.kill()
         return self._process.returncode
+
+    def stop(self, timeout: float = 5.0) -> int:
+        """Interrupt it, as Ctrl-C would, and wait; return its exit code."""
+        self.interrupt()
+        return self.wait(timeout)
 
     def interrupt(self) -> None:
         """Interrupt it, as Ctrl-C would, once: a second time would disturb its end."""

@@ -8,7 +8,6 @@ hears of signals even while the main thread is deep in compiled code.
 
 from __future__ import annotations
 
-import _thread
 import contextlib
 import os
 import signal
@@ -20,6 +19,10 @@ from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """An interrupt, a request to end, and a terminal that was closed."""
+
+
+_AGAIN = 0.02
+"""Until a signal that was swallowed is raised anew [s]."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -167,7 +170,10 @@ class Raises:
         """Raise anew what came where Python swallows exceptions, as in a destructor."""
         if isinstance(unraisable.exc_value, Interrupted):
             self._is_raised = False
-            _thread.interrupt_main(signal.Signals(unraisable.exc_value.number))
+            # From another thread, and a little later: here it would be swallowed again.
+            again = threading.Timer(_AGAIN, os.kill, (os.getpid(), unraisable.exc_value.number))
+            again.daemon = True
+            again.start()
         else:
             self._hook(unraisable)
 

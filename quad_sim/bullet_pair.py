@@ -9,16 +9,15 @@ has none, and only the slight damping that lets it come to rest. Gravity pulls a
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from quad_common.errors import ParameterError
 from quad_common.planar_pair import ActivePair, PairPosture, points_of, posture_of, wrap
+from quad_common.temporary_folder import temporary_folder
 
 JOINTS = ('hip_x', 'hip_z', 'theta', 'u1_i', 'u2_i', 'u1_j', 'u2_j')
 """What may be held: hip i's place, the body's angle, the angles of the legs' joints."""
@@ -98,8 +97,8 @@ def settle(
     client.resetSimulation()
     client.setGravity(0.0, 0.0, -_GRAVITY)
     client.setPhysicsEngineParameter(fixedTimeStep=_TIME_STEP, numSolverIterations=_ITERATIONS)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / 'pair.urdf'
+    with temporary_folder() as folder:
+        path = folder / 'pair.urdf'
         path.write_text(_urdf(pair), encoding='utf-8')
         body = client.loadURDF(
             str(path), useFixedBase=True, flags=client.URDF_USE_INERTIA_FROM_FILE

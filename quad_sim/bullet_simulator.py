@@ -8,7 +8,6 @@ import contextlib
 import ctypes
 import os
 import sys
-import tempfile
 from collections import defaultdict
 from collections.abc import Hashable, Iterator, Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from quad_common.camera_file import quaternion_from_matrix
 from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import LEGS, Robot
+from quad_common.temporary_folder import temporary_folder
 from quad_common.urdf import urdf_from_robot
 from quad_sim.appearance import Appearance
 from quad_sim.bullet_ground import lay_ground
@@ -360,9 +360,9 @@ class BulletSimulator:
         for box in world.boxes:
             column, row = np.floor(box.mean(axis=0) / _TILE).astype(int)
             tiles[column, row].append(box)
-        with tempfile.TemporaryDirectory() as folder:
+        with temporary_folder() as folder:
             for index, boxes in enumerate(tiles.values()):
-                path = Path(folder) / f'{index}.obj'
+                path = folder / f'{index}.obj'
                 spans = [world.span_of_wall(box) for box in boxes]
                 path.write_text(_mesh_of_boxes(boxes, spans), encoding='ascii')
                 shape = self._bullet.createCollisionShape(
@@ -416,8 +416,8 @@ class BulletSimulator:
 
 def _load_urdf(client: Any, robot: Robot, flags: int = 0) -> int:
     """Load a robot into a world, and return its body."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f'{robot.name}.urdf'
+    with temporary_folder() as folder:
+        path = folder / f'{robot.name}.urdf'
         path.write_text(urdf_from_robot(robot), encoding='utf-8')
         body: int = client.loadURDF(str(path), flags=flags)
     return body

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -14,6 +15,8 @@ pytest.importorskip('rclpy')
 
 from harness import WALL_TIMEOUT, Bench
 
+from quad_cli.node_processes import NODES, NodeProcess
+from quad_common.network import library_without_security
 from quad_common.planar_pose import Pose2D
 
 pytestmark = pytest.mark.ros
@@ -103,3 +106,40 @@ def test_a_planner_that_still_compiles_its_searches_ends_at_once(bench, tmp_path
     assert bench.interrupt('planner_node', 0.0) == 0
     assert 'were compiled' not in process.log_tail(1000)
     assert 'Traceback' not in process.log_tail(1000)
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize('node', NODES)
+def test_a_node_ends_quietly_however_soon_a_signal_comes(domain, tmp_path, node, number):
+    # A tenth of a second is about when its modules are imported, a second when it is made.
+    for delay in (0.0, 0.1, 0.3, 1.0):
+        process = NodeProcess(node, {}, tmp_path / 'log')
+        time.sleep(delay)
+        os.kill(process.pid, number)
+        began = time.monotonic()
+        assert process.wait(WALL_TIMEOUT) == 0
+        assert time.monotonic() - began < 5.0
+        assert 'Traceback' not in process.log_tail(1000)
+
+
+def test_a_node_says_on_which_network_it_listens(bench: Bench):
+    bench.start('planner_node')
+    bench.wait_for_status('planner_node', 'no clock')
+    domain = os.environ['ROS_DOMAIN_ID']
+    log = bench.processes['planner_node'].log_tail(1000)
+    assert f'listening on domain {domain} to this machine only (ROS_AUTOMATIC_D' in log
+
+
+@pytest.mark.parametrize('strategy', ['Enforce', 'Permissive'])
+def test_a_node_does_not_start_without_the_security_that_was_asked_for(
+    bench: Bench, monkeypatch, strategy
+):
+    if library_without_security() is None:
+        pytest.skip('the middleware here has security')
+    monkeypatch.setenv('ROS_SECURITY_ENABLE', 'true')
+    monkeypatch.setenv('ROS_SECURITY_STRATEGY', strategy)
+    bench.start('planner_node')
+    end = bench.wait_for_end('planner_node')
+    assert end.code == 2
+    [sentence] = end.log.splitlines()
+    assert sentence.startswith('error: ROS_SECURITY_ENABLE is true, but rmw_')
