@@ -477,7 +477,7 @@ def _cloud_points(message: PointCloud2, what: str) -> NDArray[np.float64]:
             'itemsize': step,
         }
     )
-    cloud = np.ndarray(
+    cloud: NDArray[np.void] = np.ndarray(
         (rows, columns), layout, np.asarray(message.data, np.uint8), 0, (message.row_step, step)
     )
     return np.stack([cloud[name] for name in 'xyz'], axis=-1).astype(float)

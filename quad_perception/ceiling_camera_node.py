@@ -14,34 +14,44 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_profile_sensor_data,
+)
 from sensor_msgs.msg import CameraInfo, Image
 
 from quad_common.camera import CameraModel
 from quad_common.camera_file import load_camera
-from quad_common.errors import InvalidMessage, QuadError
+from quad_common.errors import QuadError
 from quad_common.markers import Colour, GoalMarker, RobotMarker
-from quad_common.planar_pose import Pose2D
-from quad_common.quoting import quoted
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     camera_model_from_info,
     camera_transform,
+    checked_name,
     grid_message,
     image_message,
-    pose_from_message,
     pose_message,
     rgb_from_image,
     seconds_from_time,
 )
 from quad_common.ros_node import OK, STALE, WARN, QuadNode
 from quad_common.run_node import run_node
+from quad_common.stamp_order import StampOrder
 from quad_perception.annotated import annotated
 from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.perception import Perceiver, default_ranges
 from quad_perception.pose_fusion import FusionOptions
 from quad_perception.room_watch import RoomWatch, Sighting, WatchOptions
-from quad_perception.ros_conversions import fused_odometry, robot_transforms, seen_pose_message
+from quad_perception.ros_conversions import (
+    fused_odometry,
+    is_same_lens,
+    legs_pose,
+    robot_transforms,
+    seen_pose_message,
+)
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -49,6 +59,12 @@ except ImportError:
     TFMessage = None
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Of pictures that come faster than they are worked on, the newest counts."""
+
+_LONGEST_PAUSE = 60.0
+"""Odometry that goes on farther ahead is of another time [s]."""
 
 
 class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
@@ -72,6 +88,8 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         self._odometry_problem: QuadError | None = None
         self._robot_problem: QuadError | None = None
         self._goal_problem: QuadError | None = None
+        self._picture_order = StampOrder('image', patience=3)
+        self._odometry_order = StampOrder(p.odometry_topic, _LONGEST_PAUSE)
         self._legs_at: float | None = None
         self._seen_at: float | None = None
         self._goal: PoseStamped | None = None
@@ -85,15 +103,9 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         self._odometry = self.create_publisher(Odometry, 'odom/camera', sensor)
         self._pictures = self.create_publisher(Image, 'ceiling_camera/image_annotated', sensor)
         self._static_transforms, self._transforms = self._make_transforms()
-        self.create_subscription(
-            CameraInfo, 'ceiling_camera/camera_info', self.guarded(self._on_info), sensor
-        )
-        self.create_subscription(
-            Image, 'ceiling_camera/image_raw', self.guarded(self._on_picture), sensor
-        )
-        self.create_subscription(
-            Odometry, p.odometry_topic, self.guarded(self._on_odometry), sensor
-        )
+        self.create_subscription(CameraInfo, 'ceiling_camera/camera_info', self._on_info, sensor)
+        self.create_subscription(Image, 'ceiling_camera/image_raw', self._on_picture, _NEWEST)
+        self.create_subscription(Odometry, p.odometry_topic, self._on_odometry, sensor)
         self.update_status()
 
     def update_status(self) -> None:
@@ -102,10 +114,10 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         problem = self._camera_problem or self._picture_problem or self._odometry_problem
         if clock_problem is not None:
             self.report(STALE, clock_problem)
-        elif self._info is None:
-            self.report(WARN, "no camera_info: waiting for it on 'ceiling_camera/camera_info'")
         elif problem is not None:
             self.report_error(problem)
+        elif self._info is None:
+            self.report(WARN, "no camera_info: waiting for it on 'ceiling_camera/camera_info'")
         elif self._seen_at is None:
             self.report(WARN, "no picture: waiting for one on 'ceiling_camera/image_raw'")
         elif self._since(self._seen_at) > self.parameters.largest_age:
@@ -132,26 +144,21 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         return CameraModel.looking_down(p.camera_position, p.camera_yaw, 1.0)
 
     def _on_info(self, message: CameraInfo) -> None:
-        before = self._info
-        if (
-            before is not None
-            and before.k.tolist() == message.k.tolist()
-            and (before.d == message.d and before.width == message.width)
-        ):
-            return
         try:
+            # The last good one is kept: what was seen with it must not be lost for a bad one.
+            if self._info is not None and is_same_lens(self._info, message):
+                self._camera_problem = None
+                return
+            frame = checked_name(message.header.frame_id, 'camera_info')
             camera = camera_model_from_info(message, self._place.rotation, self._place.position)
             self._watch = self._make_watch(camera)
         except QuadError as error:
             self._camera_problem = error
             raise
-        finally:
-            self._info = message
+        self._info = message
         self._camera_problem = None
-        if self._static_transforms is not None and message.header.frame_id:
-            place = camera_transform(
-                camera, self.parameters.map_frame, message.header.frame_id, message.header.stamp
-            )
+        if self._static_transforms is not None and frame:
+            place = camera_transform(camera, self.parameters.map_frame, frame, message.header.stamp)
             self._static_transforms.publish(TFMessage(transforms=[place]))
         self.update_status()
 
@@ -176,9 +183,11 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
     def _on_picture(self, message: Image) -> None:
         if self._watch is None:
             return
-        time = seconds_from_time(message.header.stamp)
         try:
+            time = seconds_from_time(message.header.stamp)
+            checked_name(message.header.frame_id, 'image')
             rgb = rgb_from_image(message)
+            self._picture_order.check(time)
             sighting = self._watch.add_picture(time, rgb)
         except QuadError as error:
             self._picture_problem = error
@@ -211,37 +220,27 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             self._poses.publish(seen_pose_message(robot, frame, stamp))
 
     def _on_odometry(self, message: Odometry) -> None:
+        p = self.parameters
         try:
-            pose = self._legs_pose(message)
+            pose = legs_pose(message, (p.map_frame,), p.odometry_topic)
+            time = seconds_from_time(message.header.stamp)
+            self._odometry_order.check(time)
         except QuadError as error:
             self._odometry_problem = error
             raise
         self._odometry_problem = None
-        self._legs_at = seconds_from_time(message.header.stamp)
+        self._legs_at = time
         if self._watch is None:
             return
         self._watch.add_odometry(self._legs_at, pose)
         if self._transforms is not None:
-            p = self.parameters
             transforms = robot_transforms(
                 message, self._watch.correction, p.map_frame, p.footprint_frame
             )
             self._transforms.publish(TFMessage(transforms=transforms))
         if self._watch.is_lost:
             return
-        self._odometry.publish(
-            fused_odometry(message, self._watch.fusion, self.parameters.map_frame)
-        )
-
-    def _legs_pose(self, message: Odometry) -> Pose2D:
-        """Read where the legs have the robot, in a frame that the camera can correct."""
-        frame = message.header.frame_id
-        if frame in ('', self.parameters.map_frame):
-            raise InvalidMessage(
-                self.parameters.odometry_topic,
-                f"it is in frame {quoted(frame)}; it must be in one of its own, as 'odom' is",
-            )
-        return pose_from_message(message.pose.pose, 'odometry')
+        self._odometry.publish(fused_odometry(message, self._watch.fusion, p.map_frame))
 
     def _make_transforms(self) -> tuple[Any, Any]:
         """Return what publishes ``tf_static`` and ``tf``; nothing where they are not wanted."""

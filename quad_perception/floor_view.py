@@ -31,6 +31,8 @@ Box = tuple[float, float, float, float]
 
 _MOST_CELLS = 2**20
 """Of a plan's extent: tables of more would take gigabytes."""
+_MOST_POINTS = 2**23
+"""Of a plan: tables of more would take gigabytes, too. A camera of 2048 x 2048 needs fewer."""
 _BORDER = 60
 """So many points are taken along each side of the picture to find the floor's extent."""
 _TOO_FAR = 5.0
@@ -100,6 +102,13 @@ class FloorView:
         self._window = np.array([first - plan_first, last - plan_first])
         self.parts = max(2, round(resolution / _pixel_on_floor(camera) + 0.1))
         """Points of the plan along a cell."""
+        points = int((plan_last - plan_first).prod()) * self.parts**2
+        if points > _MOST_POINTS:
+            raise ParameterError(
+                'camera',
+                f'{points} points on its plan of the floor',
+                f'one with {_MOST_POINTS} at most',
+            )
         self.step = resolution / self.parts
         """Between points of the plan [m]."""
         self.corner = plan_first * resolution

@@ -9,16 +9,24 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo
 
+from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D
+from quad_common.quoting import quoted
 from quad_common.ros_conversions import (
     base_transform,
+    checked_name,
     footprint_transform,
+    pose_from_message,
     pose_message,
     pose_transform,
 )
 from quad_perception.marker_poses import MarkerPose
 from quad_perception.pose_fusion import PoseFusion
+
+_FASTEST = 100.0
+"""Of a robot: more is no velocity [m/s, rad/s]."""
 
 _AXES = (0, 1, 5)
 """x, y and yaw among the six of a ROS covariance."""
@@ -47,6 +55,59 @@ def seen_pose_message(seen: MarkerPose, frame: str, stamp: Time) -> PoseWithCova
     message.pose.pose = pose_message(seen.pose)
     message.pose.covariance = _six(seen.covariance)
     return message
+
+
+def is_same_lens(one: CameraInfo, other: CameraInfo) -> bool:
+    """Return whether two messages say the same of a camera's lens and its pictures' size."""
+    return bool(
+        (one.width, one.height, one.distortion_model)
+        == (other.width, other.height, other.distortion_model)
+        and one.k.tolist() == other.k.tolist()
+        and one.d == other.d
+    )
+
+
+def legs_pose(message: Odometry, map_frames: tuple[str, ...], topic: str) -> Pose2D:
+    """
+    Read where the legs have the robot, in a frame that a camera can correct.
+
+    Parameters
+    ----------
+    message : nav_msgs/Odometry
+        Of the legs.
+    map_frames : tuple of str
+        Names of the map's frame, in which it must not be.
+    topic : str
+        Where it comes from, for the error's sentence.
+
+    Returns
+    -------
+    Pose2D
+        In the odometry's own frame.
+
+    Raises
+    ------
+    InvalidMessage
+        If it is in the map's frame or in none, a name in it is none, or its twist is not finite.
+    InvalidPose
+        If its pose is none.
+    """
+    frame = checked_name(message.header.frame_id, topic)
+    if frame in ('', *map_frames):
+        raise InvalidMessage(
+            topic,
+            f"it is in frame {quoted(frame)}; it must be in one of its own, as 'odom' is",
+        )
+    checked_name(message.child_frame_id, topic)
+    linear, angular = message.twist.twist.linear, message.twist.twist.angular
+    twist = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    if not all(abs(value) <= _FASTEST for value in twist):
+        raise InvalidMessage(
+            topic,
+            f'its twist is {twist}; each number must be from {-_FASTEST:g} to {_FASTEST:g} '
+            'm/s or rad/s',
+        )
+    return pose_from_message(message.pose.pose, 'odometry')
 
 
 def fused_odometry(legs: Odometry, fusion: PoseFusion, frame: str) -> Odometry:

@@ -116,11 +116,9 @@ class SimNode(QuadNode[SimParameters]):
             self._images = self.create_publisher(Image, 'ceiling_camera/image_raw', sensor)
             self._infos = self.create_publisher(CameraInfo, 'ceiling_camera/camera_info', sensor)
         self._transforms = self._make_transforms()
-        self.create_subscription(
-            JointTrajectory, 'joint_trajectory', self.guarded(self._on_trajectory), 10
-        )
-        self.create_subscription(MarkerArray, 'obstacles', self.guarded(self._on_obstacles), 10)
-        self.create_subscription(PoseStamped, 'goal_marker', self.guarded(self._on_goal_marker), 10)
+        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, 10)
+        self.create_subscription(MarkerArray, 'obstacles', self._on_obstacles, 10)
+        self.create_subscription(PoseStamped, 'goal_marker', self._on_goal_marker, 10)
         self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)

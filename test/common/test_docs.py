@@ -40,6 +40,7 @@ QUALITIES = {
     '_LATCHED': 'reliable, transient local, depth 1',
     '_STATIC': 'reliable, transient local, depth 100',
     '_CLOCK': 'best effort, volatile, depth 1',
+    '_NEWEST': 'best effort, volatile, depth 1',
     'qos_profile_sensor_data': 'best effort, volatile, depth 5',
 }
 """How the pages call what the code asks for; ``test_..._profiles_mean_...`` checks it."""
@@ -320,6 +321,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
         ],
         '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_node._CLOCK],
+        '_NEWEST': [ceiling_camera_node._NEWEST],
         'qos_profile_sensor_data': [qos_profile_sensor_data],
     }
     assert profiles.keys() == QUALITIES.keys()

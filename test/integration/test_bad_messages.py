@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Twist, Vector3
 from harness import ERROR, LATCHED, SENSOR, START, Bench
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
@@ -30,8 +30,10 @@ QOS = {
     'odom': SENSOR,
     'joint_states': SENSOR,
     'goal_pose': 10,
+    'cmd_vel': 10,
     '/clock': SENSOR,
 }
+GIANT = '\n' * 10_000_000
 NAMES = list(load_robot('titan_viii').joint_names)
 GOAL = Pose2D(1.6, 1.2, 0.0)
 
@@ -58,6 +60,11 @@ def goal_turned_by(w: float) -> PoseStamped:
     message = PoseStamped(pose=pose_message(GOAL))
     message.header.frame_id = 'map'
     message.pose.orientation.w = w
+    return message
+
+
+def in_frame(message: object, frame: str) -> object:
+    message.header.frame_id = frame
     return message
 
 
@@ -109,6 +116,37 @@ REFUSED = {
         before_time(),
         'the clock cannot be used',
     ),
+    'a giant name for the planner': (
+        'planner_node',
+        'goal_pose',
+        in_frame(goal_turned_by(1.0), GIANT),
+        '10000000 characters',
+    ),
+    'a giant name for the gait': (
+        'gait_node',
+        'plan',
+        in_frame(plan('map', (0, 0)), GIANT),
+        '10000000 characters',
+    ),
+    'a giant name of a map': ('planner_node', 'map', in_frame(a_map(), GIANT), 'printable'),
+    'a plan without limits': (
+        'gait_node',
+        'plan',
+        plan('map', *[(1.2, 1.2)] * 1001),
+        '1001 poses; 1000 turning points',
+    ),
+    'a map without limits': (
+        'planner_node',
+        'map',
+        a_map(width=2**31, height=2**31),
+        '67108864 are the most',
+    ),
+    'steering beyond all speed': (
+        'gait_node',
+        'cmd_vel',
+        Twist(linear=Vector3(x=1e300)),
+        'must be from -100 to 100',
+    ),
     'a plan from the moon': ('gait_node', 'plan', plan('moon', (0, 0), (1, 0)), "frame 'moon'"),
     'a plan without end': ('gait_node', 'plan', plan('map', (1, 1), (math.nan, 1)), 'pose 1 of'),
     'joints without positions': ('gait_node', 'joint_states', joints(positions=0), '0 positions'),
@@ -123,6 +161,9 @@ def test_malformed_messages_are_refused_and_the_walk_goes_on(bench: Bench):
         # Again and again, for what is best effort may be lost.
         with bench.publishing(topic, message, QOS[topic]), bench.expects(node, words, level=ERROR):
             pass
+    for process in bench.processes.values():
+        # Neither the names nor a stack: each was refused on purpose.
+        assert len(process.log_tail(10_000)) < 50_000
     start = PoseStamped(pose=pose_message(START))
     request = GetPlan.Request(start=start, goal=goal_turned_by(1e308))
     assert not bench.call('get_plan', GetPlan, request).plan.poses

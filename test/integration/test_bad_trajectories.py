@@ -10,10 +10,14 @@ import pytest
 pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Duration, Time
+from geometry_msgs.msg import Pose, PoseStamped, Vector3
 from harness import ERROR, Bench
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from visualization_msgs.msg import Marker, MarkerArray
 
+from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
+from quad_common.ros_conversions import pose_message
 
 pytestmark = pytest.mark.ros
 
@@ -48,8 +52,54 @@ REFUSED = {
     'not a number': (trajectory(positions=[math.nan, *MOVED[1:]]), 'positions that are not finite'),
     'infinite velocity': (trajectory(velocities=[math.inf] * 12), 'velocities that are not finite'),
     'times that fall': (trajectory(times=(2, 1)), 'must rise'),
+    'without end': (trajectory(times=range(1, 20_002)), '20001 points; 20000 are the most'),
+    'a giant name': (trajectory(['x' * 10_000_000, *NAMES[1:]]), '10000000 characters'),
     'too late': (trajectory(stamp=1), 'the trajectory ended at 2.000 s'),
 }
+
+
+def obstacle(**fields) -> MarkerArray:
+    """Put a box of 1 m at (3, 3) m, with other fields than that."""
+    marker = Marker(ns='box', type=Marker.CUBE, pose=pose_message(Pose2D(3.0, 3.0, 0.0)))
+    marker.header.frame_id = 'map'
+    marker.scale = Vector3(x=1.0, y=1.0, z=1.0)
+    for name, value in fields.items():
+        setattr(marker, name, value)
+    return MarkerArray(markers=[marker])
+
+
+def turned(w: float) -> Pose:
+    pose = pose_message(Pose2D(3.0, 3.0, 0.0))
+    pose.orientation.w = w
+    return pose
+
+
+def goal_marker(w: float) -> PoseStamped:
+    message = PoseStamped(pose=turned(w))
+    message.header.frame_id = 'map'
+    return message
+
+
+REFUSED_WORLDS = {
+    'a huge quaternion': ('obstacles', obstacle(pose=turned(1.4e154)), 'is not a pose'),
+    'a giant name': ('obstacles', obstacle(ns='x' * 10_000_000), '10000000 characters'),
+    'a size of no size': ('obstacles', obstacle(scale=Vector3(x=1e-300)), 'from 0.001 to 100 m'),
+    'crowds': ('obstacles', MarkerArray(markers=[Marker()] * 1001), '1001 markers'),
+    'a huge quaternion of a goal': ('goal_marker', goal_marker(1e308), 'is not a pose'),
+}
+
+
+def test_hostile_obstacles_and_goals_are_refused_and_the_simulation_goes_on(bench: Bench):
+    bench.start('sim_node')
+    bench.wait_for_robot()
+    for topic, message, words in REFUSED_WORLDS.values():
+        with bench.expects('sim_node', words, level=ERROR):
+            bench.publisher(type(message), topic).publish(message)
+    since = bench.elapsed
+    bench.wait_until('two seconds go by', lambda: bench.elapsed > since + 2.0)
+    bench.wait_for_status('sim_node', 'running')
+    assert bench.call('reset').success
+    assert len(bench.processes['sim_node'].log_tail(10_000)) < 20_000
 
 
 def test_a_bad_trajectory_is_refused_and_a_good_one_after_it_is_executed(bench: Bench):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import cv2
@@ -10,6 +11,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TransformStamped
 from harness import ERROR, EVERY_SAMPLE, LATCHED, OK, SENSOR, WARN, Bench
 from nav_msgs.msg import OccupancyGrid, Odometry
@@ -252,3 +254,55 @@ def test_pictures_without_camera_info_wait_for_it(bench: Bench):
     bench.wait_for_status('ceiling_camera_node', "no camera_info: waiting for it on 'ceiling_")
     room.has_info = True
     bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+
+
+def test_hostile_input_is_refused_and_the_room_is_still_seen(bench: Bench, room: Room):
+    maps = bench.hear(OccupancyGrid, 'map', LATCHED)
+    fused = bench.hear(Odometry, 'odom/camera', EVERY_SAMPLE)
+    bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    for topic, message, words in hostile_inputs():
+        with (
+            bench.publishing(topic, message, SENSOR),
+            bench.expects('ceiling_camera_node', words, level=ERROR),
+        ):
+            pass
+        bench.wait_for_status('ceiling_camera_node', 'are seen', level=OK)
+    heard = len(fused)
+    bench.wait_until('fused poses', lambda: len(fused) > heard)
+    for message in fused:
+        assert pose_from_message(message.pose.pose).distance_to(START) < 0.03
+        assert np.isfinite([message.twist.twist.linear.x, *message.pose.covariance]).all()
+    # Not one of them led to another map.
+    assert len(maps) == 1
+
+
+def hostile_inputs() -> list[tuple[str, object, str]]:
+    """Return topics, messages, and what is said of them."""
+    info = [camera_info_message(CAMERA, 'ceiling_camera', Time()) for _ in range(3)]
+    info[0].width = info[0].height = 2**32 - 1
+    info[1].k[0] = 1e300
+    info[2].d[0] = math.nan
+    legs = [Odometry(child_frame_id='base_link') for _ in range(5)]
+    for message in legs:
+        message.header.frame_id = 'odom'
+        message.header.stamp = Time(sec=1)
+        message.pose.pose = pose_message(Pose2D(0.0, 0.0, 0.0))
+    legs[1].pose.pose.orientation.z = 1e308
+    legs[2].twist.twist.linear.x = math.nan
+    legs[3].header.frame_id = 'x' * 10_000_000
+    legs[4].header.stamp = Time(sec=2**31 - 1, nanosec=999_999_999)
+    old = image_message(picture(), 'ceiling_camera', Time(sec=1))
+    huge = Image(encoding='rgb8', width=2**31, height=2**31, step=2**32 - 1, data=bytes(64))
+    huge.header.stamp = Time(sec=2**31 - 2)
+    return [
+        ('ceiling_camera/camera_info', info[0], '4294967295 x 4294967295 pixels'),
+        ('ceiling_camera/camera_info', info[1], 'its focal lengths are 1e+300'),
+        ('ceiling_camera/camera_info', info[2], 'of its lens D is not from'),
+        ('odom/legs', legs[0], 'its stamp is 1.000 s; it must be after'),
+        ('odom/legs', legs[1], 'the odometry is not a pose: its quaternion'),
+        ('odom/legs', legs[2], 'its twist is (nan'),
+        ('odom/legs', legs[3], '10000000 characters'),
+        ('odom/legs', legs[4], 'its stamp is 2147483648.000 s; it must be after'),
+        ('ceiling_camera/image_raw', old, 'its stamp is 1.000 s; it must be after'),
+        ('ceiling_camera/image_raw', huge, '2147483648 x 2147483648 pixels'),
+    ]
