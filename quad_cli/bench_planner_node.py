@@ -59,7 +59,7 @@ def node_bars(occupied: Mask) -> list[Bar]:
         for y, x in (cells[0], cells[-1])
     )
     with isolated_domain(), NodeProcesses() as nodes:
-        node = nodes.start('planner_node', method='shortest', use_sim_time=False)
+        node = nodes.start('planner_node', method='shortest', use_sim_time=False, odom_timeout=1e6)
         client = _Client(start)
         try:
             times = client.times(occupied, goal, nodes.check)

@@ -16,6 +16,9 @@ _FARTHEST = 1e6
 _LARGEST_TILT = 0.2
 """A frame tilted more against the ground's plane is no frame of the plane [rad]."""
 
+_LONGEST_NAME = 200
+"""Of a frame, in characters."""
+
 MOST_FRAMES = 500
 """Most frames that are remembered."""
 
@@ -121,6 +124,10 @@ class FrameTree:
             If it is no transform in the plane; the one before stays.
         """
         parent, child = transform.parent, transform.child
+        if max(len(parent), len(child)) > _LONGEST_NAME:
+            raise InvalidTransform(
+                parent, child, f'its names have more than {_LONGEST_NAME} characters'
+            )
         pose = transform.planar()
         if child not in self._edges and len(self._edges) >= MOST_FRAMES:
             raise InvalidTransform(parent, child, f'{MOST_FRAMES} frames are known already')

@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from quad_common.frame_tree import FrameTransform
 from quad_common.map_frame import MapFrame
 from quad_common.planar_pose import Pose2D
-from quad_common.ros_conversions import pose_from_message, seconds_from_time
+from quad_common.ros_conversions import checked_name, pose_from_message, seconds_from_time
 from quad_common.ros_node import QuadNode
 
 try:
@@ -75,7 +75,9 @@ class MapFrameListener:
         odometry = pose_from_message(message.pose.pose, 'odometry')
         header = message.header
         stamp = seconds_from_time(header.stamp)
-        pose = self.frame.locate(stamp, header.frame_id.lstrip('/'), odometry)
+        pose = self.frame.locate(
+            stamp, checked_name(header.frame_id, 'odometry').lstrip('/'), odometry
+        )
         if self._first_odometry_at is None:
             self._first_odometry_at = time.monotonic()
         for remark in self.frame.take_remarks():

@@ -92,6 +92,11 @@ def seconds_from_time(stamp: Time, what: str = 'time stamp') -> float:
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
+def nanoseconds_from_time(stamp: Time) -> int:
+    """Convert a time stamp to nanoseconds, to tell stamps apart exactly."""
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
 def time_from_seconds(seconds: float) -> Time:
     """
     Convert seconds to a time stamp, to the nanosecond.

@@ -224,6 +224,9 @@ class WalkController:
         pieces : list of Piece, optional
             The path to the plan's last pose, if it is not made of its turning points.
         """
+        if plan is None and self._wanted is None:
+            # There is none to take back: whatever else the robot does goes on.
+            return
         if plan is not None and self._stopped_goal is not None:
             if _is_same_goal(plan.poses[-1], self._stopped_goal):
                 return

@@ -111,4 +111,17 @@ class PlannerParameters:
     largest_map: int = parameter(
         2**26, 'Maps with more cells are refused: 2^26 are 8192 x 8192.', lower=1, upper=MAX_CELLS
     )
+    odom_timeout: float = parameter(
+        1.0, 'No plan is made from a pose that is older: it waits for the next one.', 's', 0.05
+    )
+    correction_time_constant: float = parameter(
+        3.0,
+        'Corrections of odometry are followed as by a first-order filter; 0: each is taken whole.',
+        's',
+        0.0,
+        60.0,
+    )
+    correction_timeout: float = parameter(
+        5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
+    )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")

@@ -31,13 +31,14 @@ DATA = sorted(ROOT.glob('quad_*/**/*.yaml'))
 PAGES = sorted([*ROOT.glob('*.md'), *ROOT.glob('docs/**/*.md'), *ROOT.glob('msg_docs/*.md')])
 NODES = sorted(TABLES)
 
-SHARED = {'ros_node': tuple(NODES), 'map_frame_listener': ('gait_node',)}
+SHARED = {'ros_node': tuple(NODES), 'map_frame_listener': ('gait_node', 'planner_node')}
 """The nodes that a module makes publishers and subscriptions for."""
 
 QUALITIES = {
     '10': 'reliable, volatile, depth 10',
     '100': 'reliable, volatile, depth 100',
     '_LATCHED': 'reliable, transient local, depth 1',
+    '_EVERY_PLAN': 'reliable, transient local, depth 10',
     '_STATIC': 'reliable, transient local, depth 100',
     '_CLOCK': 'best effort, volatile, depth 1',
     '_NEWEST': 'best effort, volatile, depth 1',
@@ -319,6 +320,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
         '_LATCHED': [
             module._LATCHED for module in (ceiling_camera_node, gait_node, planner_node, sim_node)
         ],
+        '_EVERY_PLAN': [planner_node._EVERY_PLAN],
         '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_node._CLOCK],
         '_NEWEST': [ceiling_camera_node._NEWEST],

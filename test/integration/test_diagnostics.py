@@ -35,8 +35,16 @@ def test_the_planner_says_what_it_waits_for(bench: Bench):
     bench.wait_for_status('planner_node', "no odometry: waiting for it on 'odom'", level=WARN)
     with bench.publishing('odom', odometry_at(1.0, 1.0)):
         bench.wait_for_status('planner_node', "ready: waiting for a goal on 'goal_pose'", level=OK)
-    bench.give_goal(Pose2D(3.0, 3.0, 0.0))
-    bench.wait_for_status('planner_node', 'plan of', level=OK, code=0)
+        bench.give_goal(Pose2D(3.0, 3.0, 0.0))
+        bench.wait_for_status('planner_node', 'plan of', level=OK, code=0)
+    bench.wait_for_status('planner_node', "silent odometry: none on 'odom' for", level=WARN)
+    # From where the robot was seen last no plan is made any more.
+    bench.give_goal(Pose2D(3.0, 1.0, 0.0))
+    bench.wait_for_status('planner_node', 'for 4 s; plans wait', level=WARN)
+    assert len(bench.plans) == 1
+    with bench.publishing('odom', odometry_at(1.0, 1.0)):
+        bench.wait_until('the plan that waited', lambda: len(bench.plans) == 2)
+    assert bench.plan.poses[-1] == Pose2D(3.0, 1.0, 0.0)
 
 
 def test_the_gait_node_says_what_it_waits_for(bench: Bench):

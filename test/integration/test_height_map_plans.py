@@ -72,20 +72,20 @@ def test_plans_lead_over_what_is_low_and_around_what_is_high(bench: Bench):
         assert len(bench.plan.poses) <= 2
         heights.publish(block(STEP + 0.001))
         bench.wait_until('a plan around the block', lambda: len(bench.plans) == 2)
-    assert np.abs(bench.plan.corners[:, 1] - START.y).max() > 0.7
-    assert way(bench) > 0.7
+        assert np.abs(bench.plan.corners[:, 1] - START.y).max() > 0.7
+        assert way(bench) > 0.7
 
-    # What is refused changes nothing.
-    with bench.expects('planner_node', "it is in frame 'moon'", level=ERROR):
-        heights.publish(block(0.0, 'moon'))
-    broken = block(0.0)
-    broken.height = 1
-    with bench.expects('planner_node', 'it must be organized', level=ERROR):
-        heights.publish(broken)
-    bench.wait_for_status('planner_node', 'plan of', level=OK)
-    assert 'it must be organized' in bench.statuses['planner_node'].values['last_error']
-    assert way(bench) > 0.7
+        # What is refused changes nothing.
+        with bench.expects('planner_node', "it is in frame 'moon'", level=ERROR):
+            heights.publish(block(0.0, 'moon'))
+        broken = block(0.0)
+        broken.height = 1
+        with bench.expects('planner_node', 'it must be organized', level=ERROR):
+            heights.publish(broken)
+        bench.wait_for_status('planner_node', 'plan of', level=OK)
+        assert 'it must be organized' in bench.statuses['planner_node'].values['last_error']
+        assert way(bench) > 0.7
 
-    heights.publish(block(STEP - 0.001))
-    bench.wait_until('a straight plan', lambda: len(bench.plans) == 3)
-    assert way(bench) < 1e-3
+        heights.publish(block(STEP - 0.001))
+        bench.wait_until('a straight plan', lambda: len(bench.plans) == 3)
+        assert way(bench) < 1e-3
