@@ -16,8 +16,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from quad_common.errors import ParameterError
+from quad_common.quantity import COORDINATE, Quantity
 
 Array = NDArray[np.float64]
+
+QUANTITIES = {
+    'side': Quantity(1, 32768, 'pixels'),
+    'focal_length': Quantity(1.0, 1e6, 'pixels'),
+    'principal_point': Quantity(-1e5, 1e5, 'pixels'),
+    'position': COORDINATE,
+    'distortion': Quantity(-1e3, 1e3),
+}
+"""Ranges of a camera's numbers."""
+
+MOST_PIXELS = 2**26
+"""Of a picture: 8192 x 8192."""
 
 _ROUNDS = 50
 """Of tracing light back through a lens, at most."""
@@ -52,8 +65,7 @@ class CameraModel:
 
     def __post_init__(self) -> None:
         """Check shapes, and whether the rotation is one."""
-        if not (self.width > 0 and self.height > 0):
-            raise ParameterError('width', (self.width, self.height), 'positive numbers of pixels')
+        self._check_size()
         for name, shape in (
             ('matrix', (3, 3)),
             ('rotation', (3, 3)),
@@ -63,8 +75,14 @@ class CameraModel:
             value = getattr(self, name)
             if value.shape != shape or not np.isfinite(value).all():
                 raise ParameterError(name, value.tolist(), f'finite numbers of shape {shape}')
-        if not (self.matrix[0, 0] > 0.0 and self.matrix[1, 1] > 0.0):
-            raise ParameterError('matrix', self.matrix.tolist(), 'one with focal lengths above 0')
+        for name, values in (
+            ('focal_length', np.diag(self.matrix)[:2]),
+            ('principal_point', self.matrix[:2, 2]),
+            ('position', self.position),
+            ('distortion', self.distortion),
+        ):
+            for value in values:
+                QUANTITIES[name].check(name, float(value))
         (fx, _, cx), (_, fy, cy), _ = self.matrix
         if not np.array_equal(self.matrix, [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]):
             # OpenCV takes no notice of what else a matrix may hold.
@@ -73,6 +91,14 @@ class CameraModel:
             )
         if not np.allclose(self.rotation @ self.rotation.T, np.eye(3), atol=1e-6):
             raise ParameterError('rotation', self.rotation.tolist(), 'a rotation matrix')
+
+    def _check_size(self) -> None:
+        """Refuse pictures without pixels, and those that no memory holds."""
+        for name, side in (('width', self.width), ('height', self.height)):
+            QUANTITIES['side'].check(name, side)
+        if self.width * self.height > MOST_PIXELS:
+            size = f'{self.width} x {self.height}'
+            raise ParameterError('size', size, f'at most {MOST_PIXELS} pixels')
 
     @classmethod
     def looking_down(

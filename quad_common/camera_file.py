@@ -18,8 +18,39 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from quad_common.bounded_file import user_path, write_text
 from quad_common.camera import CameraModel
-from quad_common.errors import CameraError, ParameterError
+from quad_common.errors import (
+    CameraError,
+    CameraValueOutOfRange,
+    FileUnusable,
+    ParameterError,
+    QuadError,
+)
+from quad_common.quantity import number_from
+from quad_common.quoting import shown
+from quad_common.yaml_document import check_keys, in_file, read_yaml
+
+KEYS = (
+    'image_width',
+    'image_height',
+    'camera_name',
+    'camera_matrix',
+    'distortion_model',
+    'distortion_coefficients',
+    'rectification_matrix',
+    'projection_matrix',
+    'position',
+    'orientation',
+)
+"""
+Keys that a camera file may have; the ranges of the numbers are those of
+:data:`quad_common.camera.QUANTITIES`. ROS's own name, rectification and projection are left as
+they are: one camera has no use for them.
+"""
+
+_MATRIX_KEYS = ('rows', 'cols', 'data')
+_WHAT = 'camera file'
 
 Array = NDArray[np.float64]
 
@@ -49,21 +80,16 @@ def load_camera(path: str | Path, *, needs_pose: bool = True) -> CameraModel:
     CameraError
         If the file is missing, unreadable, or says what it cannot.
     """
-    path = Path(path).expanduser()
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except OSError as error:
-        raise CameraError(f'camera file {path} cannot be read: {error.strerror}') from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CameraError(
-            f'camera file {path} is not YAML: {" ".join(str(error).split())}'
-        ) from error
+        path = user_path(path, _WHAT)
+        document = read_yaml(path, _WHAT, 'keys such as image_width and camera_matrix')
+    except FileUnusable as error:
+        raise CameraError(str(error)) from error
     try:
-        if not isinstance(document, dict):
-            raise _Invalid('it must hold keys such as image_width and camera_matrix')
+        check_keys(document, KEYS)
         return _camera(document, needs_pose)
     except (_Invalid, ParameterError) as error:
-        raise CameraError(f'camera file {path}: {error}') from error
+        raise in_file(error, _WHAT, path, CameraError, CameraValueOutOfRange) from error
 
 
 def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_camera') -> None:
@@ -84,7 +110,6 @@ def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_came
     CameraError
         If the file cannot be written.
     """
-    path = Path(path).expanduser()
     matrix = camera.matrix.copy()
     matrix[:2, 2] -= _HALF
     document = {
@@ -103,12 +128,10 @@ def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_came
         '# (x right, y down in the picture, z along the view) to the world.\n'
     )
     try:
-        path.write_text(
-            comment + yaml.safe_dump(document, sort_keys=False, default_flow_style=None),
-            encoding='utf-8',
-        )
-    except OSError as error:
-        raise CameraError(f'camera file {path} cannot be written: {error.strerror}') from error
+        text = yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
+        write_text(user_path(path, _WHAT), comment + text, _WHAT)
+    except FileUnusable as error:
+        raise CameraError(str(error)) from error
 
 
 def matrix_from_quaternion(quaternion: Array) -> Array:
@@ -164,7 +187,7 @@ def quaternion_from_matrix(rotation: Array) -> Array:
     return quaternion if quaternion[3] >= 0.0 else -quaternion
 
 
-class _Invalid(Exception):
+class _Invalid(QuadError):
     """What is wrong with a camera file, still without the file's name."""
 
 
@@ -174,7 +197,7 @@ def _camera(document: Mapping[str, Any], needs_pose: bool) -> CameraModel:
     matrix[:2, 2] += _HALF
     model = document.get('distortion_model', 'plumb_bob')
     if model != 'plumb_bob':
-        raise _Invalid(f"'distortion_model' is {model!r}; it must be plumb_bob")
+        raise _Invalid(f"'distortion_model' is {shown(model)}; it must be plumb_bob")
     distortion = _numbers(document, 'distortion_coefficients', 5)
     if not needs_pose and 'position' not in document and 'orientation' not in document:
         return CameraModel(width, height, matrix, _DOWN, np.array([0.0, 0.0, 1.0]), distortion)
@@ -184,7 +207,7 @@ def _camera(document: Mapping[str, Any], needs_pose: bool) -> CameraModel:
                 f"the key '{key}' is missing; 'quadwalk camera calibrate' finds where a camera is"
             )
     quaternion = _numbers(document, 'orientation', 4)
-    if not math.isclose(float(np.linalg.norm(quaternion)), 1.0, abs_tol=0.01):
+    if not math.isclose(math.hypot(*quaternion), 1.0, abs_tol=0.01):
         raise _Invalid(
             f"'orientation' is {quaternion.tolist()}; it must be a quaternion of length 1"
         )
@@ -196,18 +219,26 @@ def _camera(document: Mapping[str, Any], needs_pose: bool) -> CameraModel:
 def _whole(document: Mapping[str, Any], key: str) -> int:
     value = document.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or value <= 0:
-        raise _Invalid(f"'{key}' is {value!r}; it must be a whole number above 0")
+        raise _Invalid(f"'{key}' is {shown(value)}; it must be a whole number above 0")
     return value
 
 
 def _numbers(document: Mapping[str, Any], key: str, count: int) -> Array:
+    """Read numbers; where they stand under ``data``, as ROS writes them, its shape counts too."""
     value = document.get(key)
     if isinstance(value, dict):
+        check_keys(value, _MATRIX_KEYS, key)
+        shape = [value[side] for side in ('rows', 'cols') if side in value]
+        if shape and (not all(type(side) is int for side in shape) or math.prod(shape) != count):
+            raise _Invalid(
+                f"'{key}' has rows and cols of {shown(shape)}; together they must make {count}"
+            )
         value = value.get('data')
-    try:
-        numbers = np.array(value, dtype=float).ravel()
-    except (TypeError, ValueError):
-        numbers = np.empty(0)
-    if numbers.size != count or not np.isfinite(numbers).all():
-        raise _Invalid(f"'{key}' is {value!r}; it must hold {count} finite numbers")
-    return numbers
+    # A matrix may be written in rows.
+    flat = value
+    if isinstance(value, list) and all(isinstance(row, list) for row in value):
+        flat = [number for row in value for number in row]
+    numbers = [number_from(number) for number in flat] if isinstance(flat, list) else []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise _Invalid(f"'{key}' is {shown(value)}; it must hold {count} finite numbers")
+    return np.array(numbers)

@@ -9,8 +9,9 @@ callbacks and turn it into a log line and a ``diagnostics`` entry.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from os import PathLike
 
-from quad_common.quoting import escaped, quoted, shown
+from quad_common.quoting import clipped, escaped, quoted, shown
 
 _LISTED = 40
 """Names that a sentence lists."""
@@ -42,20 +43,128 @@ class ParameterError(QuadError, ValueError):
         The value that was refused.
     valid : str
         What would be valid, as the end of the sentence "it must be ...".
+    where : str
+        Beginning of the sentence that says where it stands, for example ``gait file x.yaml: ``.
     """
 
-    def __init__(self, name: str, value: object, valid: str) -> None:
+    def __init__(self, name: str, value: object, valid: str, where: str = '') -> None:
         self.name = name
         self.value = value
-        super().__init__(f"'{name}' is {shown(value)}; it must be {valid}")
+        self.valid = valid
+        super().__init__(f"{where}'{name}' is {shown(value)}; it must be {valid}")
+
+    def at(self, where: str) -> ParameterError:
+        """Return the same error with a beginning that says where the value stands."""
+        return ParameterError(self.name, self.value, self.valid, where)
+
+
+class OutOfRange(ParameterError):
+    """
+    A quantity is no number of its range.
+
+    Parameters
+    ----------
+    name : str
+        Name of the quantity; dotted where it is a part of another, for example ``origin.x``.
+    value : object
+        The value that was refused.
+    lower, upper : float
+        Least and largest valid value.
+    unit : str
+        Unit of the value and its range; empty for a plain number.
+    where : str
+        Beginning of the sentence that says where it stands.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        value: object,
+        lower: float,
+        upper: float,
+        unit: str = '',
+        where: str = '',
+    ) -> None:
+        self.lower = lower
+        self.upper = upper
+        self.unit = unit
+        of_unit = f' {unit}' if unit else ''
+        valid = f'a finite number from {lower:g} to {upper:g}{of_unit}'
+        super().__init__(name, value, valid, where)
+
+    def at(self, where: str, kind: type[OutOfRange] | None = None) -> OutOfRange:
+        """Return the error as one of another kind, with a beginning that says where it stands."""
+        kind = kind or type(self)
+        return kind(self.name, self.value, self.lower, self.upper, self.unit, where)
+
+
+class UnknownKey(ParameterError):
+    """
+    A file has a key that means nothing.
+
+    Parameters
+    ----------
+    section : str
+        Name of the part of the file that has it; empty for the whole.
+    key : str
+        The key.
+    known : iterable of str
+        The keys that would mean something.
+    where : str
+        Beginning of the sentence that says where it stands.
+    """
+
+    def __init__(self, section: str, key: str, known: Iterable[str], where: str = '') -> None:
+        self.section = section
+        self.key = key
+        self.known = tuple(known)
+        dotted = f'{section}.{key}' if section else key
+        super().__init__(dotted, key, f'one of {", ".join(self.known)}')
+        self.args = (
+            f'{where}the key {shown(dotted)} means nothing; valid keys'
+            f'{f" of {section!r}" if section else ""} are {", ".join(self.known)}',
+        )
+
+    def at(self, where: str) -> UnknownKey:
+        """Return the same error with a beginning that says where the key stands."""
+        return UnknownKey(self.section, self.key, self.known, where)
+
+
+class FileUnusable(QuadError):
+    """
+    A file cannot be read, or cannot be written.
+
+    Parameters
+    ----------
+    what : str
+        What the file is, for example ``map file``.
+    path : str or path-like
+        The file.
+    reason : str
+        What is wrong with it, as the end of the sentence "the file ...".
+    """
+
+    def __init__(self, what: str, path: str | PathLike[str], reason: str) -> None:
+        self.what = what
+        self.path = path
+        self.reason = clipped(reason)
+        super().__init__(f'{what} {clipped(str(path))} {self.reason}')
 
 
 class RobotModelError(QuadError):
     """A robot's data file is missing, incomplete or contradicts itself."""
 
 
+class RobotValueOutOfRange(RobotModelError, OutOfRange):
+    """A quantity of a robot's data file is no number of its range."""
+
+
 class MapError(QuadError):
     """A map file or an occupancy grid cannot be used."""
+
+
+class MapValueOutOfRange(MapError, OutOfRange):
+    """A quantity of a map or a height map is no number of its range."""
 
 
 class PlannerError(QuadError):
@@ -229,6 +338,10 @@ class DescentStuck(NoPathFound):
 
 class CameraError(QuadError):
     """A camera's file cannot be used, or a camera cannot be calibrated from what is given."""
+
+
+class CameraValueOutOfRange(CameraError, OutOfRange):
+    """A quantity of a camera's file is no number of its range."""
 
 
 class PerceptionError(QuadError):

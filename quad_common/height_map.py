@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from quad_common.errors import MapError, ParameterError
+from quad_common.errors import MapError, MapValueOutOfRange, OutOfRange, ParameterError
+from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
+from quad_common.quoting import shown
 
 Array = NDArray[np.float64]
 
@@ -25,6 +27,11 @@ MAX_CELLS = 2**22
 
 MAX_REACH = 100
 """The largest radius of what is looked at around a point [cells]."""
+
+HEIGHT = Quantity(-1e4, 1e4, 'm')
+"""Range of the ground's height."""
+
+_WHERE = 'the height map cannot be used: '
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +48,7 @@ class HeightMap:
     heights: Array
     """Of the cells' centres, shape (rows, columns), row 0 at the bottom; NaN: unknown [m]."""
     resolution: float
-    """Side of a cell, > 0 [m]."""
+    """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]
     """Lower left corner of cell (0, 0), x and y in the world [m]."""
     _images: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False)
@@ -69,24 +76,29 @@ class HeightMap:
                 f'the height map has {columns} x {rows} cells; '
                 f'it must have between 1 and {MAX_CELLS}'
             )
-        if not (math.isfinite(self.resolution) and self.resolution > 0.0):
-            raise MapError(
-                f'the resolution of the height map is {self.resolution!r} m; it must be above zero'
-            )
-        if len(self.origin) != 2 or not all(math.isfinite(value) for value in self.origin):
-            raise MapError(
-                f'the origin of the height map is {self.origin}; it must be x and y, finite'
-            )
-        if np.isinf(heights).any():
-            raise MapError(
-                f'{int(np.isinf(heights).sum())} heights of the height map are infinite; '
-                'they must be finite, or NaN for unknown'
+        self._check_place()
+        outside = np.abs(heights) > HEIGHT.upper
+        if outside.any():
+            worst = heights.flat[int(np.argmax(outside))]
+            raise MapValueOutOfRange(
+                'height', float(worst), HEIGHT.lower, HEIGHT.upper, HEIGHT.unit, _WHERE
             )
         heights = heights.astype(np.float64)
         heights.flags.writeable = False
         object.__setattr__(self, 'heights', heights)
         object.__setattr__(self, 'resolution', float(self.resolution))
         object.__setattr__(self, 'origin', (float(self.origin[0]), float(self.origin[1])))
+
+    def _check_place(self) -> None:
+        """Refuse cells of no sensible size, or an origin out of this world."""
+        if len(self.origin) != 2:
+            raise MapError(f'the origin of the height map is {shown(self.origin)}; give x and y')
+        try:
+            CELL_SIZE.check('resolution', self.resolution)
+            for name, value in zip(('origin.x', 'origin.y'), self.origin, strict=True):
+                COORDINATE.check(name, value)
+        except OutOfRange as error:
+            raise error.at(_WHERE, MapValueOutOfRange) from error
 
     @classmethod
     def level(

@@ -18,10 +18,25 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from quad_common.errors import MapError
-from quad_common.height_map import HeightMap
-from quad_common.map_document import InvalidEntry, image_of, number_of, numbers_of, read_document
+from quad_common.bounded_file import check_target, user_path, write_text
+from quad_common.errors import FileUnusable, MapError, QuadError
+from quad_common.height_map import HEIGHT, MAX_CELLS, HeightMap
+from quad_common.map_document import image_of, in_map_file, number_of, read_document, value_of
+from quad_common.map_image import decode_image
+from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
 
+QUANTITIES = {
+    'resolution': CELL_SIZE,
+    'origin': COORDINATE,
+    'lowest': HEIGHT,
+    'height_step': Quantity(1e-9, 1.0, 'm'),
+}
+"""Ranges of what a height map file says."""
+
+KEYS = ('image', *QUANTITIES)
+"""Keys that a height map file has."""
+
+_WHAT = 'height map file'
 _UNKNOWN = 0
 _MOST = 65535
 _FINEST = 1e-6
@@ -47,19 +62,18 @@ def load_height_map(path: str | Path) -> HeightMap:
     MapError
         If the file or its image is missing, unreadable, or says what it cannot.
     """
-    path = Path(path).expanduser()
-    document = read_document(path, 'height map file')
+    path, document = read_document(path, KEYS, _WHAT)
     try:
-        resolution = number_of(document, 'resolution')
-        x, y = numbers_of(document, 'origin', ('x', 'y'))
-        lowest, step = number_of(document, 'lowest'), number_of(document, 'height_step')
-        if not step > 0.0:
-            raise InvalidEntry(f"'height_step' is {step:g}; it must be above zero")
-        shades = _read_image(path.parent / image_of(document))
+        resolution, lowest, step = (
+            number_of(document, key, QUANTITIES[key])
+            for key in ('resolution', 'lowest', 'height_step')
+        )
+        x, y = QUANTITIES['origin'].check_each('origin', value_of(document, 'origin'), ('x', 'y'))
+        shades = decode_image(path.parent / image_of(document), ('PNG',), _shades)
         heights = np.where(shades == _UNKNOWN, np.nan, lowest + step * (shades - 1.0))
         return HeightMap(np.ascontiguousarray(heights[::-1]), resolution, (x, y))
-    except (InvalidEntry, MapError) as error:
-        raise MapError(f'height map file {path}: {error}') from error
+    except QuadError as error:
+        raise in_map_file(error, _WHAT, path) from error
 
 
 def save_height_map(terrain: HeightMap, path: str | Path) -> None:
@@ -78,7 +92,6 @@ def save_height_map(terrain: HeightMap, path: str | Path) -> None:
     MapError
         If a file cannot be written.
     """
-    path = Path(path).expanduser()
     is_known = ~np.isnan(terrain.heights)
     known = terrain.heights[is_known]
     lowest, highest = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
@@ -86,29 +99,33 @@ def save_height_map(terrain: HeightMap, path: str | Path) -> None:
     shades = np.full(terrain.heights.shape, _UNKNOWN, dtype=np.uint16)
     shades[is_known] = np.rint((known - lowest) / step).astype(np.uint16) + 1
     try:
-        Image.fromarray(np.ascontiguousarray(shades[::-1])).save(path.with_suffix('.png'))
-        path.write_text(
+        path = user_path(path, _WHAT)
+        image = path.with_suffix('.png')
+        check_target(path, _WHAT)
+        check_target(image, 'image')
+        Image.fromarray(np.ascontiguousarray(shades[::-1])).save(image)
+        write_text(
+            path,
             f'image: {path.stem}.png\n'
             f'resolution: {terrain.resolution!r}\n'
             f'origin: [{terrain.origin[0]!r}, {terrain.origin[1]!r}]\n'
             f'lowest: {lowest!r}\n'
             f'height_step: {step!r}\n',
-            encoding='utf-8',
+            _WHAT,
         )
-    except OSError as error:
+    except FileUnusable as error:
+        raise MapError(str(error)) from error
+    except (OSError, ValueError) as error:
         raise MapError(f'height map file {path} cannot be written: {error}') from error
 
 
-def _read_image(path: Path) -> NDArray[np.int64]:
+def _shades(image: Image.Image) -> NDArray[np.uint16]:
     """Return the shades of a grey image of 16 bits."""
-    try:
-        with Image.open(path, formats=('PNG',)) as image:
-            if not image.mode.startswith('I'):
-                raise InvalidEntry(
-                    f"the image '{path}' is of mode {image.mode}; it must be grey with 16 bits"
-                )
-            return np.asarray(image).astype(np.int64)
-    except FileNotFoundError as error:
-        raise InvalidEntry(f"the image '{path}' does not exist") from error
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise InvalidEntry(f"the image '{path}' cannot be read as PNG: {error}") from error
+    if not image.mode.startswith('I'):
+        raise MapError(f'the image is of mode {image.mode}; it must be grey with 16 bits')
+    if image.width * image.height > MAX_CELLS:
+        raise MapError(
+            f'the image has {image.width} x {image.height} pixels; '
+            f'it must have between 1 and {MAX_CELLS}'
+        )
+    return np.asarray(image).astype(np.uint16)

@@ -26,15 +26,17 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from quad_common.errors import MapError
+from quad_common.bounded_file import check_target, user_path, write_text
+from quad_common.errors import FileUnusable, MapError, QuadError
 from quad_common.map_document import (
     InvalidEntry,
     image_of,
+    in_map_file,
     number_of,
-    numbers_of,
     read_document,
     value_of,
 )
+from quad_common.map_image import decode_image
 from quad_common.occupancy_grid import (
     FREE,
     OCCUPIED,
@@ -43,8 +45,22 @@ from quad_common.occupancy_grid import (
     OccupancyGrid,
 )
 from quad_common.planar_pose import Pose2D
+from quad_common.quantity import ANGLE, CELL_SIZE, COORDINATE, Quantity, list_of
+from quad_common.quoting import shown
 
 MODES = ('trinary', 'scale', 'raw')
+
+QUANTITIES = {
+    'resolution': CELL_SIZE,
+    'origin': COORDINATE,
+    'free_thresh': Quantity(0.0, 1.0),
+    'occupied_thresh': Quantity(0.0, 1.0),
+}
+"""Ranges of what a map file says; of the origin's yaw it is :data:`quantity.ANGLE`."""
+
+KEYS = ('image', 'mode', *QUANTITIES, 'negate')
+"""Keys that a map file may have."""
+
 _FORMATS = ('PPM', 'PNG', 'BMP')
 
 
@@ -67,29 +83,31 @@ def load_map(path: str | Path) -> OccupancyGrid:
     MapError
         If the file or its image is missing, unreadable, or says what it cannot.
     """
-    path = Path(path).expanduser()
-    document = read_document(path)
+    path, document = read_document(path, KEYS)
     try:
         mode = str(document.get('mode', 'trinary')).lower()
         if mode not in MODES:
             raise InvalidEntry(
-                f"'mode' is {document['mode']!r}; it must be one of {', '.join(MODES)}"
+                f"'mode' is {shown(document['mode'])}; it must be one of {', '.join(MODES)}"
             )
-        resolution = number_of(document, 'resolution')
-        origin = Pose2D(*numbers_of(document, 'origin', ('x', 'y', 'yaw')))
-        free, occupied = number_of(document, 'free_thresh'), number_of(document, 'occupied_thresh')
-        if not 0.0 <= free <= occupied <= 1.0:
+        resolution = number_of(document, 'resolution', QUANTITIES['resolution'])
+        origin = _origin(value_of(document, 'origin'))
+        free, occupied = (
+            number_of(document, key, QUANTITIES[key]) for key in ('free_thresh', 'occupied_thresh')
+        )
+        if not free <= occupied:
             raise InvalidEntry(
                 f"'free_thresh' is {free:g} and 'occupied_thresh' {occupied:g}; "
                 'they must be 0 <= free_thresh <= occupied_thresh <= 1'
             )
         negate = _flag(document, 'negate')
-        grey, alpha = _read_image(path.parent / image_of(document))
+        image = path.parent / image_of(document)
+        grey, alpha = decode_image(image, _FORMATS, _grey_and_alpha)
         cells = _raw(grey) if mode == 'raw' else _graded(grey, alpha, negate, free, occupied, mode)
         # The image's first row is the top of the map, the grid's first row its bottom.
         return OccupancyGrid(np.ascontiguousarray(cells[::-1]), resolution, origin)
-    except (InvalidEntry, MapError) as error:
-        raise MapError(f'map file {path}: {error}') from error
+    except QuadError as error:
+        raise in_map_file(error, 'map file', path) from error
 
 
 def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25) -> None:
@@ -111,14 +129,18 @@ def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25)
     MapError
         If a file cannot be written.
     """
-    path = Path(path).expanduser()
     pixels = np.full(grid.cells.shape, 205, dtype=np.uint8)
     pixels[(grid.cells >= FREE) & (grid.cells <= free_threshold)] = 254
     pixels[grid.occupied(OCCUPIED_THRESHOLD)] = 0
     o = grid.origin
     try:
-        Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(path.with_suffix('.pgm'))
-        path.write_text(
+        path = user_path(path, 'map file')
+        image = path.with_suffix('.pgm')
+        check_target(path, 'map file')
+        check_target(image, 'image')
+        Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(image)
+        write_text(
+            path,
             f'image: {path.stem}.pgm\n'
             'mode: trinary\n'
             f'resolution: {float(grid.resolution)!r}\n'
@@ -126,37 +148,41 @@ def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25)
             'negate: 0\n'
             'occupied_thresh: 0.65\n'
             'free_thresh: 0.196\n',
-            encoding='utf-8',
+            'map file',
         )
-    except OSError as error:
+    except FileUnusable as error:
+        raise MapError(str(error)) from error
+    except (OSError, ValueError) as error:
         raise MapError(f'map file {path} cannot be written: {error}') from error
+
+
+def _origin(value: Any) -> Pose2D:
+    """Read the pose of the map's lower left corner."""
+    x, y, yaw = list_of('origin', value, ('x', 'y', 'yaw'))
+    place = QUANTITIES['origin']
+    return Pose2D(
+        place.check('origin.x', x), place.check('origin.y', y), ANGLE.check('origin.yaw', yaw)
+    )
 
 
 def _flag(document: Mapping[str, Any], key: str) -> bool:
     value = value_of(document, key)
-    if not isinstance(value, (bool, int)):
-        raise InvalidEntry(f"'{key}' is {value!r}; it must be 0 or 1")
+    if value not in (0, 1) or not isinstance(value, (bool, int)):
+        raise InvalidEntry(f"'{key}' is {shown(value)}; it must be 0 or 1")
     return bool(value)
 
 
-def _read_image(path: Path) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
+def _grey_and_alpha(image: Image.Image) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
     """Return the 8-bit grey values of an image, and its alpha if it has one."""
-    try:
-        with Image.open(path, formats=_FORMATS) as image:
-            if image.mode.startswith('I'):
-                # 16-bit grey: 65535 / 255 = 257, rounded.
-                return ((np.asarray(image).astype(np.int64) + 128) // 257).astype(np.uint8), None
-            # ITU-R 601 luma, 0.299 R + 0.587 G + 0.114 B, here and in GraphicsMagick.
-            if 'A' in image.getbands() or 'transparency' in image.info:
-                grey, alpha = np.moveaxis(np.asarray(image.convert('RGBA').convert('LA')), -1, 0)
-                return grey, alpha
-            return np.asarray(image.convert('L')), None
-    except FileNotFoundError as error:
-        raise InvalidEntry(f"the image '{path}' does not exist") from error
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise InvalidEntry(
-            f"the image '{path}' cannot be read as PGM, PNG or BMP: {error}"
-        ) from error
+    if image.mode.startswith('I'):
+        # 16-bit grey: 65535 / 255 = 257, rounded. By a table, which takes no memory.
+        table = ((np.arange(65536) + 128) // 257).astype(np.uint8)
+        return table.take(np.asarray(image), mode='clip'), None
+    # ITU-R 601 luma, 0.299 R + 0.587 G + 0.114 B, here and in GraphicsMagick.
+    if 'A' in image.getbands() or 'transparency' in image.info:
+        grey, alpha = np.moveaxis(np.asarray(image.convert('RGBA').convert('LA')), -1, 0)
+        return grey, alpha
+    return np.asarray(image.convert('L')), None
 
 
 def _raw(grey: NDArray[np.uint8]) -> NDArray[np.int8]:

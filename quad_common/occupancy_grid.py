@@ -10,14 +10,14 @@ bottom, as in ``nav_msgs/OccupancyGrid``; an image's first row is its top.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import MapError
+from quad_common.errors import MapError, MapValueOutOfRange, OutOfRange
 from quad_common.planar_pose import Pose2D
+from quad_common.quantity import ANGLE, CELL_SIZE, COORDINATE
 
 UNKNOWN = -1
 FREE = 0
@@ -44,7 +44,7 @@ class OccupancyGrid:
     cells: NDArray[np.int8]
     """Shape (height, width), row 0 at the bottom: 0 (free) to 100 (occupied), -1 unknown."""
     resolution: float
-    """Side of a cell, > 0 [m]."""
+    """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: Pose2D
     """Pose of the lower left corner of cell (0, 0) in the world [m, m, rad]."""
 
@@ -73,13 +73,13 @@ class OccupancyGrid:
             raise MapError(
                 f'the map has {width} x {height} cells; it must have between 1 and {MAX_CELLS}'
             )
-        if not (math.isfinite(self.resolution) and self.resolution > 0.0):
-            raise MapError(
-                f'the resolution of the map is {self.resolution!r} m; it must be above zero'
-            )
-        if not self.origin.is_finite():
-            o = self.origin
-            raise MapError(f'the origin of the map is ({o.x}, {o.y}, {o.yaw}); it must be finite')
+        try:
+            CELL_SIZE.check('resolution', self.resolution)
+            COORDINATE.check('origin.x', self.origin.x)
+            COORDINATE.check('origin.y', self.origin.y)
+            ANGLE.check('origin.yaw', self.origin.yaw)
+        except OutOfRange as error:
+            raise error.at('the map cannot be used: ', MapValueOutOfRange) from error
         lowest, highest = int(cells.min()), int(cells.max())
         if lowest < UNKNOWN or highest > OCCUPIED:
             raise MapError(

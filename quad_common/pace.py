@@ -14,14 +14,28 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import yaml
 
-from quad_common.errors import ParameterError
+from quad_common.bounded_file import make_folder, path_exists, write_text
+from quad_common.errors import FileUnusable, ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.quantity import CYCLE_PERIOD, Quantity
 from quad_common.robot import ROBOTS_FOLDER, robot_file
+from quad_common.yaml_document import check_keys, read_yaml
+
+QUANTITIES = {
+    'cycle_period': CYCLE_PERIOD,
+    'stride': Quantity(1e-4, 100.0, 'm'),
+    'turn': Quantity(1e-4, 2.0 * math.pi, 'rad'),
+    'stopping': Quantity(0.0, 100.0, 'cycles'),
+    'bend': Quantity(0.0, math.pi, 'rad'),
+    'heading_tolerance': Quantity(0.0, math.pi, 'rad'),
+}
+"""Ranges of what a file of paces says of a gait."""
+
+_WHAT = 'file of paces'
 
 LENGTH_SLACK = 1e-5
 """By this share a stride may be longer than it is: lengths are often whole numbers of it."""
@@ -56,14 +70,8 @@ class Pace:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        for name in ('cycle_period', 'stride', 'turn'):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ParameterError(name, value, 'a finite number above 0')
-        for name in ('stopping', 'bend', 'heading_tolerance'):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ParameterError(name, value, 'a finite number of at least 0')
+        for name, quantity in QUANTITIES.items():
+            quantity.check(name, getattr(self, name))
 
     def straight_cycles(self, length: float) -> int:
         """Return how many cycles a straight stretch takes [m], from rest to rest."""
@@ -156,14 +164,20 @@ def load_paces(path: Path) -> dict[str, Pace]:
     ParameterError
         If the file is damaged.
     """
-    if not path.is_file():
+    if not path_exists(path):
         return {}
     try:
-        entries = yaml.safe_load(path.read_text(encoding='utf-8'))['paces']
-        return {str(gait): _pace(entry) for gait, entry in entries.items()}
-    except (yaml.YAMLError, LookupError, AttributeError, TypeError, ValueError) as error:
-        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
-        raise ParameterError('paces', str(path), f'a file of paces ({why})') from error
+        document = read_yaml(path, _WHAT, 'the key paces')
+    except FileUnusable as error:
+        raise ParameterError('paces', str(path), f'a file of paces ({error.reason})') from error
+    try:
+        check_keys(document, ('paces',))
+        entries = document['paces']
+        if not isinstance(entries, dict):
+            raise ParameterError('paces', entries, 'keys, each the name of a gait')
+        return {gait: _pace(gait, entry) for gait, entry in entries.items()}
+    except ParameterError as error:
+        raise error.at(f'{_WHAT} {path}: ') from error
 
 
 def load_pace(robot: str | Path, gait: str) -> Pace:
@@ -219,9 +233,19 @@ def save_paces(paces: Mapping[str, Pace], path: Path, heading: Iterable[str]) ->
         for gait, pace in paces.items()
     }
     text = ''.join(f'# {line}\n' for line in heading)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text + yaml.safe_dump({'paces': entries}, sort_keys=False), encoding='utf-8')
+    make_folder(path.parent)
+    write_text(path, text + yaml.safe_dump({'paces': entries}, sort_keys=False), _WHAT)
 
 
-def _pace(entry: Mapping[str, Any]) -> Pace:
-    return Pace(**{name: float(value) for name, value in entry.items()})
+def _pace(gait: str, entry: object) -> Pace:
+    """Read the pace of a gait."""
+    name = f'paces.{gait}'
+    if not isinstance(entry, dict):
+        raise ParameterError(name, entry, f'keys: {", ".join(QUANTITIES)}')
+    check_keys(entry, QUANTITIES, name)
+    missing = [key for key in ('cycle_period', 'stride', 'turn') if key not in entry]
+    if missing:
+        raise ParameterError(name, entry, f'complete: {", ".join(missing)} is missing')
+    return Pace(
+        **{key: QUANTITIES[key].check(f'{name}.{key}', value) for key, value in entry.items()}
+    )

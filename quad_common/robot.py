@@ -9,31 +9,41 @@ lie in ``quad_common/robots``. Joint arrays have one row per leg, in the order
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from quad_common import reach
-from quad_common.errors import JointLimitExceeded, JointNotFound, RobotModelError
+from quad_common.bounded_file import is_file, user_path
+from quad_common.errors import (
+    FileUnusable,
+    JointLimitExceeded,
+    JointNotFound,
+    OutOfRange,
+    RobotModelError,
+    RobotValueOutOfRange,
+    UnknownKey,
+)
 from quad_common.leg_kinematics import (
     Leg,
     roll_pitch_pitch_leg,
     stack_legs,
     yaw_pitch_pitch_leg,
 )
+from quad_common.quoting import quoted, shown
+from quad_common.robot_numbers import JOINTS_PER_LEG as JOINTS_PER_LEG
+from quad_common.robot_numbers import RobotNumbers
+from quad_common.yaml_document import check_keys, in_file, read_yaml
 
 Array = NDArray[np.float64]
 
 LEGS = ('lf', 'rf', 'lh', 'rh')
 """Left front, right front, left hind, right hind: the order of every per-leg array."""
-
-JOINTS_PER_LEG = 3
 
 LEG_TYPES = {
     'yaw_pitch_pitch': ('hip_yaw', 'hip_pitch', 'knee_pitch'),
@@ -45,6 +55,17 @@ _HIP_HEIGHT_OF_TITAN_VIII = 0.243
 """S0 sec. 6 [m]."""
 
 _QUANTITIES = ('lower', 'upper', 'velocity', 'effort')
+
+_NOT_NUMBERS = ('name', 'description', 'leg_type', 'stated')
+"""Keys of a robot data file that hold no number of the robot."""
+
+_GAIT_KEYS = ('cycle_period', 'swing_height')
+"""What a robot may change in a gait."""
+
+_WHAT = 'robot data file'
+
+_LONGEST_NAME = 64
+"""Characters of a robot's name."""
 
 ROBOTS_FOLDER = Path(__file__).parent / 'robots'
 """Where the robots that ship are."""
@@ -373,10 +394,14 @@ def robot_file(robot: str | Path) -> Path:
         If there is no such robot.
     """
     shipped = ROBOTS_FOLDER / f'{robot}.yaml'
-    path = shipped if shipped.is_file() else Path(robot)
-    if not path.is_file():
+    try:
+        path = shipped if is_file(shipped) else user_path(robot, _WHAT)
+    except FileUnusable as error:
+        raise RobotModelError(str(error)) from error
+    if not is_file(path):
         raise RobotModelError(
-            f"there is no robot '{robot}'; available: {', '.join(available_robots())}, "
+            f'there is no robot {quoted(str(robot))}; available: '
+            f'{", ".join(available_robots())}, '
             f'or the path of a robot data file'
         )
     return path
@@ -403,142 +428,39 @@ def load_robot(robot: str | Path) -> Robot:
     """
     path = robot_file(robot)
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise RobotModelError(f'{path} is not YAML: {" ".join(str(error).split())}') from error
-    if not isinstance(document, dict):
-        raise RobotModelError(f'{path} must hold a mapping of a robot’s numbers')
-    return _robot_from_document(document, path)
-
-
-class _Numbers:
-    """Looks numbers up by their dotted name and remembers where they come from."""
-
-    def __init__(self, document: Mapping[str, Any], path: Path) -> None:
-        self._document = document
-        self._path = path
-        self.sources: dict[str, str] = {}
-        self._empty: set[str] = set()
-
-    def __call__(self, name: str, positive: bool = False) -> float:
-        value = self._value(name)
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value):
-            raise RobotModelError(f"{self._path}: '{name}' is {value!r}; it must be a number")
-        if positive and not value > 0:
-            raise RobotModelError(f"{self._path}: '{name}' is {value}; it must be positive")
-        return float(value)
-
-    def has(self, name: str) -> bool:
-        """Whether the file has a number, or a mapping, of that name."""
-        node: Any = self._document
-        for key in name.split('.'):
-            if not isinstance(node, Mapping) or key not in node:
-                return False
-            node = node[key]
-        return True
-
-    def names_under(self, section: str) -> tuple[str, ...]:
-        """List the keys of an optional section; none if it is left out or empty."""
-        node: Any = self._document
-        for key in section.split('.'):
-            node = node.get(key)
-            if node is None:
-                self._empty.add(section)
-                return ()
-        if not isinstance(node, Mapping):
-            raise RobotModelError(f"{self._path}: '{section}' is {node!r}; it must be a mapping")
-        return tuple(str(key) for key in node)
-
-    def check_all_used(self, but: tuple[str, ...]) -> None:
-        """Raise if the file holds a number that nobody asked for: it may be misspelt."""
-        for name in _leaves(self._document, but):
-            if name not in self.sources and name not in self._empty:
-                raise RobotModelError(f"{self._path} has '{name}', which means nothing here")
-
-    def or_zero(self, name: str) -> float:
-        """Look up a number that is 0 if it is left out."""
-        return self(name) if self.has(name) else 0.0
-
-    def sign(self, name: str) -> float:
-        """Look up +1 or -1; +1 if it is left out."""
-        value = self(name) if self.has(name) else 1.0
-        if value not in (1.0, -1.0):
-            raise RobotModelError(f"{self._path}: '{name}' is {value:g}; it must be 1 or -1")
-        return value
-
-    def signs(self, name: str) -> tuple[float, float, float]:
-        """Look up three of +1 or -1; +1 if they are left out."""
-        value = self._value(name) if self.has(name) else [1, 1, 1]
-        if (
-            not isinstance(value, list)
-            or len(value) != JOINTS_PER_LEG
-            or any(isinstance(sign, bool) or sign not in (1, -1) for sign in value)
-        ):
-            raise RobotModelError(
-                f"{self._path}: '{name}' is {value!r}; it must be three numbers, each 1 or -1"
-            )
-        first, pitch, knee = (float(sign) for sign in value)
-        return first, pitch, knee
-
-    def is_true(self, name: str) -> bool:
-        """Look up true or false; false if it is left out."""
-        if not self.has(name):
-            return False
-        value = self._value(name)
-        if not isinstance(value, bool):
-            raise RobotModelError(f"{self._path}: '{name}' is {value!r}; it must be true or false")
-        return value
-
-    def _value(self, name: str) -> Any:
-        node: Any = self._document
-        for key in name.split('.'):
-            if not isinstance(node, Mapping) or key not in node:
-                raise RobotModelError(f"{self._path} has no number '{name}'")
-            node = node[key]
-        if not isinstance(node, Mapping) or not node.get('source') or 'value' not in node:
-            raise RobotModelError(
-                f"{self._path}: '{name}' must be given as {{value: ..., source: ...}}"
-            )
-        self.sources[name] = str(node['source'])
-        return node['value']
-
-
-def _leaves(node: Mapping[str, Any], but: tuple[str, ...] = (), prefix: str = '') -> Iterator[str]:
-    """List the dotted names of a document's numbers."""
-    for key, value in node.items():
-        if not prefix and key in but:
-            continue
-        if isinstance(value, Mapping) and 'value' not in value:
-            yield from _leaves(value, prefix=f'{prefix}{key}.')
-        else:
-            yield f'{prefix}{key}'
+        document = read_yaml(path, _WHAT, "a robot's numbers")
+        return _robot_from_document(document, path)
+    except FileUnusable as error:
+        raise RobotModelError(str(error)) from error
+    except (OutOfRange, UnknownKey) as error:
+        raise in_file(error, _WHAT, path, RobotModelError, RobotValueOutOfRange) from error
 
 
 def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
-    number = _Numbers(document, path)
+    number = RobotNumbers(document, path)
     leg_type = document.get('leg_type')
     if not isinstance(leg_type, str) or leg_type not in LEG_TYPES:
         available = ', '.join(f"'{name}'" for name in LEG_TYPES)
-        raise RobotModelError(f'{path}: leg_type is {leg_type!r}; available: {available}')
+        raise RobotModelError(f'{path}: leg_type is {shown(leg_type)}; available: {available}')
+    name = document.get('name', path.stem)
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME or not name.isprintable():
+        raise RobotModelError(
+            f'{path}: the name is {shown(name)}; '
+            f'it must be a text of up to {_LONGEST_NAME} printable characters'
+        )
     kinds = LEG_TYPES[leg_type]
     build = _roll_leg if leg_type == 'roll_pitch_pitch' else _yaw_leg
     legs = tuple(build(number, leg, _hip(number, leg), _side(leg)) for leg in LEGS)
-    foot_radius = number('leg.foot_radius', positive=True)
+    foot_radius = number('leg.foot_radius')
     links = {
         kind: LinkShape(
-            mass=number(f'leg.{kind}_mass', positive=True),
-            radius=foot_radius if kind == 'foot' else number(f'leg.{kind}_radius', positive=True),
+            mass=number(f'leg.{kind}_mass'),
+            radius=foot_radius if kind == 'foot' else number(f'leg.{kind}_radius'),
         )
         for kind in ('hip', 'thigh', 'calf', 'foot')
     }
     in_file = {
-        quantity: np.array(
-            [
-                number(f'joints.{kind}.{quantity}', positive=quantity in ('velocity', 'effort'))
-                for kind in kinds
-            ]
-        )
+        quantity: np.array([number(f'joints.{kind}.{quantity}') for kind in kinds])
         for quantity in _QUANTITIES
     }
     for kind, low, high in zip(kinds, in_file['lower'], in_file['upper']):
@@ -548,17 +470,17 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     signs = np.array([_signs_of_the_file(leg_type, leg) for leg in legs])
     ends = signs * in_file['lower'], signs * in_file['upper']
     robot = Robot(
-        name=str(document.get('name', path.stem)),
+        name=name,
         leg_type=leg_type,
         legs=legs,
         knee_is_absolute=number.is_true('drive.knee_is_absolute'),
         body_size=(
-            number('body.length', positive=True),
-            number('body.width', positive=True),
-            number('body.height', positive=True),
+            number('body.length'),
+            number('body.width'),
+            number('body.height'),
         ),
         body_center=(0.0, 0.0, number('body.center_height')),
-        body_mass=number('body.mass', positive=True),
+        body_mass=number('body.mass'),
         links=links,
         joint_kinds=kinds,
         lower=np.minimum(*ends),
@@ -570,7 +492,7 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         gaits=_gaits(number),
         sources=number.sources,
     )
-    number.check_all_used(but=('name', 'description', 'leg_type', 'stated'))
+    number.check_all_used(but=_NOT_NUMBERS)
     try:
         robot.check_joint_limits(robot.initial_joint_angles)
     except JointLimitExceeded as error:
@@ -583,35 +505,35 @@ def _side(leg: str) -> int:
     return 1 if leg.startswith('l') else -1
 
 
-def _hip(number: _Numbers, leg: str) -> tuple[float, float, float]:
-    half_length = number('body.hip_half_length', positive=True)
-    half_width = number('body.hip_half_width', positive=True)
+def _hip(number: RobotNumbers, leg: str) -> tuple[float, float, float]:
+    half_length = number('body.hip_half_length')
+    half_width = number('body.hip_half_width')
     return half_length if leg.endswith('f') else -half_length, _side(leg) * half_width, 0.0
 
 
-def _yaw_leg(number: _Numbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
+def _yaw_leg(number: RobotNumbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
     return yaw_pitch_pitch_leg(
         leg,
         hip,
         side,
         hip_offset=number('leg.hip_offset'),
         hip_drop=number('leg.hip_drop'),
-        thigh_length=number('leg.thigh_length', positive=True),
-        calf_length=number('leg.calf_length', positive=True),
+        thigh_length=number('leg.thigh_length'),
+        calf_length=number('leg.calf_length'),
         lateral_offset=number.or_zero('leg.lateral_offset'),
         signs=number.signs(f'leg.axis_signs.{leg}'),
     )
 
 
-def _roll_leg(number: _Numbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
+def _roll_leg(number: RobotNumbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
     return roll_pitch_pitch_leg(
         leg,
         hip,
         side,
         hip_offset=number('leg.hip_offset'),
         hip_drop=number('leg.hip_drop'),
-        thigh_length=number('leg.thigh_length', positive=True),
-        calf_length=number('leg.calf_length', positive=True),
+        thigh_length=number('leg.thigh_length'),
+        calf_length=number('leg.calf_length'),
         knee_sign=number.sign(f'leg.knee_sign_{"front" if leg.endswith("f") else "hind"}'),
         forward_offset=number.or_zero('leg.forward_offset'),
         signs=number.signs(f'leg.axis_signs.{leg}'),
@@ -631,13 +553,11 @@ def _signs_of_the_file(leg_type: str, leg: Leg) -> Array:
     return signs
 
 
-def _gaits(number: _Numbers) -> dict[str, GaitSettings]:
+def _gaits(number: RobotNumbers) -> dict[str, GaitSettings]:
     gaits = {}
     for name in number.names_under('gaits'):
-        settings = {
-            key: number(f'gaits.{name}.{key}', positive=True)
-            for key in number.names_under(f'gaits.{name}')
-            if key in ('cycle_period', 'swing_height')
-        }
+        changed = number.names_under(f'gaits.{name}')
+        check_keys(dict.fromkeys(changed), _GAIT_KEYS, f'gaits.{name}')
+        settings = {key: number(f'gaits.{name}.{key}') for key in changed}
         gaits[name] = GaitSettings(**settings)
     return gaits

@@ -8,16 +8,15 @@ from the start of a cycle. At the start and the end of a cycle all feet are down
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
-import yaml
-
-from quad_common.errors import ParameterError
+from quad_common.bounded_file import is_file, user_path
+from quad_common.errors import FileUnusable, ParameterError
 from quad_common.robot import LEGS, Robot
+from quad_common.yaml_document import read_yaml
+from quad_gait.gait_document import gait_fields
 
 _GAITS = Path(__file__).parent / 'gaits'
 
@@ -28,6 +27,8 @@ FOOTHOLDS = ('initial_posture', 'mid_stance')
 
 SWING_PATHS = ('smooth', 'ellipse')
 """Lifted and lowered vertically at rest, or along half an ellipse (S2 eq. 5)."""
+
+_WHAT = 'gait file'
 
 _LEAST_SWAY_TIME = 0.05
 """For the body to sway in, while all feet are down [s]."""
@@ -203,21 +204,25 @@ def load_gait(gait: str | Path, robot: Robot | None = None) -> Gait:
         If there is no such gait, or its data are incomplete or contradict themselves.
     """
     shipped = _GAITS / f'{gait}.yaml'
-    path = shipped if shipped.is_file() else Path(gait)
-    if not path.is_file():
+    try:
+        path = shipped if is_file(shipped) else user_path(gait, _WHAT)
+    except FileUnusable as error:
+        raise ParameterError('gait', str(gait), f'a gait file ({error.reason})') from error
+    if not is_file(path):
         names = ', '.join(available_gaits())
         raise ParameterError('gait', str(gait), f'one of {names}, or the path of a gait file')
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
-        unchecked = _gait_from_document(document, path.stem)
-    except ParameterError:
-        raise
-    except (yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
-        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
+        document = read_yaml(path, _WHAT, 'keys such as cycle_period, swings and swing_height')
+    except FileUnusable as error:
         raise ParameterError(
-            'gait', str(path), f'a complete gait file, see docs/gaits.md ({why})'
+            'gait', str(path), f'a complete gait file, see docs/gaits.md ({error.reason})'
         ) from error
-    checked = _check(unchecked)
+    try:
+        read = gait_fields(document, path.stem)
+        swings = tuple(Swing(*swing) for swing in read.pop('swings'))
+        checked = _check(Gait(swings=swings, **read))
+    except ParameterError as error:
+        raise error.at(f'{_WHAT} {path}: ') from error
     return checked if robot is None else checked.fitted(robot)
 
 
@@ -245,71 +250,8 @@ def turning_gait_for(gait: Gait, robot: Robot, turning_gait: str = 'auto') -> Ga
     return gait if gait.is_steady else load_gait('turn', robot)
 
 
-def _gait_from_document(document: Any, name: str) -> Gait:
-    if not isinstance(document, Mapping):
-        raise TypeError('it must hold a mapping')
-    keys = {field.name: field for field in fields(Gait)}
-    unknown = set(document) - set(keys) - {'phase_offsets', 'duty_factor'} | (
-        set(document) & {'pendulum_rate'}
-    )
-    if unknown:
-        raise ParameterError('gait', sorted(unknown), 'without keys that mean nothing here')
-    period = float(document['cycle_period'])
-    progress = document.get('body_progress')
-    plain: dict[str, Any] = {
-        key: type(field.default)(document[key])
-        for key, field in keys.items()
-        if key in document and isinstance(field.default, (str, float))
-    }
-    static = document.get('is_static', keys['is_static'].default)
-    if not isinstance(static, bool):
-        raise ParameterError('is_static', static, 'true or false')
-    return Gait(
-        name=str(document.get('name', name)),
-        cycle_period=period,
-        swings=tuple(sorted(_swings(document, period), key=lambda swing: swing.liftoff)),
-        swing_height=float(document['swing_height']),
-        body_progress=(
-            None if progress is None else tuple((float(t), float(share)) for t, share in progress)
-        ),
-        sway_weight=_sway_weight(document.get('sway_weight', 0.0)),
-        is_static=static,
-        **plain,
-    )
-
-
-def _sway_weight(value: Any) -> tuple[float, float]:
-    """Read one weight for both directions, or one for each."""
-    if isinstance(value, (int, float)):
-        return float(value), float(value)
-    forward, left = value
-    return float(forward), float(left)
-
-
-def _swings(document: Mapping[str, Any], period: float) -> list[Swing]:
-    """Read the swings as times, or as phase offsets and a duty factor."""
-    given = {'swings', 'phase_offsets', 'duty_factor'} & set(document)
-    if ('swings' in given) == bool(given - {'swings'}):
-        raise ParameterError(
-            'gait',
-            sorted(given),
-            'given its swings as times (swings), or by phase_offsets and duty_factor',
-        )
-    if 'swings' in document:
-        return [
-            Swing(leg, float(up), float(down)) for leg, (up, down) in document['swings'].items()
-        ]
-    duration = (1.0 - float(document['duty_factor'])) * period
-    return [
-        Swing(leg, float(phase) * period, float(phase) * period + duration)
-        for leg, phase in document['phase_offsets'].items()
-    ]
-
-
 def _check(gait: Gait) -> Gait:
     period = gait.cycle_period
-    if not (math.isfinite(period) and period > 0.0):
-        raise ParameterError('cycle_period', period, 'a positive number of seconds')
     if sorted(swing.leg for swing in gait.swings) != sorted(LEGS):
         legs = [swing.leg for swing in gait.swings]
         raise ParameterError('swings', legs, f'one swing for each of {", ".join(LEGS)}')
@@ -322,8 +264,6 @@ def _check(gait: Gait) -> Gait:
                 f'for all feet are down at both ends of a cycle',
             )
     _check_progress(gait)
-    if not 0.0 < gait.swing_height < math.inf:
-        raise ParameterError('swing_height', gait.swing_height, 'positive')
     if not 0.0 <= gait.support_depth < 1.0:
         raise ParameterError('support_depth', gait.support_depth, 'from 0 to below 1')
     for name, value, valid in (

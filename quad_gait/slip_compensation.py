@@ -11,18 +11,30 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from quad_common.errors import ParameterError
+from quad_common.bounded_file import is_file, path_exists, user_path, write_text
+from quad_common.errors import FileUnusable, ParameterError
+from quad_common.quantity import ANGLE, CYCLE_PERIOD, Quantity, list_of
 from quad_common.robot import ROBOTS_FOLDER, robot_file
+from quad_common.yaml_document import check_keys, read_yaml
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import Gait
 
 Array = NDArray[np.float64]
+
+QUANTITIES = {
+    'forward': Quantity(-100.0, 100.0, 'm'),
+    'left': Quantity(-100.0, 100.0, 'm'),
+    'turn': ANGLE,
+}
+"""Ranges of the motions of a calibration file."""
+
+_KEYS = ('gait', 'cycle_period', 'wanted', 'asked')
+_WHAT = 'calibration file'
 
 _LARGEST = 0.5
 """A compensation larger than this share of the motion is a mistake."""
@@ -106,16 +118,23 @@ def load_compensation(path: Path) -> SlipCompensation:
     ParameterError
         If the file is damaged.
     """
-    if not path.is_file():
+    if not path_exists(path):
         return NO_SLIP
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
-        return SlipCompensation(tuple(_calibration(entry) for entry in document['calibrations']))
-    except (yaml.YAMLError, KeyError, TypeError, ValueError, UnicodeDecodeError) as error:
-        why = f'{type(error).__name__}: {" ".join(str(error).split())}'
-        raise ParameterError(
-            'calibration', str(path), f'a file written by quadwalk calibrate ({why})'
-        ) from error
+        document = read_yaml(path, _WHAT, 'the key calibrations')
+    except FileUnusable as error:
+        valid = f'a file written by quadwalk calibrate ({error.reason})'
+        raise ParameterError('calibration', str(path), valid) from error
+    try:
+        check_keys(document, ('calibrations',))
+        entries = document['calibrations']
+        if not isinstance(entries, list):
+            raise ParameterError('calibrations', entries, 'a list')
+        return SlipCompensation(
+            tuple(_calibration(f'calibrations[{k}]', entry) for k, entry in enumerate(entries))
+        )
+    except ParameterError as error:
+        raise error.at(f'{_WHAT} {path}: ') from error
 
 
 def calibration_file(robot: str) -> Path:
@@ -164,9 +183,13 @@ def compensation_for(robot: str, calibration: str) -> SlipCompensation:
         return NO_SLIP
     if calibration == 'auto':
         return load_compensation(calibration_file(robot))
-    if not Path(calibration).is_file():
+    try:
+        path = user_path(calibration, _WHAT)
+    except FileUnusable as error:
+        raise ParameterError('calibration', calibration, f'a file ({error.reason})') from error
+    if not is_file(path):
         raise ParameterError('calibration', calibration, "'auto', 'none', or a file that is there")
-    return load_compensation(Path(calibration))
+    return load_compensation(path)
 
 
 def save_compensation(compensation: SlipCompensation, path: Path, heading: str) -> None:
@@ -182,7 +205,7 @@ def save_compensation(compensation: SlipCompensation, path: Path, heading: str) 
     ]
     comment = ''.join(f'# {line}\n' for line in heading.splitlines())
     text = yaml.safe_dump({'calibrations': entries}, sort_keys=False, default_flow_style=None)
-    path.write_text(comment + text, encoding='utf-8')
+    write_text(path, comment + text, _WHAT)
 
 
 def with_calibrations(
@@ -198,24 +221,36 @@ def with_calibrations(
     return SlipCompensation(kept + new)
 
 
-def _calibration(entry: dict[str, Any]) -> Calibration:
-    motions = {}
-    for part in ('wanted', 'asked'):
-        numbers = [float(value) for value in entry[part]]
-        if len(numbers) != 3 or not all(math.isfinite(value) for value in numbers):
-            raise ValueError(f'{part} must be three finite numbers: {entry[part]}')
-        motions[part] = BodyMotion(*numbers)
-    calibration = Calibration(
-        gait=str(entry['gait']), cycle_period=float(entry['cycle_period']), **motions
+def _calibration(name: str, entry: object) -> Calibration:
+    """Read a calibration; `name` is its own, for errors."""
+    if not isinstance(entry, dict) or not set(_KEYS) <= set(entry):
+        raise ParameterError(name, entry, f'keys: {", ".join(_KEYS)}')
+    check_keys(entry, _KEYS, name)
+    wanted, asked = (_motion(f'{name}.{part}', entry[part]) for part in ('wanted', 'asked'))
+    period = CYCLE_PERIOD.check(f'{name}.cycle_period', entry['cycle_period'])
+    if not isinstance(entry['gait'], str):
+        raise ParameterError(f'{name}.gait', entry['gait'], 'the name of a gait')
+    if _size(wanted) == 0.0:
+        raise ParameterError(f'{name}.wanted', entry['wanted'], 'a motion, not nothing')
+    excess = BodyMotion(*(_parts(asked) - _parts(wanted)).tolist())
+    if _size(excess) > _LARGEST * _size(wanted):
+        raise ParameterError(
+            f'{name}.asked',
+            entry['asked'],
+            f'like the motion that is wanted, {entry["wanted"]}, to half of its size',
+        )
+    return Calibration(entry['gait'], period, wanted, asked)
+
+
+def _motion(name: str, value: object) -> BodyMotion:
+    """Read forward, left and turn."""
+    parts = ('forward', 'left', 'turn')
+    return BodyMotion(
+        *(
+            QUANTITIES[part].check(f'{name}.{part}', number)
+            for part, number in zip(parts, list_of(name, value, parts))
+        )
     )
-    if not (math.isfinite(calibration.cycle_period) and calibration.cycle_period > 0.0):
-        raise ValueError(f'cycle_period must be positive: {entry["cycle_period"]}')
-    if _size(calibration.wanted) == 0.0:
-        raise ValueError(f'{entry} wants no motion')
-    excess = BodyMotion(*(_parts(calibration.asked) - _parts(calibration.wanted)).tolist())
-    if _size(excess) > _LARGEST * _size(calibration.wanted):
-        raise ValueError(f'{entry} asks for a wholly different motion than is wanted')
-    return calibration
 
 
 def _is_of(calibration: Calibration, gait: Gait) -> bool:

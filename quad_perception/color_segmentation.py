@@ -17,13 +17,24 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
-from quad_common.errors import CameraError, ParameterError
+from quad_common.bounded_file import user_path
+from quad_common.errors import CameraError, CameraValueOutOfRange, FileUnusable, ParameterError
+from quad_common.quantity import Quantity, list_of
+from quad_common.yaml_document import in_file, read_yaml
 
 Picture = NDArray[np.uint8]
 Mask = NDArray[np.uint8]
+
+QUANTITIES = {
+    'hue': Quantity(0.0, 360.0, 'deg'),
+    'saturation': Quantity(0.0, 1.0),
+    'value': Quantity(0.0, 1.0),
+}
+"""Ranges of a colour in a file."""
+
+_WHAT = 'colour file'
 
 
 @dataclass(frozen=True)
@@ -181,26 +192,30 @@ def load_ranges(path: str | Path) -> tuple[ColorRange, ...]:
     CameraError
         If the file is missing, unreadable, or says what it cannot.
     """
-    path = Path(path).expanduser()
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except OSError as error:
-        raise CameraError(f'colour file {path} cannot be read: {error.strerror}') from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = ' '.join(str(error).split())
-        raise CameraError(f'colour file {path} is not YAML: {reason}') from error
-    if not isinstance(document, dict) or not document:
-        raise CameraError(f'colour file {path} must hold names with lower and upper each')
-    ranges = []
-    for name, entry in document.items():
-        if not isinstance(entry, dict) or set(entry) != {'lower', 'upper'}:
-            raise CameraError(f"colour file {path}: '{name}' must have lower and upper")
-        try:
-            lower, upper = (tuple(float(part) for part in entry[key]) for key in ('lower', 'upper'))
-            ranges.append(ColorRange(str(name), lower, upper))  # type: ignore[arg-type]
-        except (TypeError, ValueError) as error:
-            raise CameraError(f"colour file {path}: '{name}': {error}") from error
-    return tuple(ranges)
+        path = user_path(path, _WHAT)
+        document = read_yaml(path, _WHAT, 'names with lower and upper each')
+    except FileUnusable as error:
+        raise CameraError(str(error)) from error
+    try:
+        return tuple(_range(name, entry) for name, entry in document.items())
+    except ParameterError as error:
+        raise in_file(error, _WHAT, path, CameraError, CameraValueOutOfRange) from error
+
+
+def _range(name: str, entry: object) -> ColorRange:
+    """Read one range of colours."""
+    if not isinstance(entry, dict) or set(entry) != {'lower', 'upper'}:
+        raise ParameterError(name, entry, 'given by lower and upper')
+    colors = {}
+    for key in ('lower', 'upper'):
+        parts = list_of(f'{name}.{key}', entry[key], tuple(QUANTITIES))
+        colors[key] = tuple(
+            quantity.check(f'{name}.{key}.{part}', value)
+            for (part, quantity), value in zip(QUANTITIES.items(), parts)
+        )
+    (lower_hue, *lower), (upper_hue, *upper) = colors['lower'], colors['upper']
+    return ColorRange(name, (lower_hue, lower[0], lower[1]), (upper_hue, upper[0], upper[1]))
 
 
 def check_picture(rgb: Picture, size: tuple[int, int] | None = None) -> None:

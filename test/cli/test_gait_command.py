@@ -127,7 +127,7 @@ def test_a_gait_or_robot_that_is_not_there_ends_with_code_2(capsys, arguments, t
         ('', 'a complete gait file'),
         ('[1, 2', 'a complete gait file'),
         ('cycle_period: 1.0', 'given its swings as times (swings), or by phase_offsets'),
-        ('cycle_period: soon', 'a complete gait file'),
+        ('cycle_period: soon', "'cycle_period' is 'soon'"),
         (
             'cycle_period: 4.0\nswing_height: 0.05\n'
             'swings: {rh: [0.1, 1.0], rf: [0.5, 1.5], lh: [2.0, 2.5], lf: [3.0, 3.5]}',

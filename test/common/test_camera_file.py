@@ -69,7 +69,7 @@ def test_quaternions_and_matrices_are_the_same_rotations(seed):
         ({'image_height': 'tall'}, 'image_height'),
         ({'camera_matrix': {'data': [1.0]}}, 'camera_matrix'),
         ({'camera_matrix': {'data': [math.nan] * 9}}, 'camera_matrix'),
-        ({'camera_matrix': {'data': [0.0] * 9}}, 'focal lengths'),
+        ({'camera_matrix': {'data': [0.0] * 9}}, 'focal_length'),
         ({'distortion_coefficients': None}, 'distortion_coefficients'),
         ({'distortion_model': 'rational_polynomial'}, 'plumb_bob'),
         ({'position': [1.0, 'x', 2.0]}, 'position'),

@@ -149,10 +149,15 @@ def test_what_was_given_may_change_afterwards_and_what_is_held_may_not():
         (np.zeros((2, 2), int), 1.0, (0.0, 0.0), 'not 2-dimensional of int64'),
         (np.zeros((0, 3)), 1.0, (0.0, 0.0), '3 x 0 cells; it must have between 1'),
         (np.zeros((1, MAX_CELLS + 1), np.float16), 1.0, (0.0, 0.0), f'between 1 and {MAX_CELLS}'),
-        (np.zeros((2, 2)), 0.0, (0.0, 0.0), 'resolution of the height map is 0.0 m'),
-        (np.zeros((2, 2)), NAN, (0.0, 0.0), 'resolution of the height map is nan m'),
-        (np.zeros((2, 2)), 1.0, (NAN, 0.0), 'origin of the height map is'),
-        (np.full((2, 2), math.inf), 1.0, (0.0, 0.0), '4 heights of the height map are infinite'),
+        (np.zeros((2, 2)), 0.0, (0.0, 0.0), "height map cannot be used: 'resolution' is 0.0"),
+        (np.zeros((2, 2)), NAN, (0.0, 0.0), "'resolution' is nan"),
+        (np.zeros((2, 2)), 1.0, (NAN, 0.0), "'origin.x' is nan"),
+        (
+            np.full((2, 2), math.inf),
+            1.0,
+            (0.0, 0.0),
+            "'height' is inf; it must be a finite number from -10000 to 10000 m",
+        ),
     ],
 )
 def test_what_is_no_height_map_is_refused_in_a_sentence(cells, resolution, origin, told):
@@ -196,14 +201,14 @@ def test_the_first_row_of_the_image_is_the_top(tmp_path):
     ('changes', 'told'),
     [
         ({'image': None}, "'image' is None"),
-        ({'image': 'b.png'}, 'does not exist'),
+        ({'image': 'b.png'}, 'b.png cannot be read: No such file'),
         ({'image': 'grey.png'}, 'is of mode L; it must be grey with 16 bits'),
         ({'image': 'a.yaml'}, 'cannot be read as PNG'),
-        ({'resolution': 0}, 'resolution of the height map is 0.0 m'),
+        ({'resolution': 0}, "'resolution' is 0; it must be a finite number from 0.0001 to 10 m"),
         ({'resolution': None}, "the key 'resolution' is missing"),
         ({'origin': '[1, 2, 3]'}, r"'origin' is \[1, 2, 3\]; it must be \[x, y\]"),
-        ({'origin': '[1, .nan]'}, "y of 'origin' is nan"),
-        ({'height_step': 0}, "'height_step' is 0; it must be above zero"),
+        ({'origin': '[1, .nan]'}, "'origin.y' is nan"),
+        ({'height_step': 0}, "'height_step' is 0; it must be a finite number from 1e-09 to 1 m"),
         ({'lowest': 'low'}, "'lowest' is 'low'; it must be a finite number"),
     ],
 )

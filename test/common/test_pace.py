@@ -95,7 +95,7 @@ def test_a_pace_that_is_not_known_is_said(tmp_path):
     with pytest.raises(ParameterError, match='crawl, trot, wave'):
         load_pace('titan_viii', 'gallop')
     (tmp_path / 'mine.pace.yaml').write_text('paces: {crawl: {stride: far}}')
-    with pytest.raises(ParameterError, match='a file of paces'):
+    with pytest.raises(ParameterError, match=r'file of paces .*far'):
         load_pace(robot, 'crawl')
 
 

@@ -459,13 +459,41 @@ def test_an_unknown_robot_is_answered_with_those_that_there_are():
         ('body.mass', 24.0, "'body.mass' must be given as {value: ..., source: ...}"),
         ('body.mass', {'value': 24.0}, "'body.mass' must be given as {value"),
         ('body.mass', {'value': 24.0, 'source': ''}, "'body.mass' must be given as {value"),
-        ('body.mass', {'value': '24 kg', 'source': 'x'}, "'24 kg'; it must be a number"),
-        ('body.mass', {'value': True, 'source': 'x'}, 'True; it must be a number'),
-        ('body.mass', {'value': math.nan, 'source': 'x'}, 'nan; it must be a number'),
-        ('body.mass', {'value': -1.0, 'source': 'x'}, "'body.mass' is -1.0; it must be positive"),
-        ('leg.calf_lenght', {'value': 0.2, 'source': 'x'}, "has 'leg.calf_lenght', which means"),
-        ('joints.hip_yaw.effort', {'value': 0.0, 'source': 'x'}, 'is 0.0; it must be positive'),
-        ('leg.calf_length', {'value': 0, 'source': 'x'}, 'is 0; it must be positive'),
+        (
+            'body.mass',
+            {'value': '24 kg', 'source': 'x'},
+            "'24 kg'; it must be a finite number from 0.0001 to 10000 kg",
+        ),
+        (
+            'body.mass',
+            {'value': True, 'source': 'x'},
+            'True; it must be a finite number from 0.0001 to 10000 kg',
+        ),
+        (
+            'body.mass',
+            {'value': math.nan, 'source': 'x'},
+            'nan; it must be a finite number from 0.0001 to 10000 kg',
+        ),
+        (
+            'body.mass',
+            {'value': -1.0, 'source': 'x'},
+            "'body.mass' is -1.0; it must be a finite number",
+        ),
+        (
+            'leg.calf_lenght',
+            {'value': 0.2, 'source': 'x'},
+            "the key 'leg.calf_lenght' means nothing",
+        ),
+        (
+            'joints.hip_yaw.effort',
+            {'value': 0.0, 'source': 'x'},
+            'is 0.0; it must be a finite number from 0.001 to 100000 N m',
+        ),
+        (
+            'leg.calf_length',
+            {'value': 0, 'source': 'x'},
+            'is 0; it must be a finite number from 0.001',
+        ),
         (
             'drive.knee_is_absolute',
             {'value': 'yes!', 'source': 'x'},
@@ -481,19 +509,43 @@ def test_an_unknown_robot_is_answered_with_those_that_there_are():
             {'value': 1.6, 'source': 'x'},
             'initial posture is out of range: joint lf_hip_yaw_joint would go to 1.600 rad',
         ),
-        ('leg.forward_offset', {'value': 0.1, 'source': 'x'}, "has 'leg.forward_offset', which"),
-        ('leg.knee_sign_front', {'value': 1, 'source': 'x'}, "has 'leg.knee_sign_front', which"),
+        (
+            'leg.forward_offset',
+            {'value': 0.1, 'source': 'x'},
+            "the key 'leg.forward_offset' means nothing",
+        ),
+        (
+            'leg.knee_sign_front',
+            {'value': 1, 'source': 'x'},
+            "the key 'leg.knee_sign_front' means nothing",
+        ),
         ('leg.axis_signs.lf', {'value': [1, 1], 'source': 'x'}, '[1, 1]; it must be three numbers'),
         ('leg.axis_signs.lf', {'value': [1, 1, 2], 'source': 'x'}, 'must be three numbers'),
         ('leg.axis_signs.lf', {'value': [1, True, 1], 'source': 'x'}, 'must be three numbers'),
         ('leg.axis_signs.lf', {'value': -1, 'source': 'x'}, 'must be three numbers'),
-        ('leg.axis_signs.tail', {'value': [1, 1, 1], 'source': 'x'}, "has 'leg.axis_signs.tail'"),
+        (
+            'leg.axis_signs.tail',
+            {'value': [1, 1, 1], 'source': 'x'},
+            "the key 'leg.axis_signs.tail' means nothing; valid keys of 'leg.axis_signs' are lf, ",
+        ),
         ('gaits', 3, "'gaits' is 3; it must be a mapping"),
         ('gaits.trot', 3, "'gaits.trot' is 3; it must be a mapping"),
         ('gaits.trot.cycle_period', 2.0, 'must be given as {value: ..., source: ...}'),
-        ('gaits.trot.cycle_period', {'value': 0, 'source': 'x'}, 'is 0; it must be positive'),
-        ('gaits.trot.swing_height', {'value': -1, 'source': 'x'}, 'is -1; it must be positive'),
-        ('gaits.trot.stride', {'value': 1, 'source': 'x'}, "has 'gaits.trot.stride', which means"),
+        (
+            'gaits.trot.cycle_period',
+            {'value': 0, 'source': 'x'},
+            'is 0; it must be a finite number from 0.05 to 120 s',
+        ),
+        (
+            'gaits.trot.swing_height',
+            {'value': -1, 'source': 'x'},
+            'is -1; it must be a finite number from 0.0001 to 5 m',
+        ),
+        (
+            'gaits.trot.stride',
+            {'value': 1, 'source': 'x'},
+            "'gaits.trot.stride' means nothing; valid keys of 'gaits.trot' are cycle_period, ",
+        ),
     ],
 )
 def test_a_bad_file_is_refused_in_one_sentence_that_names_it(tmp_path, name, entry, told):
@@ -507,8 +559,16 @@ def test_a_bad_file_is_refused_in_one_sentence_that_names_it(tmp_path, name, ent
     ('name', 'entry', 'told'),
     [
         ('leg.knee_sign_hind', {'value': 0.5, 'source': 'x'}, 'is 0.5; it must be 1 or -1'),
-        ('leg.lateral_offset', {'value': 0.1, 'source': 'x'}, "has 'leg.lateral_offset', which"),
-        ('initial_posture.hip_yaw', {'value': 0, 'source': 'x'}, "has 'initial_posture.hip_yaw'"),
+        (
+            'leg.lateral_offset',
+            {'value': 0.1, 'source': 'x'},
+            "the key 'leg.lateral_offset' means nothing",
+        ),
+        (
+            'initial_posture.hip_yaw',
+            {'value': 0, 'source': 'x'},
+            "the key 'initial_posture.hip_yaw' means nothing",
+        ),
         ('joints.hip_roll', None, "has no number 'joints.hip_roll.lower'"),
     ],
 )
@@ -522,10 +582,10 @@ def test_a_bad_file_of_a_dog_is_refused_likewise(tmp_path, name, entry, told):
 @pytest.mark.parametrize(
     ('content', 'told'),
     [
-        (b'', 'must hold a mapping'),
-        (b'- 1\n- 2\n', 'must hold a mapping'),
+        (b'', "must hold a robot's numbers"),
+        (b'- 1\n- 2\n', "must hold a robot's numbers"),
         (b'a: [1, 2\nb: 3\n', 'is not YAML'),
-        (b'\xff\xfe\x00name: x', 'is not YAML'),
+        (b'\xff\xfe\x00name: x', 'is not UTF-8 from byte 0 on'),
     ],
 )
 def test_what_is_no_mapping_is_refused_in_one_sentence(tmp_path, content, told):

@@ -85,7 +85,7 @@ def joints(names=NAMES, positions=12, velocities=12) -> JointState:
 
 REFUSED = {
     'a map with too few cells': ('planner_node', 'map', a_map(width=81), 'has 6400 cells'),
-    'a map without a scale': ('planner_node', 'map', a_map(math.nan), 'resolution of the map'),
+    'a map without a scale': ('planner_node', 'map', a_map(math.nan), "'resolution' is nan"),
     'a map without a size': ('planner_node', 'map', a_map(width=0, height=0), '0 x 0 needs 0'),
     'a map without heading': ('planner_node', 'map', a_map(yaw_w=0.0), "the map's origin is not"),
     'odometry that is no pose': ('planner_node', 'odom', odometry(math.nan), 'odometry is not'),

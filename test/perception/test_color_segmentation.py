@@ -95,9 +95,9 @@ def test_ranges_are_read_from_a_file(tmp_path):
     ('text', 'said'),
     [
         ('', 'must hold names'),
-        ('a: 3', "'a' must have lower and upper"),
-        ('a: {lower: [1, 2], upper: [3, 4]}', "'a'"),
-        ('a: {lower: x, upper: [3, 0, 0]}', "'a'"),
+        ('a: 3', "'a' is 3; it must be given by lower and upper"),
+        ('a: {lower: [1, 2], upper: [3, 4]}', "'a.lower'"),
+        ('a: {lower: x, upper: [3, 0, 0]}', "'a.lower'"),
         ('a: [', 'not YAML'),
     ],
 )

@@ -1,0 +1,206 @@
+"""
+Opening files that somebody names: never more than a stated size, and nothing that blocks.
+
+A pipe, a device or a directory is refused before it is read or written: a pipe that nobody
+writes to would block forever.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from quad_common.errors import FileUnusable
+
+LARGEST_TEXT = 2**18
+"""Bytes of the largest text file that is read: shipped ones have less than 10 000."""
+
+LARGEST_IMAGE = 2**29
+"""Bytes of the largest file of an image that is read."""
+
+
+def user_path(path: str | Path, what: str = 'file') -> Path:
+    """
+    Return a path with ``~`` as the home directory.
+
+    Raises
+    ------
+    FileUnusable
+        If there is no such user.
+    """
+    try:
+        return Path(path).expanduser()
+    except RuntimeError as error:
+        raise FileUnusable(what, path, 'is in the home of a user who does not exist') from error
+
+
+def is_file(path: str | Path) -> bool:
+    """Return whether a path is a regular file; False too if it cannot be looked at."""
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):
+        # Too long a name, a folder that may not be entered, a null byte.
+        return False
+
+
+def path_exists(path: str | Path) -> bool:
+    """Return whether anything is at a path, be it a file or not; True if it cannot be known."""
+    try:
+        Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError):
+        return True
+    return True
+
+
+def read_bytes(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> bytes:
+    """
+    Read a regular file whole.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    what : str
+        What it is, for the error's sentence.
+    limit : int
+        Largest size [bytes].
+
+    Returns
+    -------
+    bytes
+        What the file holds.
+
+    Raises
+    ------
+    FileUnusable
+        If it cannot be read, is no regular file, or is larger.
+    """
+    try:
+        # Not blocking: opening a pipe would wait for somebody who writes to it.
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with os.fdopen(descriptor, 'rb') as file:
+            mode = os.fstat(descriptor).st_mode
+            if not stat.S_ISREG(mode):
+                raise FileUnusable(what, path, f'cannot be read: it is {_kind(mode)}, not a file')
+            # Sizes are not trusted: files of /proc say 0.
+            content = file.read(limit + 1)
+    except (OSError, ValueError) as error:
+        raise FileUnusable(what, path, f'cannot be read: {_reason(error)}') from error
+    if len(content) > limit:
+        raise FileUnusable(
+            what, path, f'cannot be read: it has more than {limit} bytes, which is the limit'
+        )
+    return content
+
+
+def read_text(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> str:
+    """Read a regular file of UTF-8; parameters and errors as of :func:`read_bytes`."""
+    try:
+        return read_bytes(path, what, limit).decode('utf-8')
+    except UnicodeDecodeError as error:
+        raise FileUnusable(
+            what, path, f'cannot be read: it is not UTF-8 from byte {error.start} on'
+        ) from error
+
+
+def write_text(path: Path, text: str, what: str = 'file') -> None:
+    """
+    Write a regular file of UTF-8.
+
+    Parameters
+    ----------
+    path : Path
+        The file; one that is there is replaced.
+    text : str
+        What it is to hold.
+    what : str
+        What it is, for the error's sentence.
+
+    Raises
+    ------
+    FileUnusable
+        If it cannot be written, or something else than a regular file is there.
+    """
+    check_target(path, what)
+    try:
+        path.write_text(text, encoding='utf-8')
+    except (OSError, ValueError) as error:
+        raise FileUnusable(what, path, f'cannot be written: {_reason(error)}') from error
+
+
+def make_folder(path: Path, what: str = 'folder') -> None:
+    """Make a folder and those above it, where they are not there; raise FileUnusable."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise FileUnusable(what, path, f'cannot be made: {_reason(error)}') from error
+
+
+def check_target(path: Path, what: str = 'file') -> None:
+    """
+    Refuse to write where something else than a regular file is, or nothing may be written.
+
+    Parameters
+    ----------
+    path : Path
+        The file that is to be written; its folder may still have to be made.
+    what : str
+        What it is, for the error's sentence.
+
+    Raises
+    ------
+    FileUnusable
+        If it is a directory, a pipe or a device, or may not be written.
+    """
+    try:
+        mode = Path(path).stat().st_mode
+    except FileNotFoundError:
+        _check_folder(path, path.parent, what)
+        return
+    except (OSError, ValueError) as error:
+        raise FileUnusable(what, path, f'cannot be written: {_reason(error)}') from error
+    if not stat.S_ISREG(mode):
+        raise FileUnusable(what, path, f'cannot be written: it is {_kind(mode)}, not a file')
+    if not os.access(path, os.W_OK):
+        raise FileUnusable(what, path, 'cannot be written: Permission denied')
+
+
+def check_folder_target(path: Path, what: str = 'folder') -> None:
+    """Refuse a folder for results that is none, or cannot be made or written; FileUnusable."""
+    _check_folder(path, path, what)
+
+
+def _check_folder(target: Path, folder: Path, what: str) -> None:
+    """Check the nearest folder that is there."""
+    try:
+        while not folder.exists() and folder != folder.parent:
+            folder = folder.parent
+        is_folder = folder.is_dir()
+    except (OSError, ValueError) as error:
+        raise FileUnusable(what, target, f'cannot be written: {_reason(error)}') from error
+    if not is_folder:
+        raise FileUnusable(what, target, f'cannot be written: {folder} is not a folder')
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise FileUnusable(
+            what, target, f'cannot be written: nothing may be written to the folder {folder}'
+        )
+
+
+def _kind(mode: int) -> str:
+    for is_of_kind, name in (
+        (stat.S_ISDIR, 'a directory'),
+        (stat.S_ISFIFO, 'a pipe'),
+        (stat.S_ISSOCK, 'a socket'),
+        (stat.S_ISCHR, 'a device'),
+        (stat.S_ISBLK, 'a device'),
+    ):
+        if is_of_kind(mode):
+            return name
+    return 'something else'
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return str(getattr(error, 'strerror', None) or error)
