@@ -7,10 +7,38 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import NoReturn
 
+from quad_common.bounded_file import (
+    check_folder_target,
+    check_target,
+    is_file,
+    path_exists,
+    user_path,
+)
+from quad_common.errors import QuadError
+from quad_common.parameters import parameters_of
 from quad_common.planar_pose import Pose2D
+from quad_common.quantity import ANGLE, COORDINATE, Quantity, number_from
+from quad_common.quoting import clipped, quoted
 from quad_common.resources import sample_map, share_directory
+
+LARGEST_SEED = 2**31 - 1
+"""Of random numbers."""
+
+PICTURES = ('.png', '.pdf', '.svg', '.jpg')
+"""How names of drawings end."""
+
+
+class CommandParser(argparse.ArgumentParser):
+    """A parser whose errors are short and on one line, whatever was given."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print usage and what is wrong, and end with code 2."""
+        super().error(clipped(message))
 
 
 def pose_argument(text: str) -> Pose2D:
@@ -27,28 +55,130 @@ def pose_argument(text: str) -> Pose2D:
         angle = math.radians(float(yaw[:-3])) if yaw.endswith('deg') else float(yaw)
         pose = Pose2D(float(x), float(y), angle)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not x,y,yaw, for example 1.5,2,0") from None
+        raise argparse.ArgumentTypeError(
+            f'{quoted(text)} is not x,y,yaw, for example 1.5,2,0'
+        ) from None
     if not pose.is_finite():
-        raise argparse.ArgumentTypeError(f"'{text}' holds a number that is not finite")
+        raise argparse.ArgumentTypeError(f'{quoted(text)} holds a number that is not finite')
+    with _as_argument_error():
+        COORDINATE.check('x', pose.x)
+        COORDINATE.check('y', pose.y)
+        ANGLE.check('yaw', pose.yaw)
     return pose
 
 
-def finite_argument(text: str) -> float:
+def quantity_argument(name: str, quantity: Quantity) -> Callable[[str], float]:
+    """Make a reader of numbers within a range; `name` is for its errors."""
+
+    def read(text: str) -> float:
+        with _as_argument_error():
+            return quantity.check(name, text)
+
+    return read
+
+
+def parameter_argument(table: type, name: str) -> Callable[[str], float]:
+    """Make a reader of a node's parameter, with the range that the node's table gives it."""
+    parameter = next(item for item in parameters_of(table) if item.name == name)
+
+    def read(text: str) -> float:
+        number = number_from(text)
+        is_whole = isinstance(parameter.default, int) and number.is_integer()
+        with _as_argument_error():
+            value = parameter.check(int(number) if is_whole else number)
+        assert isinstance(value, (int, float))
+        return value
+
+    return read
+
+
+def seed_argument(text: str) -> int:
+    """Read the seed of random numbers; raise argparse.ArgumentTypeError."""
+    return _whole(text, 0, LARGEST_SEED)
+
+
+def count_argument(text: str) -> int:
+    """Read a number of things, at least one; raise argparse.ArgumentTypeError."""
+    return _whole(text, 1, 10**9)
+
+
+def map_argument(text: str) -> Path:
     """
-    Read a number that is neither infinite nor nan.
+    Read a map: a file, or the name of a sample map.
 
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is no such number.
+        If there is neither.
     """
+    with _as_argument_error():
+        path = user_path(text, 'map file')
+    if is_file(path):
+        return path
+    if is_file(sample_map(text)):
+        return sample_map(text)
+    samples = ', '.join(sorted(path.stem for path in (share_directory() / 'maps').glob('*.yaml')))
+    raise argparse.ArgumentTypeError(
+        f'there is no map file {quoted(text)}; give a Nav2 map YAML, or a sample map: {samples}'
+    )
+
+
+def input_argument(text: str) -> Path:
+    """Read the path of a file that is there; raise argparse.ArgumentTypeError."""
+    path = _path(text)
+    if not path_exists(path):
+        raise argparse.ArgumentTypeError(f'there is no file {quoted(text)}')
+    return path
+
+
+def output_argument(text: str) -> Path:
+    """Read the path of a file that can be written; raise argparse.ArgumentTypeError."""
+    path = _path(text)
+    with _as_argument_error():
+        check_target(path)
+    return path
+
+
+def drawing_argument(text: str) -> Path:
+    """Read the path of a drawing that can be written; raise argparse.ArgumentTypeError."""
+    path = output_argument(text)
+    if path.suffix.lower() not in PICTURES:
+        endings = ', '.join(PICTURES)
+        raise argparse.ArgumentTypeError(f'{quoted(text)} must end in one of {endings}')
+    return path
+
+
+def folder_argument(text: str) -> Path:
+    """Read the path of a folder that is there or can be made; raise ArgumentTypeError."""
+    path = _path(text)
+    with _as_argument_error():
+        check_folder_target(path)
+    return path
+
+
+def _path(text: str) -> Path:
+    if not text:
+        raise argparse.ArgumentTypeError('a path is needed, not an empty text')
+    with _as_argument_error():
+        return user_path(text)
+
+
+def _whole(text: str, lower: int, upper: int) -> int:
+    number = number_from(text)
+    if not (number.is_integer() and lower <= number <= upper):
+        raise argparse.ArgumentTypeError(
+            f'{quoted(text)} is not a whole number from {lower} to {upper}'
+        )
+    return int(number)
+
+
+@contextmanager
+def _as_argument_error() -> Iterator[None]:
+    """Turn our own errors into those that argparse reports beside the option's name."""
     try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
-    return number
+        yield
+    except QuadError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def with_negative_values(arguments: list[str]) -> list[str]:
@@ -65,23 +195,3 @@ def with_negative_values(arguments: list[str]) -> list[str]:
         else:
             joined.append(text)
     return joined
-
-
-def map_argument(text: str) -> Path:
-    """
-    Read a map: a file, or the name of a sample map.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        If there is neither.
-    """
-    path = Path(text)
-    if path.is_file():
-        return path
-    if sample_map(text).is_file():
-        return sample_map(text)
-    samples = ', '.join(sorted(path.stem for path in (share_directory() / 'maps').glob('*.yaml')))
-    raise argparse.ArgumentTypeError(
-        f"there is no map file '{text}'; give a Nav2 map YAML, or a sample map: {samples}"
-    )

@@ -14,6 +14,7 @@ from types import ModuleType
 from rich.console import Console
 from rich.table import Table
 
+from quad_cli.arguments import seed_argument
 from quad_common.errors import ParameterError
 
 BENCHMARKS = {
@@ -76,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('benchmark', choices=sorted(BENCHMARKS))
     parser.add_argument('--quick', action='store_true', help='a sample that ends within 45 s')
-    parser.add_argument('--seed', type=int, default=0, help='of what is drawn at random')
+    parser.add_argument('--seed', type=seed_argument, default=0, help='of what is drawn at random')
     parser.add_argument(
         '--only', nargs='+', default=[], metavar='PART', help='of benchmarks that have parts'
     )

@@ -9,14 +9,15 @@ import json
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from quad_cli.arguments import output_argument
 from quad_cli.direct_walk import DirectWalk, DoesNotWalk
+from quad_common.bounded_file import check_target, make_folder
 from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot, load_robot
@@ -24,6 +25,7 @@ from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import Gait, load_gait, turning_gait_for
 from quad_gait.motion_limits import MotionLimits
 from quad_gait.slip_compensation import (
+    QUANTITIES,
     Calibration,
     calibration_file,
     load_compensation,
@@ -170,7 +172,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='forward and left [m] and turn [rad, or deg] of one cycle; may be repeated; '
         'left out: six directions at two speeds',
     )
-    parser.add_argument('--output', type=Path, help='file to write; beside the robot if left out')
+    parser.add_argument(
+        '--output', type=output_argument, help='file to write; beside the robot if left out'
+    )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
@@ -179,9 +183,12 @@ def run(arguments: argparse.Namespace) -> int:
     console = Console(stderr=arguments.json)
     robot = load_robot(arguments.robot)
     gait = load_gait(arguments.gait, robot)
+    path = arguments.output or calibration_file(arguments.robot)
+    # Before the walks, which take minutes.
+    check_target(path, 'calibration file')
+    known = load_compensation(path)
     motions = [_motion(text) for text in arguments.motion or ()] or default_motions(robot, gait)
     _check_reach(robot, gait, motions)
-    path = arguments.output or calibration_file(arguments.robot)
     table = Table('wanted [mm, mm, deg]', 'without', 'with', 'asked')
     found = []
     rows = []
@@ -200,12 +207,12 @@ def run(arguments: argparse.Namespace) -> int:
             }
         )
         console.print(f'{texts[0]}: {texts[1]} without, {texts[2]} with compensation')
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     heading = (
         f'Slip compensation of {robot.name}: forward and left [m], turn [rad] of one cycle.\n'
         f'Written by: quadwalk calibrate (PyBullet)'
     )
-    save_compensation(with_calibrations(load_compensation(path), found), path, heading)
+    save_compensation(with_calibrations(known, found), path, heading)
     if arguments.json:
         print(json.dumps({'file': str(path), 'motions': rows}))
     else:
@@ -252,6 +259,8 @@ def _motion(text: str) -> BodyMotion:
     motion = BodyMotion(forward, left, math.radians(angle) if degrees else angle)
     if not all(math.isfinite(part) for part in _parts(motion)) or not np.any(_parts(motion)):
         raise ParameterError('motion', text, 'finite, and not zero')
+    for name, quantity in QUANTITIES.items():
+        quantity.check(f'motion.{name}', getattr(motion, name))
     return motion
 
 

@@ -7,18 +7,32 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_cli.arguments import (
+    count_argument,
+    input_argument,
+    output_argument,
+    quantity_argument,
+)
+from quad_cli.picture_files import read_pictures, write_picture
+from quad_common.bounded_file import read_text
 from quad_common.camera_file import load_camera, save_camera
-from quad_common.errors import CameraError, PerceptionError
+from quad_common.errors import (
+    CameraError,
+    CameraValueOutOfRange,
+    FileUnusable,
+    OutOfRange,
+    PerceptionError,
+)
 from quad_common.map_file import save_map
 from quad_common.occupancy_grid import FREE, OccupancyGrid
+from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
+from quad_common.quoting import quoted
 from quad_common.robot import load_robot
 from quad_perception.annotated import annotated
 from quad_perception.camera_calibration import calibrate_pose
@@ -38,34 +52,62 @@ as an image viewer shows them; lines that begin with # are comments.
 """
 
 
+_PIXEL = Quantity(-1e5, 1e5, 'pixels')
+_POINT = {'x': COORDINATE, 'y': COORDINATE, 'column': _PIXEL, 'row': _PIXEL}
+"""What a line of a file of points holds."""
+
+_MOST_POINTS = 1000
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest='action', metavar='action', required=True)
     masks = actions.add_parser('masks', help='draw which pixels each range of colours catches')
-    masks.add_argument('picture', type=Path, help='of the room; of a video the first one')
-    masks.add_argument('--output', type=Path, default=Path('masks.png'), help='picture to write')
+    masks.add_argument('picture', type=input_argument, help='of the room; of a video the first one')
+    masks.add_argument(
+        '--output', type=output_argument, default=Path('masks.png'), help='picture to write'
+    )
     mapping = actions.add_parser('map', help='make a map from a picture, and find robot and goal')
-    mapping.add_argument('picture', type=Path, help='of the room, or a video')
-    mapping.add_argument('--camera', type=Path, required=True, help='its file')
-    mapping.add_argument('--output', type=Path, default=None, help='Nav2 map file to write')
+    mapping.add_argument('picture', type=input_argument, help='of the room, or a video')
+    mapping.add_argument('--camera', type=input_argument, required=True, help='its file')
     mapping.add_argument(
-        '--drawn', type=Path, default=None, help='picture to write: the last one, and what it shows'
+        '--output', type=output_argument, default=None, help='Nav2 map file to write'
+    )
+    mapping.add_argument(
+        '--drawn',
+        type=output_argument,
+        default=None,
+        help='picture to write: the last one, and what it shows',
     )
     mapping.add_argument('--robot', default='titan_viii', help='name or data file')
-    mapping.add_argument('--resolution', type=float, default=0.05, help='side of a cell [m]')
+    mapping.add_argument(
+        '--resolution',
+        type=quantity_argument('resolution', CELL_SIZE),
+        default=0.05,
+        help='side of a cell [m]',
+    )
     mapping.add_argument(
         '--bounds', type=_bounds, default=None, help='x_min,y_min,x_max,y_max of the map [m]'
     )
     mapping.add_argument(
-        '--every', type=_count, default=1, help='of a video, take one picture of so many'
+        '--every', type=count_argument, default=1, help='of a video, take one picture of so many'
     )
     calibrating = actions.add_parser('calibrate', help='find where a camera is')
-    calibrating.add_argument('--camera', type=Path, required=True, help='its lens, or its old file')
-    calibrating.add_argument('--points', type=Path, required=True, help='file of four or more')
-    calibrating.add_argument('--output', type=Path, default=None, help='camera file to write')
+    calibrating.add_argument(
+        '--camera', type=input_argument, required=True, help='its lens, or its old file'
+    )
+    calibrating.add_argument(
+        '--points', type=input_argument, required=True, help='file of four or more'
+    )
+    calibrating.add_argument(
+        '--output', type=output_argument, default=None, help='camera file to write'
+    )
     for action in (masks, mapping):
         action.add_argument(
-            '--colors', type=Path, default=None, help='YAML file of ranges, instead of the usual'
+            '--colors',
+            type=input_argument,
+            default=None,
+            help='YAML file of ranges, instead of the usual',
         )
     for action in (masks, mapping, calibrating):
         action.add_argument('--json', action='store_true', help='print one JSON object only')
@@ -79,10 +121,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _masks(arguments: argparse.Namespace) -> int:
     ranges = _ranges(arguments.colors)
-    picture = next(_pictures(arguments.picture))
+    picture = next(read_pictures(arguments.picture))
     seen = segment(picture, ranges)
     drawn = draw_masks(picture, seen, ranges)
-    _write_picture(arguments.output, drawn)
+    write_picture(arguments.output, drawn)
     shares = {name: float(np.mean(mask > 0)) for name, mask in seen.masks.items()}
     if arguments.json:
         print(json.dumps({'picture': str(arguments.output), 'shares': shares}))
@@ -106,7 +148,7 @@ def _map(arguments: argparse.Namespace) -> int:
     grid: OccupancyGrid | None = None
     drawn: Picture | None = None
     entries: list[dict[str, Any]] = []
-    for number, picture in enumerate(_pictures(arguments.picture)):
+    for number, picture in enumerate(read_pictures(arguments.picture)):
         if number % arguments.every:
             continue
         entry: dict[str, Any] = {'picture': number}
@@ -122,7 +164,7 @@ def _map(arguments: argparse.Namespace) -> int:
     if arguments.output is not None and grid is not None:
         save_map(grid, arguments.output)
     if arguments.drawn is not None and drawn is not None:
-        _write_picture(arguments.drawn, drawn)
+        write_picture(arguments.drawn, drawn)
     if arguments.json:
         # A still picture is one object, a video has one for each picture.
         print(json.dumps(entries[0] if len(entries) == 1 else {'pictures': entries}))
@@ -221,72 +263,36 @@ def _ranges(path: Path | None) -> tuple[ColorRange, ...]:
     return tuple(ranges.values())
 
 
-def _pictures(path: Path) -> Iterator[Picture]:
-    """Yield a still picture, or those of a video."""
-    if not path.is_file():
-        raise CameraError(f"there is no picture '{path}'")
-    still = cv2.imread(str(path), cv2.IMREAD_COLOR)
-    if still is not None:
-        yield np.asarray(cv2.cvtColor(still, cv2.COLOR_BGR2RGB), np.uint8)
-        return
-    video = cv2.VideoCapture(str(path))
-    has_pictures = False
-    try:
-        while True:
-            is_there, frame = video.read()
-            if not is_there:
-                break
-            has_pictures = True
-            yield np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8)
-    finally:
-        video.release()
-    if not has_pictures:
-        raise CameraError(f"'{path}' is neither a picture nor a video that OpenCV reads")
-
-
-def _write_picture(path: Path, rgb: Picture) -> None:
-    try:
-        is_written = cv2.imwrite(str(path), cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
-    except cv2.error:
-        is_written = False
-    if not is_written:
-        raise CameraError(f"'{path}' cannot be written as a picture; try a name with .png")
-
-
 def _points(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Read places and pixels."""
+    what = 'file of points'
     try:
-        lines = path.read_text(encoding='utf-8').splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise CameraError(f'file of points {path} cannot be read: {error}') from error
+        lines = read_text(path, what).splitlines()
+    except FileUnusable as error:
+        raise CameraError(str(error)) from error
     rows = []
     for number, line in enumerate(lines, 1):
         text = line.partition('#')[0].replace(',', ' ').split()
         if not text:
             continue
+        if len(text) != len(_POINT):
+            raise CameraError(f'{what} {path}, line {number}: it must hold x, y, column and row')
         try:
-            rows.append([float(part) for part in text])
-        except ValueError:
-            rows.append([])
-        if len(rows[-1]) != 4:
-            raise CameraError(
-                f'file of points {path}, line {number}: it must hold x, y, column and row'
-            )
-    values = np.array(rows, dtype=float).reshape(-1, 4)
+            rows.append([_POINT[name].check(name, part) for name, part in zip(_POINT, text)])
+        except OutOfRange as error:
+            raise error.at(f'{what} {path}, line {number}: ', CameraValueOutOfRange) from error
+        if len(rows) > _MOST_POINTS:
+            raise CameraError(f'{what} {path} holds more than {_MOST_POINTS} points')
+    values = np.array(rows, dtype=float).reshape(-1, len(_POINT))
     return values[:, :2], values[:, 2:]
 
 
 def _bounds(text: str) -> tuple[float, float, float, float]:
     try:
-        x_min, y_min, x_max, y_max = (float(part) for part in text.split(','))
-    except ValueError:
+        x_min, y_min, x_max, y_max = (COORDINATE.check('bounds', part) for part in text.split(','))
+    except (OutOfRange, ValueError):
         raise argparse.ArgumentTypeError(
-            f"'{text}' is not x_min,y_min,x_max,y_max, for example 0,0,8,8"
+            f'{quoted(text)} is not x_min,y_min,x_max,y_max within '
+            f'{COORDINATE.upper:g} m, for example 0,0,8,8'
         ) from None
     return x_min, y_min, x_max, y_max
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above 0")
-    return int(text)

@@ -13,13 +13,25 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.arguments import map_argument, pose_argument
+from quad_cli.arguments import (
+    folder_argument,
+    map_argument,
+    parameter_argument,
+    pose_argument,
+    quantity_argument,
+    seed_argument,
+)
+from quad_common.bounded_file import make_folder
+from quad_common.errors import GoalOutsideMap, StartOutsideMap
 from quad_common.map_file import load_map
 from quad_common.planar_pose import Pose2D
+from quad_common.quantity import Quantity
 from quad_common.resources import sample_map
 from quad_common.robot import load_robot
+from quad_gait.gait import load_gait
 from quad_gait.path_follower import TURNINGS
 from quad_planner.parameters import PLANNING_METHODS, PlannerParameters
+from quad_sim.terrain_spec import specs_from_text
 
 if TYPE_CHECKING:
     from quad_cli.walk import WalkOptions
@@ -47,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--goal', type=pose_argument, default=Pose2D(6.8, 4.8, math.pi / 2), help='x,y,yaw'
     )
-    parser.add_argument('--seed', type=int, default=0, help="of the sensors' noise")
+    parser.add_argument('--seed', type=seed_argument, default=0, help="of the sensors' noise")
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
     parser.add_argument('--gait', default='crawl', help='name of a gait, or path of a gait file')
     parser.add_argument(
@@ -73,12 +85,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default='truth',
         help='what tells of room and robot: the simulator, or its ceiling camera alone',
     )
-    parser.add_argument('--safety-distance', type=float, default=None, help='around the feet [m]')
     parser.add_argument(
-        '--real-time-factor', type=float, default=0.0, help='0: as fast as possible (default)'
+        '--safety-distance',
+        type=parameter_argument(PlannerParameters, 'safety_distance'),
+        default=None,
+        help='around the feet [m]',
+    )
+    parser.add_argument(
+        '--real-time-factor',
+        type=quantity_argument('real_time_factor', Quantity(0.0, 1000.0)),
+        default=0.0,
+        help='0: as fast as possible (default)',
     )
     parser.add_argument('--gui', action='store_true', help="show PyBullet's window")
-    parser.add_argument('--output', type=Path, default=Path('demo'), help='folder for the results')
+    parser.add_argument(
+        '--output', type=folder_argument, default=Path('demo'), help='folder for the results'
+    )
     parser.add_argument('--no-recording', action='store_true', help='do not record the topics')
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
@@ -89,6 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
     from quad_cli.progress import walk_progress
     from quad_cli.walk import WalkOptions, walk
 
+    _check(arguments)
     console = Console(stderr=arguments.json)
     output: Path = arguments.output
     options = WalkOptions(
@@ -130,6 +153,17 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _print_table(console, summary)
     return 0 if result.arrived else 1
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse what no node could use, before any of them is started."""
+    load_gait(arguments.gait, load_robot(arguments.robot))
+    specs_from_text(arguments.terrain)
+    grid = load_map(arguments.map or sample_map())
+    for pose, error in ((arguments.start, StartOutsideMap), (arguments.goal, GoalOutsideMap)):
+        if not grid.contains(pose.x, pose.y):
+            raise error(pose.x, pose.y, grid.bounds())
+    make_folder(arguments.output)
 
 
 def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:

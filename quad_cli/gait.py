@@ -14,8 +14,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.arguments import finite_argument
+from quad_cli.arguments import output_argument, quantity_argument
+from quad_common.bounded_file import check_target
 from quad_common.pace import Pace, load_paces, paces_file, save_paces
+from quad_common.quantity import Quantity
 from quad_common.robot import load_robot
 from quad_gait.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.gait_check import check_gait
@@ -50,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     checking.add_argument('--robot', default='titan_viii', help='name, or path of a data file')
     checking.add_argument(
         '--least-margin',
-        type=finite_argument,
+        type=quantity_argument('least margin', Quantity(-10.0, 10.0, 'm')),
         default=0.0,
         help='of static gaits, 0 if left out [m]',
     )
@@ -60,7 +62,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     pacing.add_argument('gaits', nargs='*', default=list(PACED), help='names, or gait files')
     pacing.add_argument('--robot', default='titan_viii', help='name, or path of a data file')
-    pacing.add_argument('--output', type=Path, default=None, help='instead of beside the robot')
+    pacing.add_argument(
+        '--output', type=output_argument, default=None, help='instead of beside the robot'
+    )
     pacing.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
@@ -99,9 +103,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _pace(arguments: argparse.Namespace) -> int:
-    paces = derive_paces(arguments.robot, arguments.gaits)
     path = arguments.output or paces_file(arguments.robot)
-    save_paces(load_paces(path) | paces, path, _HEADING)
+    # Before the work, which takes its time.
+    check_target(path, 'file of paces')
+    known = load_paces(path)
+    paces = derive_paces(arguments.robot, arguments.gaits)
+    save_paces(known | paces, path, _HEADING)
     if arguments.json:
         print(json.dumps({name: asdict(pace) for name, pace in paces.items()}))
         return 0

@@ -12,10 +12,13 @@ if __name__ == '__main__':
 
 import argparse
 import importlib
+import io
+import os
 import sys
 
-from quad_cli.arguments import with_negative_values
+from quad_cli.arguments import CommandParser, with_negative_values
 from quad_common.errors import QuadError
+from quad_common.quoting import clipped
 
 COMMANDS = {
     'demo': 'walk from a start to a goal in simulation, and say how well it went',
@@ -45,11 +48,12 @@ def main(args: list[str] | None = None) -> int:
     int
         0 if all went well, 1 if it did not, 2 if it could not be tried.
     """
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog='quadwalk', description='Walk a quadruped robot from a map to a goal.'
     )
     commands = parser.add_subparsers(dest='command', metavar='command', required=True)
     args = sys.argv[1:] if args is None else args
+    _print_anything()
     for name, summary in COMMANDS.items():
         command = commands.add_parser(
             name,
@@ -66,15 +70,31 @@ def main(args: list[str] | None = None) -> int:
     arguments = parser.parse_args(with_negative_values(args))
     try:
         code: int = arguments.run(arguments)
+        sys.stdout.flush()
         return code
     except QuadError as error:
         print(f'error: {error}', file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        # Whoever read the output, for example 'head', has had enough. What is still buffered
+        # goes nowhere, so that the interpreter does not fail over it at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        # A full disk, a folder that went away: what could be known before is checked before.
+        print(f'error: {clipped(str(error))}', file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith('quad_'):
             raise
         print(f'error: this needs the package {error.name}: {_advice(error.name)}', file=sys.stderr)
         return 2
+
+
+def _print_anything() -> None:
+    """Let names of files be printed that are not text in the terminal's encoding."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors='backslashreplace')
 
 
 def _advice(module: str) -> str:

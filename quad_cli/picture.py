@@ -16,6 +16,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from quad_cli.walk_record import WalkRecord
+from quad_common.bounded_file import make_folder
 from quad_common.height_map import HeightMap
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
@@ -153,7 +154,7 @@ def _finish(
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
     axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     figure.savefig(path, dpi=150)
 
 

@@ -13,10 +13,15 @@ import sys
 import threading
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from quad_cli.arguments import map_argument, pose_argument
+from quad_cli.arguments import (
+    drawing_argument,
+    input_argument,
+    map_argument,
+    parameter_argument,
+    pose_argument,
+)
 from quad_common.errors import ParameterError, PlannerError
 from quad_common.height_map_file import load_height_map
 from quad_common.map_file import load_map
@@ -52,17 +57,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--map', type=map_argument, default=None, help='Nav2 map file or sample map (room)'
     )
     parser.add_argument(
-        '--height-map', type=Path, default=None, help='height map file of the ground under the map'
+        '--height-map',
+        type=input_argument,
+        default=None,
+        help='height map file of the ground under the map',
     )
     parser.add_argument(
         '--step-height',
-        type=float,
+        type=parameter_argument(PlannerParameters, 'step_height'),
         default=PlannerParameters().step_height,
         help="higher steps of it are walked around; 0: the robot's own [m]",
     )
     parser.add_argument(
         '--largest-slope',
-        type=float,
+        type=parameter_argument(PlannerParameters, 'largest_slope'),
         default=PlannerParameters().largest_slope,
         help='steeper ground of it is walked around [rad]',
     )
@@ -94,7 +102,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--path-deviation',
-        type=float,
+        type=parameter_argument(PlannerParameters, 'path_deviation'),
         default=PlannerParameters().path_deviation,
         help="how far a path of 'potential' may be from the way down [m]",
     )
@@ -106,11 +114,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--safety-distance',
-        type=float,
+        type=parameter_argument(PlannerParameters, 'safety_distance'),
         default=PlannerParameters().safety_distance,
         help='kept free around the feet [m]',
     )
-    parser.add_argument('--picture', type=Path, default=None, help='where to draw the plans')
+    parser.add_argument(
+        '--picture', type=drawing_argument, default=None, help='where to draw the plans'
+    )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 

@@ -9,6 +9,8 @@ import importlib
 import json
 from pathlib import Path
 
+from quad_cli.arguments import folder_argument
+
 PAPERS = {
     'S3': 'quad_cli.reproduce_s3',
 }
@@ -26,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('paper', choices=sorted(PAPERS), help='key of the paper')
     parser.add_argument(
-        '--output', type=Path, default=Path('reproduced'), help='folder for the pictures'
+        '--output', type=folder_argument, default=Path('reproduced'), help='folder for the pictures'
     )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 

@@ -78,6 +78,17 @@ def read_bytes(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> byt
     FileUnusable
         If it cannot be read, is no regular file, or is larger.
     """
+    # Sizes are not trusted: files of /proc say 0.
+    content = read_head(path, what, limit + 1)
+    if len(content) > limit:
+        raise FileUnusable(
+            what, path, f'cannot be read: it has more than {limit} bytes, which is the limit'
+        )
+    return content
+
+
+def read_head(path: Path, what: str, count: int) -> bytes:
+    """Read the beginning of a regular file, `count` bytes; raise FileUnusable."""
     try:
         # Not blocking: opening a pipe would wait for somebody who writes to it.
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
@@ -85,15 +96,9 @@ def read_bytes(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> byt
             mode = os.fstat(descriptor).st_mode
             if not stat.S_ISREG(mode):
                 raise FileUnusable(what, path, f'cannot be read: it is {_kind(mode)}, not a file')
-            # Sizes are not trusted: files of /proc say 0.
-            content = file.read(limit + 1)
+            return file.read(count)
     except (OSError, ValueError) as error:
         raise FileUnusable(what, path, f'cannot be read: {_reason(error)}') from error
-    if len(content) > limit:
-        raise FileUnusable(
-            what, path, f'cannot be read: it has more than {limit} bytes, which is the limit'
-        )
-    return content
 
 
 def read_text(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> str:

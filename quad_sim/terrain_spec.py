@@ -10,7 +10,6 @@ Ground by name: what a parameter or an option says of it, and the terrain that i
 from __future__ import annotations
 
 import dataclasses
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +29,12 @@ FLAT = 'flat'
 
 FILES = ('.yaml', '.yml')
 """How the name of a height map file ends."""
+
+_DIGITS = 30
+"""Of a seed that are read: more are too many anyway."""
+
+MOST_PARTS = 16
+"""Of ground that are added up."""
 
 RESOLUTION = 0.02
 """Of the height field [m]."""
@@ -90,7 +95,7 @@ _RANGES = {
     'size': (0.1, 10.0),
     'length': (0.1, 100.0),
     'clear': (0.0, 10.0),
-    'seed': (0, math.inf),
+    'seed': (0, 2**63 - 1),
 }
 
 
@@ -118,6 +123,8 @@ def specs_from_text(text: str, **numbers: float) -> tuple[TerrainSpec, ...]:
     parts = [part.strip() for part in text.split('+')]
     if parts in ([''], [FLAT]):
         return ()
+    if len(parts) > MOST_PARTS:
+        raise ParameterError('terrain', text, f'of at most {MOST_PARTS} parts')
     return tuple(_spec(part, numbers) for part in parts)
 
 
@@ -213,7 +220,7 @@ def _spec(part: str, numbers: dict[str, float]) -> TerrainSpec:
         if name not in _RANGES:
             raise ParameterError('terrain', part, f'with numbers named {", ".join(_RANGES)}')
         try:
-            own[name] = int(value) if name == 'seed' else float(value)
+            own[name] = int(value[:_DIGITS]) if name == 'seed' else float(value)
         except ValueError as error:
             whole = 'a whole number' if name == 'seed' else 'a number'
             raise ParameterError(f'terrain_{name}', value, whole) from error
