@@ -16,7 +16,6 @@ from quad_common.bounded_file import (
     check_folder_target,
     check_target,
     is_file,
-    path_exists,
     user_path,
 )
 from quad_common.errors import QuadError
@@ -124,11 +123,8 @@ def map_argument(text: str) -> Path:
 
 
 def input_argument(text: str) -> Path:
-    """Read the path of a file that is there; raise argparse.ArgumentTypeError."""
-    path = _path(text)
-    if not path_exists(path):
-        raise argparse.ArgumentTypeError(f'there is no file {quoted(text)}')
-    return path
+    """Read the path of a file, of which its reader will say more; raise ArgumentTypeError."""
+    return _path(text)
 
 
 def output_argument(text: str) -> Path:
