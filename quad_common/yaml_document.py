@@ -21,7 +21,7 @@ from quad_common.quoting import clipped, shown
 LARGEST_DEPTH = 20
 """Of mappings and lists in one another; shipped files have 4."""
 
-MOST_VALUES = 10_000
+MOST_VALUES = 4_000
 """Keys, values, mappings and lists of a file, counted as often as aliases repeat them."""
 
 _TAG = 'tag:yaml.org,2002:'

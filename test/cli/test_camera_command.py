@@ -146,7 +146,10 @@ def test_points_that_are_none_are_said(files, capsys, text, said):
 
 def test_what_is_no_picture_is_said(files, capsys):
     (files / 'text.png').write_text('text')
-    for name, said in (('none.png', 'cannot be read: No such file'), ('text.png', 'neither a picture')):
+    for name, said in (
+        ('none.png', 'cannot be read: No such file'),
+        ('text.png', 'neither a picture'),
+    ):
         assert main(['camera', 'masks', str(files / name)]) == 2
         assert said in capsys.readouterr().err
     command = ['camera', 'masks', str(files / 'room.png')]

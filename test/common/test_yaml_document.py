@@ -80,11 +80,12 @@ def test_aliases_and_merges_are_read(tmp_path):
         ('#' * (LARGEST_TEXT + 1), f'has more than {LARGEST_TEXT} bytes'),
         ('a: [' + '1,' * (MOST_VALUES + 1) + ']', f'holds more than {MOST_VALUES}'),
     ],
+    ids=range(26),
 )
 def test_what_is_beyond_bounds_is_refused_at_once(tmp_path, text, told):
-    began = time.monotonic()
+    began = time.process_time()
     sentence = refusal(read, tmp_path, text)
-    assert time.monotonic() - began < 2.0
+    assert time.process_time() - began < 2.0
     assert told in sentence
     assert sentence.startswith(f'test file {tmp_path / "a.yaml"} ')
 
