@@ -16,9 +16,10 @@ from quad_cli.terrain_walk import make_course
 from quad_cli.workers import worker_pool
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import load_robot
+from quad_gait.activity import Activity
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.swing_planner import UnevenOptions
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_sim.joint_failure import FAILURES, JointFailure
 from quad_sim.simulator import Observation
 
@@ -225,7 +226,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
             begun.append(walk.time)
         if not is_uneven:
             controller.set_twist(Twist2D(speed, 0.0, 0.0))
-        return controller.activity in (Activity.LAME, Activity.FALLEN)
+        return controller.activity.is_disabled
 
     try:
         is_noticed = walk.run(case.time + _UNNOTICED, is_over)

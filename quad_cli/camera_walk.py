@@ -21,10 +21,10 @@ from quad_common.markers import RobotMarker
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot import Robot
+from quad_gait.activity import Activity
 from quad_gait.gait import load_gait
 from quad_gait.leg_odometry import LegOdometry
 from quad_gait.measurement import Measurement
-from quad_gait.walk_controller import Activity
 from quad_perception.perception import Perceiver
 from quad_perception.room_watch import RoomWatch, Sighting
 from quad_planner.parameters import PlannerParameters
@@ -149,7 +149,8 @@ class CameraWalk:
                 self._late.append((seen.time + self._options.latency, seen.time, picture))
             self._measure(seen)
             on_time(self)
-            if self._controller.activity in (Activity.ARRIVED, Activity.FALLEN):
+            activity = self._controller.activity
+            if activity is Activity.ARRIVED or activity.is_disabled:
                 break
             for _ in range(steps):
                 self.simulation.step()

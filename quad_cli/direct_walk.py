@@ -167,14 +167,14 @@ class DirectWalk:
         Raises
         ------
         DoesNotWalk
-            If no cycle begins for a long time.
+            If no cycle begins for a long time, or the robot is disabled.
         """
         patience = self.time + _PATIENCE
         # A cycle that is over within the next step of physics counts as over.
         soon = self._simulation.time_step
         current = self.controller.cycle_at(self.time + soon)
         while current is None:
-            if self.time > patience:
+            if self.time > patience or self.controller.activity.is_disabled:
                 raise DoesNotWalk(self.controller.reason)
             self.run(SENSOR_PERIOD)
             current = self.controller.cycle_at(self.time + soon)

@@ -15,20 +15,19 @@ from quad_cli.direct_walk import DirectWalk, Record
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline
 from quad_common.robot import Robot
+from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import Gait, turning_gait_for
 from quad_gait.leg_odometry import LegOdometry
 from quad_gait.path_follower import FollowerOptions
 from quad_gait.reference_path import circle_pieces
 from quad_gait.slip_compensation import NO_SLIP, SlipCompensation
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_sim.simulator import Observation
 
 Array = NDArray[np.float64]
 
 _GRAVITY = 9.80665
-
-_OVER = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED, Activity.FALLEN)
 
 
 @dataclass(frozen=True)
@@ -303,7 +302,7 @@ def plan_walk(
             end = walk.next_cycle_end()
             at_ends.append(distance_to_polyline((end.x, end.y), plan.corners))
             walk.run(1.0, until=lambda: controller.cycle_at(walk.time) is not None)
-            if controller.activity in _OVER:
+            if controller.activity.is_terminal:
                 break
         corners = plan.corners
         return PlanWalk(

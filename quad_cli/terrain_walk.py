@@ -15,9 +15,10 @@ from quad_common.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot import Robot
+from quad_gait.activity import Activity
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.swing_planner import UnevenOptions
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import make_planner
 from quad_planner.traversability import Ground, GroundLimits
@@ -75,8 +76,6 @@ _STANDING = 1.0
 
 _TIMEOUT = 600.0
 """[s], simulated."""
-
-_OVER = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED, Activity.FALLEN)
 
 
 @dataclass(frozen=True)
@@ -289,7 +288,7 @@ def walk_course(
         walk.run(_STANDING)
         walk.on_observation.append(note)
         controller.set_plan(course.plan)
-        walk.run(_TIMEOUT, lambda: controller.activity in _OVER)
+        walk.run(_TIMEOUT, lambda: controller.activity.is_terminal)
     finally:
         walk.close()
     record = walk.record

@@ -20,6 +20,7 @@ from quad_common.errors import QuadError
 from quad_common.map_file import load_map
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_gait.activity import Activity
 
 START_TIMEOUT = 90.0
 """For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
@@ -196,7 +197,7 @@ def _watch(
         now = time.monotonic()
         if observer.time > seen:
             seen, advanced = observer.time, now
-        if observer.activity not in ('blocked', 'stopped', 'fallen'):
+        if observer.activity is None or not observer.activity.is_terminal:
             moved = seen
         record.wall_time = now - began
         record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
@@ -207,7 +208,7 @@ def _watch(
 
 def _wait_until_ready(observer: WalkObserver, nodes: NodeProcesses) -> None:
     deadline = time.monotonic() + START_TIMEOUT
-    while not (observer.planner_is_ready() and observer.activity == 'standing'):
+    while not (observer.planner_is_ready() and observer.activity is Activity.STANDING):
         observer.listen(0.05)
         nodes.check()
         if time.monotonic() > deadline:
@@ -224,6 +225,8 @@ def _problem(observer: WalkObserver, waited: float, stalled: float, walked: floa
     said = {name: status[1] for name, status in observer.statuses.items()}
     if record.has_fallen:
         return said.get('sim_node', 'the robot has fallen')
+    if observer.activity is not None and observer.activity.is_disabled:
+        return said['gait_node']
     values = observer.statuses.get('planner_node', (b'', '', {}))[2]
     if not record.plans and values.get('error_code', '0') != '0':
         return said['planner_node']

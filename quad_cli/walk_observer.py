@@ -33,6 +33,7 @@ from quad_common.ros_conversions import (
     seconds_from_time,
 )
 from quad_common.run_node import make_executor
+from quad_gait.activity import Activity
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -120,9 +121,10 @@ class WalkObserver:
         self._goals.publish(message)
 
     @property
-    def activity(self) -> str:
-        """What the gait node says it does."""
-        return self.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
+    def activity(self) -> Activity | None:
+        """What the gait node says it does; None before it has said so."""
+        said = self.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
+        return Activity(said) if said else None
 
     @property
     def distance_left(self) -> float:

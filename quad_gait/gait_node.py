@@ -39,6 +39,7 @@ from quad_common.ros_conversions import (
 )
 from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode
 from quad_common.run_node import run_node
+from quad_gait.activity import Activity
 from quad_gait.gait import Gait, load_gait, turning_gait_for
 from quad_gait.leg_odometry import LegOdometry
 from quad_gait.measurement import Measurement
@@ -57,7 +58,7 @@ from quad_gait.ros_conversions import (
 from quad_gait.slip_compensation import compensation_for
 from quad_gait.swing_planner import UnevenOptions
 from quad_gait.uneven_stride import check_suits_uneven_ground
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

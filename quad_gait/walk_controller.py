@@ -7,7 +7,6 @@ and answers with the next joint trajectory when one is due.
 
 from __future__ import annotations
 
-import enum
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -21,6 +20,7 @@ from quad_common.joint_trajectory import JointTrajectory
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_common.robot import Robot
+from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
 from quad_gait.cycle_planner import CyclePlanner
 from quad_gait.gait import Gait
@@ -55,23 +55,6 @@ _STILL_TIME = 0.5
 
 _LAST_MOMENT = 0.05
 """A cycle that is to follow another at once is given out at least so long before [s]."""
-
-
-class Activity(enum.Enum):
-    """What the robot is doing, or why it is not moving."""
-
-    WAITING = 'waiting'
-    STANDING = 'standing'
-    STANDING_UP = 'standing up'
-    SITTING_DOWN = 'sitting down'
-    SITTING = 'sitting'
-    WALKING = 'walking'
-    TURNING = 'turning'
-    ARRIVED = 'arrived'
-    STOPPED = 'stopped'
-    BLOCKED = 'blocked'
-    FALLEN = 'fallen'
-    LAME = 'lame'
 
 
 _SAID = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED)

@@ -21,8 +21,8 @@ from quad_cli.parameters import TABLES
 from quad_common import errors
 from quad_common.parameters import Parameter, parameters_of, valid_range, yaml_from_parameters
 from quad_common.robot import load_robot
+from quad_gait.activity import Activity
 from quad_gait.gait import Gait
-from quad_gait.walk_controller import Activity
 
 ROOT = Path(__file__).resolve().parents[2]
 MSG_DOCS = ROOT / 'msg_docs'

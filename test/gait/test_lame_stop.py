@@ -12,10 +12,11 @@ from quad_common.errors import GaitError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Twist2D
 from quad_common.robot import LEGS, load_robot
+from quad_gait.activity import Activity
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.lame_stop import tipping
 from quad_gait.swing_planner import UnevenOptions
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_sim.joint_failure import JointFailure
 
 ROBOT = load_robot('titan_viii')

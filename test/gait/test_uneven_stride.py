@@ -12,13 +12,14 @@ from quad_common.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot import LEGS, load_robot
+from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.measurement import Measurement
 from quad_gait.stance import Stance
 from quad_gait.swing_planner import UnevenOptions
 from quad_gait.uneven_stride import UnevenStride, check_suits_uneven_ground
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 from quad_sim.simulator import tilt_of

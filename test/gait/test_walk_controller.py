@@ -10,6 +10,7 @@ import pytest
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline, wrap_angle
 from quad_common.robot import load_robot
+from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait, turning_gait_for
 from quad_gait.gait_generator import generate_cycle
@@ -18,7 +19,7 @@ from quad_gait.motion_limits import MotionLimits
 from quad_gait.path_follower import FollowerOptions
 from quad_gait.posture import crouching_joint_angles
 from quad_gait.slip_compensation import NO_SLIP, Calibration, SlipCompensation
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 from quad_sim.simulator import tilt_of

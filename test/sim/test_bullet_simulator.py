@@ -12,11 +12,12 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot import LEGS, load_robot
+from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait
 from quad_gait.gait_generator import generate_cycle
 from quad_gait.measurement import Measurement
-from quad_gait.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.walk_controller import ControllerOptions, WalkController
 from quad_sim.bullet_simulator import GRAVITY, BulletSimulator
 from quad_sim.simulation import Simulation
 from quad_sim.simulator import Contact, tilt_of

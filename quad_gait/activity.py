@@ -1,0 +1,39 @@
+"""
+What a robot is doing, or why it is not moving, in one word.
+"""
+
+from __future__ import annotations
+
+import enum
+
+
+class Activity(enum.Enum):
+    """What the robot is doing, or why it is not moving."""
+
+    WAITING = 'waiting'
+    STANDING = 'standing'
+    STANDING_UP = 'standing up'
+    SITTING_DOWN = 'sitting down'
+    SITTING = 'sitting'
+    WALKING = 'walking'
+    TURNING = 'turning'
+    ARRIVED = 'arrived'
+    STOPPED = 'stopped'
+    BLOCKED = 'blocked'
+    FALLEN = 'fallen'
+    LAME = 'lame'
+
+    @property
+    def is_terminal(self) -> bool:
+        """Whether the robot goes no farther unless somebody wishes for something new."""
+        return self in _TERMINAL
+
+    @property
+    def is_disabled(self) -> bool:
+        """Whether no new plan moves the robot either: somebody must help it first."""
+        return self in _DISABLED
+
+
+_DISABLED = frozenset({Activity.FALLEN, Activity.LAME})
+
+_TERMINAL = _DISABLED | {Activity.ARRIVED, Activity.STOPPED, Activity.BLOCKED}
