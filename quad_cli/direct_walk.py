@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import QuadError
+from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
 from quad_gait.measurement import Measurement
@@ -191,20 +192,26 @@ class DirectWalk:
         for callback in self.on_observation:
             callback(seen)
         tilt = tilt_of(seen.orientation)
-        trajectory = self.controller.update(
-            Measurement(
-                seen.time,
-                seen.pose,
-                tilt,
-                seen.joint_positions,
-                seen.joint_velocities,
-                seen.orientation,
-                seen.joint_efforts,
-            )
-        )
+        trajectory = self.controller.update(self._measurement(seen, tilt))
         if trajectory is not None:
-            self._simulation.accept(trajectory)
+            self._send(trajectory)
         self._note(seen, tilt)
+
+    def _measurement(self, seen: Observation, tilt: float) -> Measurement:
+        """Return what the controller is told."""
+        return Measurement(
+            seen.time,
+            seen.pose,
+            tilt,
+            seen.joint_positions,
+            seen.joint_velocities,
+            seen.orientation,
+            seen.joint_efforts,
+        )
+
+    def _send(self, trajectory: JointTrajectory) -> None:
+        """Hand a trajectory to the robot."""
+        self._simulation.accept(trajectory)
 
     def close(self) -> None:
         """Release the simulator."""
