@@ -22,6 +22,7 @@ class Activity(enum.Enum):
     BLOCKED = 'blocked'
     FALLEN = 'fallen'
     LAME = 'lame'
+    NOT_EXECUTED = 'not executed'
 
     @property
     def is_terminal(self) -> bool:
@@ -36,4 +37,9 @@ class Activity(enum.Enum):
 
 _DISABLED = frozenset({Activity.FALLEN, Activity.LAME})
 
-_TERMINAL = _DISABLED | {Activity.ARRIVED, Activity.STOPPED, Activity.BLOCKED}
+_TERMINAL = _DISABLED | {
+    Activity.ARRIVED,
+    Activity.STOPPED,
+    Activity.BLOCKED,
+    Activity.NOT_EXECUTED,
+}

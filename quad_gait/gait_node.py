@@ -68,6 +68,7 @@ _LEVELS = {
     Activity.BLOCKED: ERROR,
     Activity.FALLEN: ERROR,
     Activity.LAME: ERROR,
+    Activity.NOT_EXECUTED: ERROR,
 }
 
 

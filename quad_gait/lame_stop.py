@@ -23,7 +23,7 @@ from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import LEGS, Robot
 from quad_gait.body_motion import minimum_jerk
 from quad_gait.body_placement import balanced, rotation_of
-from quad_gait.joint_watch import JointFault
+from quad_gait.joint_fault import JointFault
 from quad_gait.posture import crouching_joint_angles, posture_trajectory
 from quad_gait.stability import stability_margin
 from quad_gait.stance import Stance

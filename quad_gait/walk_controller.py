@@ -23,10 +23,12 @@ from quad_common.robot import Robot
 from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
 from quad_gait.cycle_planner import CyclePlanner
+from quad_gait.execution_check import ExecutionCheck
 from quad_gait.gait import Gait
 from quad_gait.gait_generator import Cycle
 from quad_gait.gears import Gears
-from quad_gait.joint_watch import JointFault, JointWatch
+from quad_gait.joint_fault import JointFault
+from quad_gait.joint_watch import JointWatch
 from quad_gait.lame_stop import Lameness, LameStop
 from quad_gait.measurement import Measurement
 from quad_gait.motion_sequence import MotionSequence, ScheduledCycle
@@ -46,6 +48,9 @@ Array = NDArray[np.float64]
 
 _PATIENCE = 1.0
 """For the joints to come to rest after a cycle [s]."""
+
+_UNFOLLOWED = 0.1
+"""Joints that have not followed for so long say nothing of what is in the robot's way [s]."""
 
 _FIRST_STAMP = 1e-3
 """No cycle starts before, for a stamp of zero would mean "on arrival" [s]."""
@@ -128,6 +133,9 @@ class WalkController:
         )
         self._sequence = MotionSequence()
         self._watch = JointWatch(robot)
+        self._execution = ExecutionCheck()
+        # What was given out to see whether joints follow again.
+        self._tried: JointTrajectory | None = None
         self._lameness: Lameness | None = None
         self._busy_until = -math.inf
         self._stride: UnevenStride | None = None
@@ -298,6 +306,9 @@ class WalkController:
             self._go_lame(fault, now)
         if self._lameness is not None:
             return self._given(self._be_lame(self._lameness, now), now)
+        self._execution.update(now.time, self._watch.unfollowed)
+        if self._execution.is_wrong:
+            return self._given(self._try_to_go_on(now), now)
         return self._given(self._walk_on(now), now)
 
     def _walk_on(self, now: Measurement) -> JointTrajectory | None:
@@ -409,7 +420,7 @@ class WalkController:
             return None
         try:
             expected = self._expected_at_rest(now.pose)
-            problem = self._progress.problem(now.motion_pose, expected)
+            problem = self._lack_of_progress(now.motion_pose, expected)
             if problem is not None:
                 self._give_up(Activity.BLOCKED, problem)
                 return None
@@ -428,7 +439,7 @@ class WalkController:
         ahead = self._planner.end_with_slip(current, now.time)
         end = now.pose @ ahead
         self._take_new_plan(now.pose)
-        problem = self._progress.problem(now.motion_pose, current.pose_at(now.time))
+        problem = self._lack_of_progress(now.motion_pose, current.pose_at(now.time))
         if problem is not None:
             self._give_up(Activity.BLOCKED, problem)
         if problem is not None or self._new_gaits is not None or self._is_to_sit:
@@ -575,6 +586,32 @@ class WalkController:
             return None
         time = now.time if now.joint_time is None else now.joint_time
         return self._watch.update(time, now.joint_positions, now.joint_efforts)
+
+    def _lack_of_progress(self, pose: Pose2D, expected: Pose2D) -> str | None:
+        """Say why the robot is blocked, if it is; not by cycles that no joint followed."""
+        if self._watch.unfollowed > _UNFOLLOWED:
+            self._progress.forget()
+            return None
+        return self._progress.problem(pose, expected)
+
+    def _try_to_go_on(self, now: Measurement) -> JointTrajectory | None:
+        """Plan nothing while no joint follows, but for a trial now and then."""
+        execution = self._execution
+        if execution.has_tried and self._tried is None:
+            # Nothing is to be done, so nobody is missed.
+            self._watch.forget()
+            execution.end()
+            self._set_activity(Activity.STANDING, self._why_standing())
+            return None
+        if execution.is_pausing:
+            self._forget_schedule()
+            self._tried = None
+            trajectory = None
+        else:
+            trajectory = self._walk_on(now)
+            self._tried = trajectory or self._tried
+        self._set_activity(Activity.NOT_EXECUTED, str(execution))
+        return trajectory
 
     def _go_lame(self, fault: JointFault, now: Measurement) -> None:
         """Leave everything else, and come to a standstill."""

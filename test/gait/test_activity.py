@@ -2,7 +2,7 @@
 
 from quad_gait.activity import Activity
 
-TERMINAL = {'arrived', 'stopped', 'blocked', 'fallen', 'lame'}
+TERMINAL = {'arrived', 'stopped', 'blocked', 'fallen', 'lame', 'not executed'}
 
 
 def test_a_robot_that_has_ended_waits_for_a_wish_and_one_that_moves_does_not():
