@@ -12,10 +12,11 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
 from quad_common.callback_net import CallbackNet
-from quad_common.errors import QuadError
+from quad_common.errors import InvalidMessage, QuadError
 from quad_common.quoting import clipped
 from quad_common.ros_conversions import check_clock
 
@@ -121,14 +122,39 @@ class GuardedNode(Node):
         )
 
     def create_subscription(
-        self, msg_type: Any, topic: str, callback: Callable[[Any], None], *args: Any, **kwargs: Any
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        *args: Any,
+        most_bytes: int | None = None,
+        **kwargs: Any,
     ) -> Any:
-        """Subscribe; see rclpy's Node. The callback is guarded."""
+        """
+        Subscribe; see rclpy's Node. The callback is guarded.
+
+        Parameters
+        ----------
+        msg_type, topic, callback, *args, **kwargs
+            As rclpy's.
+        most_bytes : int, optional
+            Larger messages are refused before they are taken apart, which for a sequence of
+            a hundred thousand messages takes rclpy seconds. For types that hold such sequences.
+
+        Returns
+        -------
+        rclpy.subscription.Subscription
+            As rclpy's.
+        """
+        what = f"message on '{topic}'"
         if msg_type is Clock:
             # rclpy's own: it raises, or keeps a time that cannot be written as a stamp.
             callback = partial(_checked_first, check_clock, callback)
-        guarded = Guarded(self._net, f"a message on '{topic}'", callback)
-        return super().create_subscription(msg_type, topic, guarded, *args, **kwargs)
+        if most_bytes is not None:
+            callback = partial(_taken_apart, msg_type, what, most_bytes, callback)
+        guarded = Guarded(self._net, f'a {what}', callback)
+        raw = {} if most_bytes is None else {'raw': True}
+        return super().create_subscription(msg_type, topic, guarded, *args, **raw, **kwargs)
 
     def create_timer(
         self, timer_period_sec: float, callback: Callable[[], None], *args: Any, **kwargs: Any
@@ -176,6 +202,15 @@ def _checked_first(
     """Hand a message on if the check lets it."""
     check(message)
     callback(message)
+
+
+def _taken_apart(
+    msg_type: Any, what: str, most_bytes: int, callback: Callable[[Any], None], data: bytes
+) -> None:
+    """Hand a message on that came as bytes, unless it has too many of them."""
+    if len(data) > most_bytes:
+        raise InvalidMessage(what, f'it has {len(data)} bytes; {most_bytes} are the most')
+    callback(deserialize_message(data, msg_type))
 
 
 def _refusal(srv_type: Any, sentence: str) -> Any:

@@ -35,6 +35,9 @@ LARGEST_PICTURE = 2**24
 LONGEST_NAME = 200
 """Characters of the name of a frame, a joint or an obstacle."""
 
+_ROOM, _POSE_BYTES = 10_000, 300
+"""Of a message with a plan: for its head, and for a pose with the name of its frame."""
+
 _MOST_FIELDS = 64
 """Of the points of a cloud."""
 
@@ -316,6 +319,11 @@ def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -
     x, y, z = (float(v) for v in turn * (math.sin(angle / 2.0) / max(angle, 1e-12)))
     transform.transform.rotation = Quaternion(x=x, y=y, z=z, w=math.cos(angle / 2.0))
     return transform
+
+
+def most_plan_bytes(longest: int) -> int:
+    """Return the bytes that a message with a plan of so many poses may have."""
+    return _ROOM + _POSE_BYTES * longest
 
 
 def plan_from_message(message: Path, longest: int = LONGEST_PLAN) -> Plan | None:

@@ -32,6 +32,7 @@ from quad_common.plan import Plan
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     height_map_from_message,
+    most_plan_bytes,
     orientation_from_odometry,
     plan_from_message,
     seconds_from_time,
@@ -128,7 +129,8 @@ class GaitNode(QuadNode[GaitParameters]):
         self._leg_odometry = self.create_publisher(Odometry, 'odom/legs', sensor)
         self._followed_plans = self.create_publisher(Path, 'plan/followed', _LATCHED)
         plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
-        self.create_subscription(Path, 'plan', self.guarded(self._on_plan), plan_qos)
+        most_bytes = most_plan_bytes(p.longest_plan)
+        self.create_subscription(Path, 'plan', self._on_plan, plan_qos, most_bytes=most_bytes)
         twist = TwistStamped if p.stamped_cmd_vel else Twist
         self.create_subscription(twist, 'cmd_vel', self.guarded(self._on_cmd_vel), 10)
         self.create_subscription(

@@ -37,8 +37,19 @@ _MOST_MARKERS = 1000
 _MOST_JOINTS = 1000
 """Of a trajectory; that none of them is missing or unknown is checked after it is read."""
 
+MOST_OBSTACLE_BYTES = 1_000_000
+"""Of one message with obstacles; a marker has some three hundred."""
+
+_ROOM, _POINT_BYTES = 250_000, 450
+"""Of a message with a trajectory: for the names, and for all four numbers of twelve joints."""
+
 _EXACT = 1e-12
 """Variance of what is known exactly: zero would mean unknown."""
+
+
+def most_trajectory_bytes(longest: int) -> int:
+    """Return the bytes that a message with a trajectory of so many points may have."""
+    return _ROOM + _POINT_BYTES * longest
 
 
 def trajectory_from_message(

@@ -49,9 +49,11 @@ from quad_common.urdf import urdf_from_robot
 from quad_sim.joint_failure import JointFailure
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
+    MOST_OBSTACLE_BYTES,
     check_frame,
     imu_message,
     joint_state_message,
+    most_trajectory_bytes,
     obstacle_changes_from_message,
     odometry_message,
     trajectory_from_message,
@@ -116,8 +118,16 @@ class SimNode(QuadNode[SimParameters]):
             self._images = self.create_publisher(Image, 'ceiling_camera/image_raw', sensor)
             self._infos = self.create_publisher(CameraInfo, 'ceiling_camera/camera_info', sensor)
         self._transforms = self._make_transforms()
-        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, 10)
-        self.create_subscription(MarkerArray, 'obstacles', self._on_obstacles, 10)
+        self.create_subscription(
+            JointTrajectory,
+            'joint_trajectory',
+            self._on_trajectory,
+            10,
+            most_bytes=most_trajectory_bytes(p.longest_trajectory),
+        )
+        self.create_subscription(
+            MarkerArray, 'obstacles', self._on_obstacles, 10, most_bytes=MOST_OBSTACLE_BYTES
+        )
         self.create_subscription(PoseStamped, 'goal_marker', self._on_goal_marker, 10)
         self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import warnings
+from array import array
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -15,7 +16,6 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, PoseStamped, Twist
-from message_mutations import mutations
 from nav_msgs.msg import Odometry, Path
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState
@@ -23,8 +23,10 @@ from std_msgs.msg import ColorRGBA
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
+from quad_cli.faults_changes import changes_of
+from quad_cli.faults_mutations import leaves_of, replaced
 from quad_common.camera import CameraModel
-from quad_common.errors import QuadError
+from quad_common.errors import InvalidMessage, QuadError
 from quad_common.height_map import HeightMap
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -172,6 +174,16 @@ CONVERSIONS: dict[str, tuple[Callable[[], Any], Callable[[Any], Any]]] = {
 }
 
 
+def mutations(message: Any) -> Iterator[tuple[str, Any]]:
+    """Yield every message that differs in one field, with what is changed and how."""
+    for leaf in leaves_of(message):
+        value = message
+        for part in leaf.path:
+            value = value[part] if isinstance(part, int) else getattr(value, part)
+        for kind, make in changes_of(value, leaf.kind):
+            yield f'{leaf.name}: {kind}', replaced(message, leaf.path, make())
+
+
 def numbers_of(value: Any) -> Iterator[float]:
     """Yield every number of a value, however it is nested."""
     if isinstance(value, HeightMap):
@@ -219,3 +231,21 @@ def test_of_a_hostile_message_comes_a_valid_value_or_a_refusal(name):
                 wrong.append(f'{what}: made {value}')
     assert not wrong, '\n'.join(wrong)
     assert refused > 0
+
+
+@pytest.mark.parametrize('value', [math.nan, math.inf, -math.inf, 3.4e38, -3.4e38, 1e7, 1e-45])
+@pytest.mark.parametrize('channel', range(3))
+@pytest.mark.parametrize('place', [slice(0, 1), slice(5, 6), slice(None)])
+def test_of_hostile_points_comes_a_valid_height_map_or_a_refusal(channel, value, place):
+    message = heights()
+    points = np.frombuffer(message.data, np.float32).reshape(-1, 3).copy()
+    points[place, channel] = value
+    message.data = array('B', points.tobytes())
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        try:
+            read = height_map_from_message(message, FRAMES)
+        except InvalidMessage:
+            return
+    assert channel == 2 or abs(value) < 1.0
+    assert all(map(math.isfinite, numbers_of(read)))

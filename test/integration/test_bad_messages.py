@@ -126,14 +126,26 @@ REFUSED = {
         'gait_node',
         'plan',
         in_frame(plan('map', (0, 0)), GIANT),
-        '10000000 characters',
+        '310000 are the most',
     ),
     'a giant name of a map': ('planner_node', 'map', in_frame(a_map(), GIANT), 'printable'),
+    'a long name for the gait': (
+        'gait_node',
+        'plan',
+        in_frame(plan('map', (0, 0)), 'x' * 100_000),
+        '100000 characters',
+    ),
     'a plan without limits': (
         'gait_node',
         'plan',
         plan('map', *[(1.2, 1.2)] * 1001),
         '1001 poses; 1000 turning points',
+    ),
+    'a plan that takes seconds to take apart': (
+        'gait_node',
+        'plan',
+        plan('map', *[(1.2, 1.2)] * 20_000),
+        '310000 are the most',
     ),
     'a map without limits': (
         'planner_node',

@@ -53,7 +53,7 @@ REFUSED = {
     'infinite velocity': (trajectory(velocities=[math.inf] * 12), 'velocities that are not finite'),
     'times that fall': (trajectory(times=(2, 1)), 'must rise'),
     'without end': (trajectory(times=range(1, 20_002)), '20001 points; 20000 are the most'),
-    'a giant name': (trajectory(['x' * 10_000_000, *NAMES[1:]]), '10000000 characters'),
+    'a giant name': (trajectory(['x' * 1_000_000, *NAMES[1:]]), '1000000 characters'),
     'too late': (trajectory(stamp=1), 'the trajectory ended at 2.000 s'),
 }
 
@@ -82,7 +82,9 @@ def goal_marker(w: float) -> PoseStamped:
 
 REFUSED_WORLDS = {
     'a huge quaternion': ('obstacles', obstacle(pose=turned(1.4e154)), 'is not a pose'),
-    'a giant name': ('obstacles', obstacle(ns='x' * 10_000_000), '10000000 characters'),
+    'a long name': ('obstacles', obstacle(ns='x' * 100_000), '100000 characters'),
+    'a giant name': ('obstacles', obstacle(ns='x' * 10_000_000), '1000000 are the most'),
+    'multitudes': ('obstacles', MarkerArray(markers=[Marker()] * 10_000), 'bytes; 1000000'),
     'a size of no size': ('obstacles', obstacle(scale=Vector3(x=1e-300)), 'from 0.001 to 100 m'),
     'crowds': ('obstacles', MarkerArray(markers=[Marker()] * 1001), '1001 markers'),
     'a huge quaternion of a goal': ('goal_marker', goal_marker(1e308), 'is not a pose'),

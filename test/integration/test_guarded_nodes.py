@@ -119,3 +119,22 @@ def test_whatever_a_callback_raises_the_node_goes_on_and_says_it(make):
     level, message = node._status
     assert level == ERROR
     assert 'unexpected OverflowError' in message
+
+
+def test_a_message_that_is_too_large_is_refused_and_one_that_is_not_is_taken(make):
+    node = make('ceiling_camera_node')
+    executor = make_executor(node.context)
+    executor.add_node(node)
+    heard = []
+    node.create_subscription(String, 'texts', heard.append, 10, most_bytes=100)
+    publisher = node.create_publisher(String, 'texts', 10)
+    for length in (10_000_000, 10, 93, 20):
+        publisher.publish(String(data='x' * length))
+    for _ in range(500):
+        node.turn(executor)
+        if len(heard) == 2:
+            break
+    assert [len(message.data) for message in heard] == [10, 20]
+    level, message = node._status
+    assert level == ERROR
+    assert "the message on 'texts' cannot be used: it has 102 bytes; 100 are the most" in message
