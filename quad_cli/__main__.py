@@ -4,10 +4,14 @@ Starts the ``quadwalk`` command: signals count from here, before anything large 
 
 from __future__ import annotations
 
-import contextlib
-import sys
+from quad_common.early_signals import end_command_at_once
 
-from quad_common.end_signals import (
+end_command_at_once()
+
+import contextlib  # noqa: E402
+import sys  # noqa: E402
+
+from quad_common.end_signals import (  # noqa: E402
     EndSignals,
     Interrupted,
     Raises,

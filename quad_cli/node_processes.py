@@ -17,7 +17,7 @@ from pathlib import Path
 from types import TracebackType
 
 from quad_common import shared_memory
-from quad_common.end_signals import SIGNALS, released_at_last, shielded
+from quad_common.end_signals import blocked_signals, released_at_last, shielded
 from quad_common.entry import PARENT
 from quad_common.errors import QuadError
 from quad_common.resources import share_directory
@@ -114,16 +114,6 @@ def _is_quiet(domain: int) -> bool:
     return True
 
 
-@contextlib.contextmanager
-def _blocked_signals() -> Iterator[None]:
-    """Have what is started here inherit that signals wait until it is ready for them."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 class NodeProcess:
     """
     One node, running.
@@ -158,7 +148,7 @@ class NodeProcess:
         # The wheels of rclpy leave it behind to start each python once more only.
         environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
         command = [sys.executable, '-m', NODES[name], '--ros-args', *arguments]
-        with shielded(), log.open('ab') as output, _blocked_signals():
+        with shielded(), log.open('ab') as output, blocked_signals():
             self._process = subprocess.Popen(
                 command,
                 stdout=output,

@@ -17,9 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""An interrupt, a request to end, and a terminal that was closed."""
-
+from quad_common.early_signals import SIGNALS
 
 _AGAIN = 0.02
 """Until a signal that was swallowed is raised anew [s]."""
@@ -77,8 +75,7 @@ class EndSignals:
         signal.set_wakeup_fd(self._wakeup[1], warn_on_full_buffer=False)
         threading.Thread(target=self._watch, name='end_signals', daemon=True).start()
         for number in SIGNALS:
-            # What nohup started is not to hear of its terminal. Interrupts are ignored by
-            # whatever a shell starts in the background, and yet meant for whom they are sent to.
+            # As in early_signals: a terminal that nohup has cut off stays cut off.
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, self._on_signal)
         os.register_at_fork(after_in_child=self._forget)
@@ -142,6 +139,16 @@ def shielded() -> Iterator[None]:
         _shields -= 1
         if not _shields and _waiting:
             raise Interrupted(_waiting.pop())
+
+
+@contextlib.contextmanager
+def blocked_signals() -> Iterator[None]:
+    """Have what is started here inherit that signals wait until it is ready for them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Raises:

@@ -22,9 +22,20 @@ _SETTLED = 10.0
 """Age from which a file without a lock is nobody's, and not just being made [s]."""
 
 
-def own_files() -> list[Path]:
-    """List the lock files that this process holds."""
-    pid = os.getpid()
+def files_of(pid: int) -> list[Path]:
+    """
+    List the lock files that a process holds.
+
+    Parameters
+    ----------
+    pid : int
+        Its id.
+
+    Returns
+    -------
+    list of Path
+        One for each segment and each port.
+    """
     held: set[int] = set()
     with contextlib.suppress(OSError):
         # proc(5): "1: FLOCK  ADVISORY  WRITE 8487 00:1b:1731 0 EOF", the inode last in the triple.
@@ -32,7 +43,7 @@ def own_files() -> list[Path]:
             fields = line.split()
             if fields[1] == 'FLOCK' and fields[3] == 'WRITE' and int(fields[4]) == pid:
                 held.add(int(fields[5].rsplit(':', 1)[1]))
-    return [path for path in _lock_files() if _inode(path) in held]
+    return [path for path in _lock_files() if _inode(path) in held] if held else []
 
 
 def ownerless_files() -> list[Path]:
@@ -52,7 +63,7 @@ def remove(lock_files: list[Path]) -> None:
 
 def release_own() -> None:
     """Remove what this process has in shared memory, when it cannot end in good order."""
-    remove(own_files())
+    remove(files_of(os.getpid()))
 
 
 def remove_ownerless() -> None:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from quad_common.end_signals import SIGNALS, ended_by
+from quad_common.early_signals import SIGNALS
+from quad_common.end_signals import ended_by
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -78,6 +79,24 @@ def test_a_node_that_looks_whether_it_is_to_end_ends_in_good_order(tmp_path, num
     process = start(NODE, tmp_path)
     assert send(process, number, number) == 'given back\n'
     assert process.returncode == 0
+
+
+@pytest.mark.parametrize('module', ['quad_gait', 'quad_cli'])
+@pytest.mark.parametrize('number', SIGNALS)
+def test_an_executable_hears_signals_before_it_imports_anything(tmp_path, module, number):
+    # Whatever it imports next is made to take forever.
+    name = 'entry' if module == 'quad_gait' else 'end_signals'
+    code = (
+        'import runpy, sys, time\n'
+        'class Slow:\n    def find_spec(self, name, path=None, target=None):\n'
+        f"        if name == 'quad_common.{name}':\n"
+        "            print('begun', flush=True)\n            time.sleep(60)\n"
+        'sys.meta_path.insert(0, Slow())\n'
+        f"runpy.run_module('{module}', run_name='__main__')\n"
+    )
+    process = start(code, tmp_path)
+    assert send(process, number) == ''
+    assert process.returncode == (0 if module == 'quad_gait' else 128 + number)
 
 
 def test_a_node_that_hangs_is_ended_with_0_and_says_where_it_hung(tmp_path):

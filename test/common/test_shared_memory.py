@@ -54,10 +54,10 @@ def test_what_is_just_being_made_and_what_is_of_others_stays(place):
 def test_a_process_knows_what_is_its_own(place):
     for name in ('fastrtps_a', 'fastrtps_b'):
         make(place, name)
-    assert shared_memory.own_files() == []
+    assert shared_memory.files_of(os.getpid()) == []
     handle = lock(place, 'fastrtps_a')
     try:
-        assert shared_memory.own_files() == [place / 'fastrtps_a_el']
+        assert shared_memory.files_of(os.getpid()) == [place / 'fastrtps_a_el']
         shared_memory.release_own()
     finally:
         os.close(handle)

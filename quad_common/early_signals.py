@@ -1,0 +1,31 @@
+"""
+Signals in the first moments of a process, while even small modules are not yet imported.
+
+This module imports what Python has loaded anyway, so that nothing comes before it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""An interrupt, a request to end, and a terminal that was closed."""
+
+
+def end_node_at_once() -> None:
+    """End this process with code 0 at a signal: there is nothing yet to be given back."""
+    _end_at_once(0, 0)
+
+
+def end_command_at_once() -> None:
+    """End this process with 128 and a signal's number: there is nothing yet to be given back."""
+    _end_at_once(128, 1)
+
+
+def _end_at_once(base: int, factor: int) -> None:
+    for number in SIGNALS:
+        # What nohup started is not to hear of its terminal. Interrupts are ignored by
+        # whatever a shell starts in the background, and yet meant for whom they are sent to.
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, lambda number, frame: os._exit(base + factor * number))
