@@ -39,19 +39,20 @@ def main(args: list[str] | None = None) -> int:
         The command's exit code; 128 and the number of the signal that ended it.
     """
     signals = EndSignals(Raises(), lambda number: 128 + number, _PATIENCE)
+    code = 1
     try:
         signals.install()
         from quad_cli.main import main as run
 
         code = run(args)
     except BaseException as error:
-        # A closed terminal adds errors of its own to the one that its signal has raised.
         if not signals.noted and not isinstance(error, Interrupted):
             raise
-        with contextlib.suppress(OSError):
+    # A closed terminal adds errors of its own to what its signal has raised.
+    if signals.noted:
+        with contextlib.suppress(OSError, ValueError):
             print(ended_by(signals.noted[0]), file=sys.stderr)
         end_process(128 + signals.noted[0])
-        raise
     ignore_signals()
     return code
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -122,6 +123,26 @@ def test_a_second_interrupt_leaves_no_node_behind(tmp_path, place):
     assert 'Traceback' not in said
     assert not any(map(is_running, nodes))
     assert list(place.iterdir()) == []
+
+
+def test_a_demo_whose_terminal_is_closed_ends_with_its_nodes(tmp_path, place):
+    pid, terminal = pty.fork()
+    if pid == 0:
+        goal = ('--start', '1.2,1.2,0', '--goal', '2.0,1.2,0')
+        command = ('quad_cli', 'demo', '--backend', 'kinematic', *goal, '--output', str(tmp_path))
+        os.execv(sys.executable, [sys.executable, '-m', *command])
+    wait_until(lambda: recorded(tmp_path / 'recording'))
+    nodes = below(pid)
+    os.close(terminal)
+    began = time.monotonic()
+    _, status = os.waitpid(pid, 0)
+    assert time.monotonic() - began < 5.0
+    assert os.waitstatus_to_exitcode(status) == 128 + signal.SIGHUP
+    assert len(nodes) >= 3
+    assert not any(map(is_running, nodes))
+    assert list(place.iterdir()) == []
+    with Reader(tmp_path / 'recording') as reader:
+        assert reader.message_count > 0
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
