@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
@@ -17,7 +18,7 @@ from rosgraph_msgs.msg import Clock
 
 from quad_common.callback_net import CallbackNet
 from quad_common.errors import InvalidMessage, QuadError
-from quad_common.quoting import clipped
+from quad_common.quoting import clipped, quoted
 from quad_common.ros_conversions import check_clock
 
 _LONGEST_WAIT = 0.1
@@ -25,6 +26,9 @@ _LONGEST_WAIT = 0.1
 
 _AFTER_FAILURE = 0.02
 """Pause after something that might fail again at once [s]."""
+
+
+_PARAMETER_TYPES = frozenset(kind.value for kind in Parameter.Type)
 
 
 class Guarded:
@@ -173,6 +177,9 @@ class GuardedNode(Node):
     def _guarded_service(
         self, srv_type: Any, srv_name: str, callback: Callable[..., Any]
     ) -> Guarded:
+        if srv_type in (SetParameters, SetParametersAtomically):
+            # rclpy's own: it raises where a type is none.
+            callback = partial(_checked_first, _check_parameter_types, callback)
         what = f"a request to '{srv_name}'"
         return Guarded(self._net, what, callback, partial(_refusal, srv_type))
 
@@ -197,11 +204,22 @@ class GuardedNode(Node):
 
 
 def _checked_first(
-    check: Callable[[Any], None], callback: Callable[[Any], None], message: Any
-) -> None:
-    """Hand a message on if the check lets it."""
+    check: Callable[[Any], None], callback: Callable[..., Any], message: Any, *rest: Any
+) -> Any:
+    """Hand a message or a request on if the check lets it."""
     check(message)
-    callback(message)
+    return callback(message, *rest)
+
+
+def _check_parameter_types(request: Any) -> None:
+    """Raise InvalidMessage if a parameter is of no type that there is."""
+    for parameter in request.parameters:
+        if parameter.value.type not in _PARAMETER_TYPES:
+            raise InvalidMessage(
+                'change of parameters',
+                f'the type of {quoted(parameter.name)} is {parameter.value.type}; '
+                f'known are {min(_PARAMETER_TYPES)} to {max(_PARAMETER_TYPES)}',
+            )
 
 
 def _taken_apart(
@@ -216,6 +234,11 @@ def _taken_apart(
 def _refusal(srv_type: Any, sentence: str) -> Any:
     """Make a service's answer that says why there is none, where it has a field for that."""
     response = srv_type.Response()
+    refused = SetParametersResult(successful=False, reason=clipped(sentence))
+    if srv_type is SetParameters:
+        response.results = [refused]
+    elif srv_type is SetParametersAtomically:
+        response.result = refused
     for name, value in (('success', False), ('message', clipped(sentence))):
         if hasattr(response, name):
             setattr(response, name, value)

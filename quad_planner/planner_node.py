@@ -28,10 +28,11 @@ from visualization_msgs.msg import MarkerArray
 from quad_common.errors import PlannerError, QuadError
 from quad_common.map_frame import MapFrame
 from quad_common.map_frame_listener import MapFrameListener
-from quad_common.plan import Plan
+from quad_common.plan import LONGEST_PLAN, Plan
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     height_map_from_message,
+    most_plan_bytes,
     nanoseconds_from_time,
     plan_from_message,
     pose_from_message,
@@ -91,7 +92,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
         self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
-        self.create_subscription(Path, 'plan/followed', self._on_followed, _EVERY_PLAN)
+        most_bytes = most_plan_bytes(LONGEST_PLAN)
+        self.create_subscription(
+            Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_bytes
+        )
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
         self._corrections = MapFrameListener(self, self._frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 
 pytest.importorskip('rclpy')
 
 import rclpy
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -119,6 +123,33 @@ def test_whatever_a_callback_raises_the_node_goes_on_and_says_it(make):
     level, message = node._status
     assert level == ERROR
     assert 'unexpected OverflowError' in message
+
+
+@pytest.mark.parametrize('kind', [SetParameters, SetParametersAtomically])
+def test_a_parameter_of_no_type_is_refused_in_the_answer(make, kind):
+    node = make('gait_node')
+    wrong = ParameterMessage(name='gait', value=ParameterValue(type=99))
+    # As the executor would.
+    name = 'set_parameters' + ('_atomically' if kind is SetParametersAtomically else '')
+    [service] = [service for service in node.services if service.srv_name.endswith(name)]
+    answer = service.callback(kind.Request(parameters=[wrong]), kind.Response())
+    [result] = answer.results if kind is SetParameters else [answer.result]
+    assert not result.successful
+    assert result.reason == (
+        "the change of parameters cannot be used: the type of 'gait' is 99; known are 0 to 9"
+    )
+    assert node.parameters.gait == 'crawl'
+
+
+def test_a_stream_of_different_refusals_does_not_fill_the_log(make):
+    node = make('ceiling_camera_node')
+    logged = []
+    node.get_logger = lambda: SimpleNamespace(error=logged.append)
+    for index in range(1000):
+        node.report_error(MapError(f'map {index} is none'))
+    assert len(logged) <= 200
+    level, message = node._status
+    assert (level, message) == (ERROR, 'map 999 is none')
 
 
 def test_a_message_that_is_too_large_is_refused_and_one_that_is_not_is_taken(make):
