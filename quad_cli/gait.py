@@ -97,6 +97,11 @@ def run(arguments: argparse.Namespace) -> int:
     console.print(table)
     for motion in report.motions:
         console.print(f'{motion.direction}, what forbids more: {motion.limit}', soft_wrap=True)
+        console.print(
+            f'{motion.direction}, own parts: {" and ".join(motion.nearest_parts)} come within '
+            f'{1e3 * motion.clearance:.1f} mm at {100.0 * motion.nearest_at:.0f} % of the cycle',
+            soft_wrap=True,
+        )
     for problem in report.problems:
         console.print(f'wrong: {problem}', soft_wrap=True)
     return 1 if report.problems else 0

@@ -35,18 +35,25 @@ def run(arguments: argparse.Namespace) -> int:
         print(urdf_from_robot(robot))
         return 0
     figures = derived_figures(robot)
+    overlapping = [str(pair) for pair in robot.own_parts.ignored]
     if arguments.json:
-        print(json.dumps(figures))
+        print(json.dumps({**figures, 'parts_not_watched': overlapping}))
         return 0
     print(f'{robot.name}: {len(robot.sources)} numbers, each with its source')
     for name, value in figures.items():
         print(f'  {name.replace("_", " "):28} {value}')
+    if overlapping:
+        print(
+            f'  nearer than {1e3 * robot.own_parts.least:.1f} mm in the initial posture, and so '
+            f'not kept apart: {", ".join(overlapping)}'
+        )
     return 0
 
 
 def derived_figures(robot: Robot) -> dict[str, float]:
     """Work out what follows from a robot's data, rounded for people."""
     angles = robot.initial_joint_angles
+    nearest = robot.own_parts.nearest(angles[None])
     feet = robot.foot_positions(robot.joint_angles(robot.neutral_feet))
     return {
         'mass_kg': round(robot.mass, 3),
@@ -60,5 +67,6 @@ def derived_figures(robot: Robot) -> dict[str, float]:
         'center_of_mass_height_mm': round(
             1e3 * (robot.standing_height + float(robot.center_of_mass(angles)[2])), 2
         ),
+        'own_parts_clearance_mm': round(1e3 * nearest.clearance, 2),
         'kinematics_error_mm': round(1e3 * float(np.abs(feet - robot.neutral_feet).max()), 9),
     }

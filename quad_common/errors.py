@@ -495,6 +495,46 @@ class UnstableCycle(GaitError):
         )
 
 
+class PartsTooNear(GaitError):
+    """
+    Parts of the robot would come too near to one another, or to the ground.
+
+    Parameters
+    ----------
+    first, second : str
+        Links of the robot, for example ``rf_thigh``; the second may be ``ground``.
+    clearance : float
+        Distance between their surfaces, negative if they would reach into each other [m].
+    least : float
+        Distance that they must keep [m].
+    time : float
+        When in the motion they are nearest [s].
+    duration : float
+        How long the motion takes [s].
+    """
+
+    def __init__(
+        self,
+        first: str,
+        second: str,
+        clearance: float,
+        least: float,
+        time: float,
+        duration: float,
+    ) -> None:
+        self.first = first
+        self.second = second
+        self.clearance = clearance
+        self.least = least
+        self.time = time
+        self.duration = duration
+        near = f'come within {1e3 * clearance:.2f} mm' if clearance > 0.0 else 'touch'
+        super().__init__(
+            f'{first} and {second} would {near}, {time:.2f} s into a motion of '
+            f'{duration:.2f} s; they must stay {1e3 * least:.2f} mm apart'
+        )
+
+
 class FootholdNotFound(GaitError):
     """A foot was lowered as far as it goes and met no ground."""
 

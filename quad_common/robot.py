@@ -35,9 +35,11 @@ from quad_common.leg_kinematics import (
     stack_legs,
     yaw_pitch_pitch_leg,
 )
+from quad_common.own_parts import LEAST_CLEARANCE, OwnParts
 from quad_common.quoting import quoted, shown
 from quad_common.robot_numbers import JOINTS_PER_LEG as JOINTS_PER_LEG
 from quad_common.robot_numbers import RobotNumbers
+from quad_common.robot_shape import RobotShape
 from quad_common.yaml_document import check_keys, in_file, read_yaml
 
 Array = NDArray[np.float64]
@@ -211,6 +213,14 @@ class Robot:
         feet = float(np.max(np.linalg.norm(self.neutral_feet[:, :2], axis=1))) + self.foot_radius
         return max(feet, math.hypot(self.body_size[0], self.body_size[1]) / 2.0)
 
+    @cached_property
+    def own_parts(self) -> OwnParts:
+        """The robot's parts, which must keep clear of one another."""
+        radii = {kind: link.radius for kind, link in self.links.items()}
+        shape = RobotShape(self.stacked_legs, self.body_center, self.body_size, radii)
+        least = LEAST_CLEARANCE * self.relative_size
+        return OwnParts(shape, self.initial_joint_angles, self.lower, self.upper, least)
+
     def foot_positions(self, joint_angles: Array) -> Array:
         """
         Place the four feet.
@@ -325,8 +335,24 @@ class Robot:
         ndarray, shape (..., 3)
             In the body frame [m].
         """
+        return self.center_of_mass_of(self.stacked_legs.chain(joint_angles))
+
+    def center_of_mass_of(self, chain: tuple[Array, Array, Array]) -> Array:
+        """
+        Find the centre of mass from where the legs' joints are.
+
+        Parameters
+        ----------
+        chain : tuple of ndarray
+            Pitch axes, knees and feet in the body frame, each of shape (..., 4, 3) [m].
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            As :meth:`center_of_mass` [m].
+        """
         mass = {kind: link.mass for kind, link in self.links.items()}
-        pitch_axis, knee, feet = self.stacked_legs.chain(joint_angles)
+        pitch_axis, knee, feet = chain
         moment = 0.5 * (mass['hip'] + mass['thigh']) * pitch_axis
         moment += 0.5 * (mass['thigh'] + mass['calf']) * knee
         moment += (0.5 * mass['calf'] + mass['foot']) * feet

@@ -43,6 +43,12 @@ class MotionReport:
     """Of that cycle, static [m]."""
     order: tuple[str, ...]
     """Legs in the order of liftoff."""
+    nearest_parts: tuple[str, str]
+    """The robot's own parts with the least distance to spare in that cycle."""
+    clearance: float
+    """Distance between them [m]."""
+    nearest_at: float
+    """When they are nearest, as a fraction of the cycle."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +65,8 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
     Try a gait on a robot in every direction.
 
     What a gait file by itself gets wrong, for example two feet in the air in a static
-    gait, is refused when it is loaded; here come stability, reach, and legs in each
-    other's way.
+    gait, is refused when it is loaded; here come stability, reach, parts of the robot
+    that would touch, and feet in each other's way.
 
     Parameters
     ----------
@@ -91,6 +97,7 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
             continue
         largest = direction.scaled(share)
         cycle = generate_steady_cycle(robot, limits.gait_for(direction), largest)
+        nearest = robot.own_parts.nearest(cycle.joint_positions)
         motions.append(
             MotionReport(
                 name,
@@ -98,6 +105,9 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
                 reason,
                 cycle.least_margin,
                 tuple(swing.leg for swing in cycle.gait.swings),
+                (nearest.pair.first, nearest.pair.second),
+                nearest.clearance,
+                float(cycle.times[nearest.sample]) / cycle.period,
             )
         )
         crossing = crossing_feet(robot, cycle)

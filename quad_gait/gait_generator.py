@@ -23,6 +23,7 @@ from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_common.robot import LEGS, Robot
 from quad_gait.body_motion import BodyMotion, smooth_progress
 from quad_gait.gait import Gait
+from quad_gait.part_check import check_own_parts
 from quad_gait.schedule import Schedule, mid_swing_progress, schedule_of, setback
 from quad_gait.stability import stability_margin
 
@@ -165,6 +166,8 @@ def generate_cycle(
     ------
     FootTargetUnreachable, JointLimitExceeded
         If the motion is too large for the legs or too fast for the joints.
+    PartsTooNear
+        If parts of the robot would come too near to one another, or to the ground.
     UnstableCycle
         If the margin falls below ``least_margin``.
     """
@@ -185,8 +188,10 @@ def generate_cycle(
         positions, velocities = track(robot, schedule.times, in_body, velocities_in_body)
         robot.check_joint_limits(positions)
     _check_joint_speeds(robot, velocities)
+    chain = robot.stacked_legs.chain(positions)
+    check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
 
-    center = robot.center_of_mass(positions)
+    center = robot.center_of_mass_of(chain)
     cos, sin = np.cos(body[:, 2]), np.sin(body[:, 2])
     center_of_mass = body[:, :2] + np.stack(
         [cos * center[:, 0] - sin * center[:, 1], sin * center[:, 0] + cos * center[:, 1]], axis=1

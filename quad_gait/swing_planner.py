@@ -21,6 +21,7 @@ from quad_gait.body_motion import minimum_jerk
 from quad_gait.body_placement import BodyPose, balanced, body_over, heading_over, rotation_of
 from quad_gait.ground_model import FootholdChoice, GroundModel
 from quad_gait.joint_motion import JointMotion
+from quad_gait.part_check import check_nearing_parts
 from quad_gait.stance import Stance
 
 Array = NDArray[np.float64]
@@ -407,6 +408,7 @@ class SwingPlanner:
             fastest = float(np.abs(velocities[:, leg, kind]).max())
             name = robot.joint_names[3 * int(leg) + int(kind)]
             raise JointLimitExceeded(name, fastest, -limit, limit, 'rad/s')
+        check_nearing_parts(robot, times, joints)
         last = len(times) - 1
         return JointMotion(
             robot.joint_names,

@@ -378,7 +378,10 @@ class BulletSimulator:
             self._robot,
             pybullet.URDF_USE_INERTIA_FROM_FILE
             | pybullet.URDF_USE_SELF_COLLISION
-            | pybullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT,
+            | pybullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT
+            # Otherwise cylinders are hulls with a margin around them, 1 mm thicker than the
+            # data say: a third more for the shins of a small robot.
+            | pybullet.URDF_USE_IMPLICIT_CYLINDER,
         )
         by_name = _joint_indices(self._bullet, body)
         links = {-1: 'base_link'}
