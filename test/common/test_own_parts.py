@@ -1,6 +1,7 @@
 """The robot's own parts: how far apart they are, and that no quick test misses two that touch."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -62,7 +63,7 @@ def test_every_two_parts_are_compared_once_but_those_that_a_joint_connects(robot
     parts = [BODY, *(f'{leg}_{link}' for leg in LEGS for link in LINKS)]
     connected = [(BODY, f'{leg}_hip') for leg in LEGS]
     for leg in LEGS:
-        connected += [(f'{leg}_{a}', f'{leg}_{b}') for a, b in zip(LINKS, LINKS[1:])]
+        connected += [(f'{leg}_{a}', f'{leg}_{b}') for a, b in pairwise(LINKS)]
     expected = {frozenset((a, b)) for a in parts for b in parts if a != b}
     expected -= {frozenset(pair) for pair in connected}
     assert {frozenset((pair.first, pair.second)) for pair in pairs} == expected

@@ -80,7 +80,7 @@ def test_well_beyond_the_limit_it_is_not_possible_but_for_s0s_reserve(robot, gai
 @each_direction
 def test_the_reason_names_what_forbids_more(robot, gait, direction):
     reason = LIMITS[robot, gait].reason(direction)
-    named = ('largest stride', 'foot ', '_joint would go to', 'stability margin', 'cross')
+    named = ('largest stride', 'foot ', '_joint would go', 'stability margin', 'cross', 'mm apart')
     assert any(name in reason for name in named), reason
     assert '\n' not in reason
 
