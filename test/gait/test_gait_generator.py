@@ -40,9 +40,11 @@ ACROSS = [1, 0, 3, 2]
 
 
 def on_points(robot):
-    """Give a robot feet so small that they do not roll."""
-    feet = replace(robot.links['foot'], radius=1e-9)
-    return replace(robot, links={**robot.links, 'foot': feet})
+    """Give a robot feet so small that they do not roll; as it stands lower, with thinner legs."""
+    foot, thigh = robot.links['foot'], robot.links['thigh']
+    thinner = max(thigh.radius - foot.radius, 1e-3)
+    links = {'foot': replace(foot, radius=1e-9), 'thigh': replace(thigh, radius=thinner)}
+    return replace(robot, links={**robot.links, **links})
 
 
 def in_order(gait, legs):
