@@ -13,11 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import QuadError
+from quad_common.errors import InvalidMessage, QuadError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
 from quad_gait.measurement import Measurement
+from quad_gait.sensor_inputs import JointReadings, SensorInputs
 from quad_gait.stability import stability_margin
 from quad_gait.walk_controller import WalkController
 from quad_sim.simulation import Simulation, make_simulator
@@ -109,6 +110,7 @@ class DirectWalk:
         self.robot = robot
         self.controller = controller
         self.record = Record()
+        self._inputs = SensorInputs(robot)
         self._simulation = Simulation(make_simulator(backend, robot, world), robot, start)
         self._steps = round(SENSOR_PERIOD / self._simulation.time_step)
         self._since_measured = 0
@@ -191,22 +193,25 @@ class DirectWalk:
         seen = self._simulation.observe()
         for callback in self.on_observation:
             callback(seen)
-        tilt = tilt_of(seen.orientation)
-        trajectory = self.controller.update(self._measurement(seen, tilt))
+        now = self._measurement(seen)
+        trajectory = None if now is None else self.controller.update(now)
         if trajectory is not None:
             self._send(trajectory)
-        self._note(seen, tilt)
+        self._note(seen, tilt_of(seen.orientation))
 
-    def _measurement(self, seen: Observation, tilt: float) -> Measurement:
-        """Return what the controller is told."""
-        return Measurement(
-            seen.time,
-            seen.pose,
-            tilt,
-            seen.joint_positions,
-            seen.joint_velocities,
-            seen.orientation,
-            seen.joint_efforts,
+    def _measurement(self, seen: Observation) -> Measurement | None:
+        """Return what the controller is told, checked as the node does; None for nothing."""
+        try:
+            self._inputs.take_joints(self._readings(seen))
+            return self._inputs.take_odometry(seen.time, seen.pose, seen.orientation)
+        except InvalidMessage:
+            # The robot was put somewhere else; for a moment it is not believed.
+            return None
+
+    def _readings(self, seen: Observation) -> JointReadings:
+        """Return what the joints say."""
+        return JointReadings(
+            seen.joint_positions, seen.joint_velocities, seen.joint_efforts, seen.time
         )
 
     def _send(self, trajectory: JointTrajectory) -> None:

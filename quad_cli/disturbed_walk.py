@@ -101,17 +101,10 @@ class DisturbedWalk(DirectWalk):
             arrival = max(arrival, self._under_way[-1][0])
         self._under_way.append((arrival, trajectory))
 
-    def _measurement(self, seen: Observation, tilt: float) -> Measurement:
+    def _readings(self, seen: Observation) -> JointReadings:
         how, rng = self._disturbance, self._rng
         if seen.time >= self._deaf_until:
             self._heard = seen
             if rng.random() < how.stale:
                 self._deaf_until = seen.time + rng.uniform(0.0, how.staleness)
-        heard = seen if self._heard is None else self._heard
-        return replace(
-            super()._measurement(seen, tilt),
-            joint_positions=heard.joint_positions,
-            joint_velocities=heard.joint_velocities,
-            joint_efforts=heard.joint_efforts,
-            joint_time=heard.time,
-        )
+        return super()._readings(seen if self._heard is None else self._heard)

@@ -639,11 +639,73 @@ class TrajectoryError(QuadError):
     """A joint trajectory is malformed or comes too late."""
 
 
+class CommandOutsideLimits(TrajectoryError):
+    """
+    A command asks for what a joint cannot do.
+
+    Parameters
+    ----------
+    joint : str
+        Name of the joint.
+    quantity : str
+        What is outside its range: ``position`` or ``velocity``.
+    value : float
+        What it would be.
+    limits : tuple of float
+        Least and largest value.
+    unit : str
+        Of value and limits.
+    """
+
+    def __init__(
+        self, joint: str, quantity: str, value: float, limits: tuple[float, float], unit: str
+    ) -> None:
+        self.joint = joint
+        self.quantity = quantity
+        self.value = value
+        self.limits = limits
+        super().__init__(
+            f'joint {joint} would be commanded a {quantity} of {value:.4g} {unit}; '
+            f'its limits are {limits[0]:.4g} to {limits[1]:.4g} {unit}'
+        )
+
+
 class InvalidMessage(QuadError):
     """A message contradicts itself or holds numbers that are not finite."""
 
     def __init__(self, what: str, reason: str) -> None:
         super().__init__(f'the {what} cannot be used: {reason}')
+
+
+class CommandJumps(TrajectoryError):
+    """
+    A trajectory would make a command jump.
+
+    Parameters
+    ----------
+    joint : str
+        Name of the joint.
+    step : float
+        How far it would jump [rad].
+    period : float
+        Time in which it would have to get there [s].
+    """
+
+    def __init__(self, joint: str, step: float, period: float) -> None:
+        self.joint = joint
+        self.step = step
+        self.period = period
+        super().__init__(
+            f'the command of joint {joint} would jump by {step:.3f} rad, '
+            f'farther than it turns in {period:g} s'
+        )
+
+
+class EmergencyStopped(TrajectoryError):
+    """The emergency stop is on: no trajectory is executed."""
+
+    def __init__(self) -> None:
+        super().__init__('the trajectory is not executed: the emergency stop is on')
 
 
 class SimulatorError(QuadError):

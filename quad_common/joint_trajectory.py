@@ -69,3 +69,29 @@ class JointTrajectory:
     def end(self) -> float:
         """When the last point is reached [s]."""
         return self.stamp + float(self.times[-1])
+
+    def positions_at(self, times: Array) -> Array:
+        """
+        Return the positions on the cubics between points.
+
+        Parameters
+        ----------
+        times : ndarray, shape (k,)
+            When [s]; before the first and after the last point these points are held.
+
+        Returns
+        -------
+        ndarray, shape (k, n)
+            [rad]
+        """
+        if len(self.times) == 1:
+            return np.repeat(self.positions, len(times), axis=0)
+        t = np.clip(times - self.stamp, self.times[0], self.times[-1])
+        k = np.searchsorted(self.times, t, side='right') - 1
+        k = np.clip(k, 0, len(self.times) - 2)
+        h = (self.times[k + 1] - self.times[k])[:, None]
+        s = (t - self.times[k])[:, None] / h
+        a, b = self.positions[k], self.positions[k + 1]
+        u, v = self.velocities[k] * h, self.velocities[k + 1] * h
+        path: Array = a + s * (u + s * (3.0 * (b - a) - 2.0 * u - v + s * (u + v - 2.0 * (b - a))))
+        return path

@@ -23,6 +23,7 @@ class Activity(enum.Enum):
     FALLEN = 'fallen'
     LAME = 'lame'
     NOT_EXECUTED = 'not executed'
+    EMERGENCY_STOP = 'emergency stop'
 
     @property
     def is_terminal(self) -> bool:
@@ -35,7 +36,7 @@ class Activity(enum.Enum):
         return self in _DISABLED
 
 
-_DISABLED = frozenset({Activity.FALLEN, Activity.LAME})
+_DISABLED = frozenset({Activity.FALLEN, Activity.LAME, Activity.EMERGENCY_STOP})
 
 _TERMINAL = _DISABLED | {
     Activity.ARRIVED,

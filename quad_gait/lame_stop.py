@@ -309,9 +309,9 @@ class LameStop:
         """Put down what swings; lower the body if a foot that bore has given way."""
         options, robot = self._options, self._robot
         start = self._joints.copy()
-        start[self._leg] = now.joint_positions[self._leg]
+        posture = self._as_measured(now)
         level = _level(now.body.rotation[2])
-        feet = robot.foot_positions(start) @ level.T
+        feet = robot.foot_positions(posture) @ level.T
         under = feet[self._standing, 2] if self._standing.any() else feet[:, 2].min(keepdims=True)
         ground = float(under.mean())
         target = feet.copy()
@@ -321,7 +321,7 @@ class LameStop:
         if self._is_lost:
             crouch = -float(robot.foot_positions(crouching_joint_angles(robot))[:, 2].mean())
             shift[2] = -max(0.0, -ground - crouch)
-        lame = self._helpful(start) if self._is_lost else start[self._leg]
+        lame = self._helpful(posture) if self._is_lost else posture[self._leg]
         return self._move(
             now.time + options.reaction,
             options.catch_time,
@@ -336,14 +336,13 @@ class LameStop:
     def _settle(self, now: Stance) -> JointTrajectory:
         """Level the body over the sound feet, with its centre of mass well inside them."""
         start = self._joints.copy()
-        start[self._leg] = now.joint_positions[self._leg]
         level = _level(now.body.rotation[2])
         joints = now.joint_positions.copy()
         feet = self._robot.foot_positions(joints) @ level.T
         shift = np.zeros(3)
         shift[:2] = self._way_over(joints, level, feet)
         time = now.time + self._options.reaction
-        lame = start[self._leg]
+        lame = self._as_measured(now)[self._leg]
         return self._move(
             time, self._options.settle_time, start, level, np.eye(3), feet, shift, lame
         )
@@ -351,11 +350,11 @@ class LameStop:
     def _lift(self, now: Stance) -> JointTrajectory:
         """Lift the lame leg with the joints that it still has."""
         start = self._joints.copy()
-        start[self._leg] = now.joint_positions[self._leg]
-        end = start.copy()
+        posture = self._as_measured(now)
+        end = posture.copy()
         feet = self._robot.foot_positions(now.joint_positions)[self._sound]
         ground = float(feet[:, 2].min()) - self._robot.foot_radius
-        end[self._leg] = self._lifted(start, ground)
+        end[self._leg] = self._lifted(posture, ground)
         return self._through(
             now.time + self._options.reaction, self._options.settle_time, start, end
         )
@@ -364,14 +363,20 @@ class LameStop:
         """Lower the body to the ground."""
         robot = self._robot
         start = self._joints.copy()
-        start[self._leg] = now.joint_positions[self._leg]
         level = _level(now.body.rotation[2])
         feet = robot.foot_positions(now.joint_positions) @ level.T
         shift = np.array([0.0, 0.0, float(feet[self._sound, 2].mean()) + robot.body_size[2] / 2.0])
         shift[2] = min(shift[2] + 0.3 * robot.hip_height, 0.0)
         time = now.time + self._options.reaction
         duration = self._options.settle_time
-        return self._move(time, duration, start, level, level, feet, shift, start[self._leg])
+        lame = self._as_measured(now)[self._leg]
+        return self._move(time, duration, start, level, level, feet, shift, lame)
+
+    def _as_measured(self, now: Stance) -> Array:
+        """Return the commanded posture, with the lame leg where it is, within its range."""
+        posture, robot, leg = self._joints.copy(), self._robot, self._leg
+        posture[leg] = np.clip(now.joint_positions[leg], robot.lower[leg], robot.upper[leg])
+        return posture
 
     # How to do it
 
@@ -534,8 +539,8 @@ class Lameness:
         """Turn the joint a little, as soon as the robot stands still, and see whether it does."""
         self._is_asked = True
 
-    def update(self, now: Stance) -> JointTrajectory | None:
-        """Take a measurement; return what is to be done, if anything is."""
+    def update(self, now: Stance, commanded: Array) -> JointTrajectory | None:
+        """Take a measurement and the commands (4, 3) [rad]; return what is to be done, if any."""
         if not self.stop.is_over or (self._trial is None and not self._is_asked):
             return self.stop.update(now)
         joint = self.fault.joint
@@ -547,21 +552,22 @@ class Lameness:
             self._trial = None
             self.is_over = turned / way > 0.5
             self._has_failed_again = not self.is_over
-            return None if self.is_over else self._turn(now, before)
+            return None if self.is_over else self._turn(now, commanded, before)
         self._is_asked = False
-        before = now.joint_positions.copy()
+        before = np.clip(now.joint_positions, self._robot.lower, self._robot.upper)
         middle = (self._robot.lower.flat[joint] + self._robot.upper.flat[joint]) / 2.0
         way = _TRIAL if before.flat[joint] < middle else -_TRIAL
         goal = before.copy()
         goal.flat[joint] += way
-        trajectory = self._turn(now, goal)
+        trajectory = self._turn(now, commanded, goal)
         self._trial = (trajectory.end, before, way)
         return trajectory
 
-    def _turn(self, now: Stance, goal: Array) -> JointTrajectory:
+    def _turn(self, now: Stance, commanded: Array, goal: Array) -> JointTrajectory:
+        # From what is commanded: a joint that hangs free may be far from it.
         return posture_trajectory(
             self._robot,
-            now.joint_positions.reshape(-1),
+            commanded.reshape(-1),
             goal,
             now.time + LameOptions().reaction,
             _TRIAL_TIME,

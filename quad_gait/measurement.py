@@ -36,6 +36,10 @@ class Measurement:
     """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
     joint_time: float | None = None
     """When the joints were measured [s]; None: at ``time``."""
+    problem: str = ''
+    """What is missing for a walk, as a sentence; empty if nothing is."""
+    was_moved: bool = False
+    """Whether something else has moved the robot since the last one, as a reset does."""
     odometry: Pose2D | None = None
     """base_link in odometry's own frame, without leaps; None: odometry is in the plan's frame."""
 

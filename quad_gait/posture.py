@@ -82,7 +82,7 @@ def posture_trajectory(
     stamp : float
         When they begin to move [s].
     duration : float
-        How long they take [s].
+        How long they take [s]; longer if a joint is not fast enough.
     sample_period : float
         Longest time between points [s].
 
@@ -91,10 +91,13 @@ def posture_trajectory(
     JointTrajectory
         At rest at both ends.
     """
+    # Minimum jerk is at most 15/8 times as fast as the mean.
+    change = posture.reshape(-1) - joint_positions
+    fastest = np.abs(change) / np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
+    duration = max(duration, 1.875 * float(fastest.max()))
     steps = int(np.ceil(duration / sample_period))
     times = np.linspace(0.0, duration, steps + 1)
     share, rate = minimum_jerk(0.0, duration, times)
-    change = posture.reshape(-1) - joint_positions
     return JointTrajectory(
         joint_names=robot.joint_names,
         stamp=stamp,

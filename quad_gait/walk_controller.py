@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError
+from quad_common.errors import GaitError, TrajectoryError
 from quad_common.height_map import HeightMap
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.plan import Plan
@@ -22,6 +22,7 @@ from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_common.robot import Robot
 from quad_gait.activity import Activity
 from quad_gait.body_motion import BodyMotion
+from quad_gait.command_gate import CommandGate
 from quad_gait.cycle_planner import CyclePlanner
 from quad_gait.execution_check import ExecutionCheck
 from quad_gait.gait import Gait
@@ -57,6 +58,9 @@ _FIRST_STAMP = 1e-3
 
 _STILL_TIME = 0.5
 """A robot out of its posture must be still for so long before it is made to stand up [s]."""
+
+_FREEZING_TIME = 0.02
+"""Time in which an emergency stop brings the joints to rest [s]."""
 
 _LAST_MOMENT = 0.05
 """A cycle that is to follow another at once is given out at least so long before [s]."""
@@ -132,6 +136,7 @@ class WalkController:
             robot, compensation, options.sample_period, options.tracking_gain
         )
         self._sequence = MotionSequence()
+        self._gate = CommandGate(robot)
         self._watch = JointWatch(robot)
         self._execution = ExecutionCheck()
         # What was given out to see whether joints follow again.
@@ -154,8 +159,14 @@ class WalkController:
         correction = options.follower.largest_correction if options.hold_course else 0.0
         self._steering = Steering(options.twist_timeout, correction)
         self._reason_to_stand = ''
+        # Why the plan waits; empty if it does not.
+        self._plan_waits_for = ''
         self._is_to_sit = False
         self._has_fallen = False
+        self._is_frozen = False
+        # Why nothing but stand makes the robot move again; empty if it may.
+        self._waits_for_stand = ''
+        self._last: Measurement | None = None
         self._last_time = -math.inf
         self._progress = Progress(robot.largest_stride)
         # When the cycle began whose successor was decided on last.
@@ -167,6 +178,11 @@ class WalkController:
         """The same as a sentence."""
         self.limit = ''
         """What keeps the robot from doing all that was asked for; empty if nothing does."""
+
+    @property
+    def wanted_plan(self) -> Plan | None:
+        """The plan that is to be followed; None once it is done, or something else is wished."""
+        return self._wanted
 
     @property
     def cycle(self) -> Cycle | None:
@@ -222,8 +238,7 @@ class WalkController:
             if _is_same_goal(plan.poses[-1], self._stopped_goal):
                 return
             self._stopped_goal = None
-        if self._lameness is not None:
-            self._refuse('the plan')
+        if plan is not None and self._is_refused('the plan'):
             return
         self._wanted = plan
         self._pieces = pieces
@@ -235,12 +250,54 @@ class WalkController:
         """Walk with this velocity until the steering times out; ends the following of a plan."""
         if not self._last_time > -math.inf:
             return
-        if self._lameness is not None:
-            self._refuse('steering')
+        if self._is_refused('steering'):
             return
         self._give_up_plan()
         self._reason_to_stand = ''
         self._steering.wish(twist, self._last_time)
+
+    def hold_plan(self, reason: str) -> None:
+        """Let the plan wait from the next cycle on, for a reason; go on with it if that is empty."""
+        self._plan_waits_for = reason
+
+    def freeze(self) -> JointTrajectory | None:
+        """
+        Stop all joints at once, and keep them as they are until :meth:`release`.
+
+        Returns
+        -------
+        JointTrajectory or None
+            It starts on arrival; None if nothing is known of the joints.
+        """
+        self._give_up_plan()
+        self._follower.follow(None, Pose2D(0.0, 0.0, 0.0))
+        self._forget_schedule()
+        self._is_frozen = True
+        self._lameness = None
+        self._waits_for_stand = 'the emergency stop was released; it waits for stand'
+        self.limit = ''
+        self._set_activity(Activity.EMERGENCY_STOP, 'all joints hold until it is released')
+        last = self._last
+        if last is None or last.joint_positions is None:
+            return None
+        position, velocity = self._gate.command(last.time, last.joint_positions)
+        # A cubic that only slows down goes on by a third of its velocity times its duration.
+        rest = self._gate.limits.clip(position + velocity * (_FREEZING_TIME / 3.0))
+        hold = JointTrajectory(
+            joint_names=self._robot.joint_names,
+            stamp=0.0,
+            times=np.array([_FREEZING_TIME]),
+            positions=rest[None],
+            velocities=np.zeros_like(rest)[None],
+        )
+        return self._given(hold, last)
+
+    def release(self) -> str:
+        """End the emergency stop; the robot stays as it is until :meth:`stand`."""
+        if not self._is_frozen:
+            return 'the emergency stop was not on'
+        self._is_frozen = False
+        return 'the emergency stop is released; call stand to make the robot stand and walk again'
 
     def stop(self) -> str:
         """
@@ -258,9 +315,12 @@ class WalkController:
 
     def stand(self) -> str:
         """Stop, and regain the initial posture, also after sitting or a fall; as :meth:`stop`."""
+        if self._is_frozen:
+            raise GaitError('the emergency stop is on: release it first')
         self.stop()
         self._is_to_sit = False
         self._has_fallen = False
+        self._waits_for_stand = ''
         if self._lameness is not None:
             self._lameness.try_again()
             return f'{self._lameness.fault.name} is tried first; if it answers the robot stands up'
@@ -271,6 +331,8 @@ class WalkController:
         """Stop, and lower the body as far as it goes; only :meth:`stand` ends it."""
         if self._lameness is not None:
             raise GaitError(f'the robot is lame, and stays as it is: {self._lameness.fault}')
+        if self._waits_for_stand:
+            raise GaitError(f'the robot stays as it is: {self._why_still()}')
         self.stop()
         self._is_to_sit = True
         return 'the robot stops at the end of its gait cycle and sits down, until stand is called'
@@ -295,10 +357,13 @@ class WalkController:
             to do: :attr:`activity` and :attr:`reason` say why.
         """
         options = self._options
-        if now.time < self._last_time - 1.0:
-            # The clock was set back: whatever was scheduled is void.
+        if now.was_moved or now.time < self._last_time - 1.0:
+            # Something else moved the robot, or the clock was set: what was scheduled is void.
             self._forget_schedule()
-        self._last_time = now.time
+            self._forget_commands()
+        self._last, self._last_time = now, now.time
+        if self._is_frozen:
+            return None
         fault = self._watched(now)
         if now.tilt > options.largest_tilt:
             return self._given(self._fall(now), now)
@@ -314,6 +379,8 @@ class WalkController:
     def _walk_on(self, now: Measurement) -> JointTrajectory | None:
         """Give out the next trajectory of a sound robot, if it is time."""
         options = self._options
+        if now.problem and now.joint_positions is not None:
+            return self._wait_for_sensors(now)
         if self._stride is not None:
             return self._go_on_with_stride(now)
         follow_on = self._sequence.at(now.time)
@@ -391,6 +458,18 @@ class WalkController:
 
     # What to do next
 
+    def _wait_for_sensors(self, now: Measurement) -> None:
+        """Let what was given out come to its end, which is at rest, and begin nothing."""
+        current = self._sequence.at(now.time)
+        if current is not None and current.cycle.exit:
+            self._come_to_rest(current)
+            self._decided_after = current.start
+        if current is not None or now.time < self._busy_until:
+            self.limit = f'the robot comes to rest: {now.problem}'
+        elif self.activity not in (Activity.FALLEN, Activity.EMERGENCY_STOP):
+            self.limit = ''
+            self._set_activity(Activity.WAITING, now.problem)
+
     def _begin(self, now: Measurement) -> JointTrajectory | None:
         """Decide for a robot whose last cycle has ended at rest."""
         if self._has_fallen:
@@ -398,9 +477,12 @@ class WalkController:
                 Activity.FALLEN, 'the robot has fallen and is upright again; it waits for stand'
             )
             return None
+        if self._waits_for_stand:
+            self._set_activity(Activity.STOPPED, self._waits_for_stand)
+            return None
         self._take_new_wishes(now.pose)
         if now.joint_positions is None:
-            self._set_activity(Activity.WAITING, 'no joint states yet')
+            self._set_activity(Activity.WAITING, now.problem or 'no joint states yet')
             return None
         if not self._is_at_rest(now):
             self._still_since = math.inf
@@ -547,6 +629,10 @@ class WalkController:
             if not entry and self.activity not in _SAID:
                 self._set_activity(Activity.STANDING, self._why_standing())
             return None
+        if self._plan_waits_for:
+            if not entry:
+                self._set_activity(Activity.WAITING, self._plan_waits_for)
+            return None
         step = self._follower.next_step(pose, entry)
         if step is None:
             # Whatever moves the robot from now on, the job is done until a new plan comes.
@@ -576,9 +662,29 @@ class WalkController:
     def _given(
         self, trajectory: JointTrajectory | None, now: Measurement
     ) -> JointTrajectory | None:
-        if trajectory is not None:
-            self._watch.expect(trajectory, now.time)
+        """Let a trajectory through the last gate; what does not pass stops the robot."""
+        if trajectory is None:
+            return None
+        measured = now.joint_positions
+        if measured is None:
+            measured = self._robot.initial_joint_angles.reshape(-1)
+        try:
+            self._gate.admit(trajectory, now.time, measured)
+        except TrajectoryError as error:
+            self._forget_schedule()
+            # The last one that passed ends at rest.
+            self._busy_until = self._gate.end
+            if self._lameness is None and not self._has_fallen:
+                self._give_up(Activity.STOPPED, f'{error}; the robot stops')
+            self.limit = str(error)
+            return None
+        self._watch.expect(trajectory, now.time)
         return trajectory
+
+    def _forget_commands(self) -> None:
+        """Know nothing of what the joints are commanded."""
+        self._gate.forget()
+        self._watch.forget()
 
     def _watched(self, now: Measurement) -> JointFault | None:
         """Compare the joints with their commands; return the one that has failed."""
@@ -615,8 +721,8 @@ class WalkController:
 
     def _go_lame(self, fault: JointFault, now: Measurement) -> None:
         """Leave everything else, and come to a standstill."""
-        commanded = self._watch.commanded(now.time)
-        assert commanded is not None
+        assert now.joint_positions is not None
+        commanded, _ = self._gate.command(now.time, now.joint_positions)
         standing = self.in_contact_at(now.time)
         stop = LameStop(self._robot, fault, commanded.reshape(4, 3), standing)
         self._lameness = Lameness(self._robot, fault, stop)
@@ -628,9 +734,10 @@ class WalkController:
 
     def _be_lame(self, lameness: Lameness, now: Measurement) -> JointTrajectory | None:
         """Come to a standstill, and stay so until the joint answers again."""
-        if now.joint_positions is None:
+        if now.joint_positions is None or now.problem:
             return None
-        trajectory = lameness.update(self._stance_at(now))
+        commanded, _ = self._gate.command(now.time, now.joint_positions)
+        trajectory = lameness.update(self._stance_at(now), commanded.reshape(4, 3))
         self._busy_until = lameness.stop.end
         self._set_activity(Activity.LAME, str(lameness))
         if lameness.is_over:
@@ -675,9 +782,18 @@ class WalkController:
             self._wanted = None
             self._has_new_plan = True
 
-    def _refuse(self, wish: str) -> None:
-        assert self._lameness is not None
-        self.limit = f'{wish} is refused: {self._lameness.fault.name} does not answer'
+    def _is_refused(self, wish: str) -> bool:
+        """Return, and say, whether nothing is to be begun now."""
+        if self._lameness is not None:
+            self.limit = f'{wish} is refused: {self._lameness.fault.name} does not answer'
+        elif self._waits_for_stand:
+            self.limit = f'{wish} is refused: {self._why_still()}'
+        else:
+            return False
+        return True
+
+    def _why_still(self) -> str:
+        return 'the emergency stop is on' if self._is_frozen else self._waits_for_stand
 
     def _give_up(self, activity: Activity, reason: str) -> None:
         self._follower.follow(None, Pose2D(0.0, 0.0, 0.0))
@@ -708,13 +824,14 @@ class WalkController:
         self._forget_schedule()
         if not is_new or now.joint_positions is None:
             return None
-        still = np.zeros_like(now.joint_positions)
+        target = self._gate.limits.clip(now.joint_positions)
+        duration = self._gate.time_to(now.time, now.joint_positions, target)
         return JointTrajectory(
             joint_names=self._robot.joint_names,
-            stamp=now.time + _LAST_MOMENT,
+            stamp=now.time + max(_LAST_MOMENT, duration),
             times=np.array([0.0]),
-            positions=now.joint_positions[None],
-            velocities=still[None],
+            positions=target[None],
+            velocities=np.zeros_like(target)[None],
         )
 
     def _forget_schedule(self) -> None:
@@ -734,11 +851,13 @@ class WalkController:
 
     def _take_posture(self, time: float, joint_positions: Array, posture: Array) -> JointTrajectory:
         options = self._options
+        start = self._gate.limits.clip(joint_positions)
+        lead_time = max(options.lead_time, self._gate.time_to(time, joint_positions, start))
         trajectory = posture_trajectory(
             self._robot,
-            joint_positions,
+            start,
             posture,
-            stamp=time + options.lead_time,
+            stamp=time + lead_time,
             duration=options.stand_up_time,
             sample_period=options.sample_period,
         )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import (
+    EmergencyStopped,
     NotSimulated,
     ObstacleOnRobot,
     ParameterError,
@@ -20,18 +21,16 @@ from quad_common.joint_trajectory import JointTrajectory
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
+from quad_common.trajectory_executor import TrajectoryExecutor
+from quad_common.trajectory_gate import JointLimits
 from quad_sim.appearance import Appearance
 from quad_sim.camera import Picture, SimulatedCamera
 from quad_sim.joint_failure import JointFailure
 from quad_sim.kinematic_simulator import KinematicSimulator
 from quad_sim.simulator import Contact, Observation, Simulator, VisibleSimulator
-from quad_sim.trajectory_executor import TrajectoryExecutor
 from quad_sim.world import Obstacle, World, world_from_map
 
 Array = NDArray[np.float64]
-
-_JUMP = 0.01
-"""A command that changes by more at once has jumped [rad]."""
 
 BACKENDS = ('bullet', 'kinematic')
 
@@ -161,7 +160,11 @@ class Simulation:
         self._robot = robot
         self._footprint_radius = robot.footprint_radius
         self._initial_joints = robot.initial_joint_angles.reshape(-1)
-        self._executor = TrajectoryExecutor(robot.joint_names, self._initial_joints)
+        self._limits = JointLimits.of(robot)
+        self._executor = TrajectoryExecutor(
+            robot.joint_names, self._initial_joints, self._limits.velocity
+        )
+        self._is_frozen = False
         self._start_pose = start_pose
         self._failure: JointFailure | None = None
         self.failed: JointFailure | None = None
@@ -194,14 +197,37 @@ class Simulation:
         self.late_trajectories = 0
 
     def accept(self, trajectory: JointTrajectory) -> None:
-        """Hand a trajectory to the controller; see :meth:`TrajectoryExecutor.accept`."""
-        before, _ = self._executor.command(self.time)
-        self._executor.accept(trajectory, self.time)
-        after, _ = self._executor.command(self.time)
-        is_late = trajectory.stamp > 0.0 and trajectory.stamp + trajectory.times[0] < self.time
-        # One that goes on with what runs begins in the past, and is not late.
-        if is_late and float(np.max(np.abs(after - before))) > _JUMP:
+        """
+        Hand a trajectory to the controller; see :meth:`TrajectoryExecutor.accept`.
+
+        Raises
+        ------
+        CommandOutsideLimits
+            If it asks for more than the joints can do.
+        EmergencyStopped
+            If the emergency stop is on.
+        """
+        if self._is_frozen:
+            raise EmergencyStopped
+        self._check_limits(trajectory)
+        if not self._executor.accept(trajectory, self.time):
             self.late_trajectories += 1
+
+    def freeze(self, is_frozen: bool) -> None:
+        """Hold all joints where they are commanded now, or take trajectories again."""
+        if is_frozen and not self._is_frozen:
+            self._executor.hold(self._executor.command(self.time)[0])
+        self._is_frozen = is_frozen
+
+    def _check_limits(self, trajectory: JointTrajectory) -> None:
+        names = self._limits.joint_names
+        if sorted(trajectory.joint_names) != sorted(names):
+            # The executor says which one lacks, or is not known.
+            return
+        order = [trajectory.joint_names.index(name) for name in names]
+        self._limits.check(
+            trajectory.times, trajectory.positions[:, order], trajectory.velocities[:, order]
+        )
 
     def plan_failure(self, failure: JointFailure | None) -> None:
         """

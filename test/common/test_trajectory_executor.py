@@ -6,7 +6,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from quad_common.errors import JointNotFound, TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
-from quad_sim.trajectory_executor import TrajectoryExecutor
+from quad_common.trajectory_executor import TrajectoryExecutor
 
 NAMES = ('a', 'b', 'c')
 HELD = np.array([0.1, 0.2, 0.3])
