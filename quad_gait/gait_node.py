@@ -12,6 +12,7 @@ if __name__ == '__main__':
 
 import math
 import time
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -20,8 +21,8 @@ from geometry_msgs.msg import PolygonStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState, PointCloud2
-from std_msgs.msg import Float64
-from std_srvs.srv import Trigger
+from std_msgs.msg import Bool, Float64, Header
+from std_srvs.srv import SetBool, Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
@@ -35,8 +36,8 @@ from quad_common.ros_conversions import (
     most_plan_bytes,
     orientation_from_odometry,
     plan_from_message,
+    pose_from_message,
     seconds_from_time,
-    tilt_from_odometry,
 )
 from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode
 from quad_common.run_node import run_node
@@ -47,7 +48,6 @@ from quad_gait.measurement import Measurement
 from quad_gait.parameters import GaitParameters
 from quad_gait.path_follower import FollowerOptions
 from quad_gait.ros_conversions import (
-    JointReadings,
     foothold_markers,
     imu_from_message,
     joints_from_message,
@@ -56,6 +56,7 @@ from quad_gait.ros_conversions import (
     trajectory_message,
     twist_from_message,
 )
+from quad_gait.sensor_inputs import InputOptions, SensorInputs
 from quad_gait.slip_compensation import compensation_for
 from quad_gait.swing_planner import UnevenOptions
 from quad_gait.uneven_stride import check_suits_uneven_ground
@@ -70,6 +71,7 @@ _LEVELS = {
     Activity.FALLEN: ERROR,
     Activity.LAME: ERROR,
     Activity.NOT_EXECUTED: ERROR,
+    Activity.EMERGENCY_STOP: ERROR,
 }
 
 
@@ -104,9 +106,9 @@ class GaitNode(QuadNode[GaitParameters]):
         self._is_uneven = p.ground == 'uneven'
         self._odometry = LegOdometry(self._robot)
         self._is_placed = p.odom_topic == 'odom/legs' or p.leg_odometry_start == 'origin'
-        self._joints: JointReadings | None = None
-        self._imu: tuple[Any, float | None] = (None, None)
-        self._heard_odometry_at: float | None = None
+        self._inputs = SensorInputs(self._robot, InputOptions(p.joint_timeout, p.imu_timeout))
+        self._odometry_received_at: float | None = None
+        self._planner_alive_at: float | None = None
         self._published_footholds: Any = None
         self._distance_left = 0.0
         self._frame = 'odom'
@@ -142,6 +144,9 @@ class GaitNode(QuadNode[GaitParameters]):
             self.create_subscription(
                 PointCloud2, 'height_map', self.guarded(self._on_height_map), _LATCHED
             )
+        self.create_subscription(Header, 'plan/heartbeat', self._on_heartbeat, 10)
+        self._emergency_stop = self.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
+        self.create_service(SetBool, 'emergency_stop', self._on_emergency_stop)
         self.create_service(Trigger, 'stand', partial(self._on_request, self._controller.stand))
         self.create_service(Trigger, 'sit', partial(self._on_request, self._controller.sit))
         self.create_service(Trigger, 'stop', partial(self._on_request, self._controller.stop))
@@ -160,10 +165,10 @@ class GaitNode(QuadNode[GaitParameters]):
     def update_status(self) -> None:
         """Say what the robot does, or why it does not move."""
         clock_problem = self.clock_problem()
-        heard = self._heard_odometry_at
+        received = self._odometry_received_at
         if clock_problem is not None:
             self.report(STALE, clock_problem)
-        elif heard is None or time.monotonic() - heard > self.parameters.odom_timeout:
+        elif received is None or time.monotonic() - received > self.parameters.odom_timeout:
             self.report(WARN, f"no odometry: waiting for it on '{self.parameters.odom_topic}'")
         else:
             controller = self._controller
@@ -197,6 +202,9 @@ class GaitNode(QuadNode[GaitParameters]):
             heard = self._plan_heard
             self._followed_plans.publish(heard if followed else Path(header=heard.header))
 
+    def _on_heartbeat(self, _: Header) -> None:
+        self._planner_alive_at = time.monotonic()
+
     def _on_cmd_vel(self, message: Twist | TwistStamped) -> None:
         twist = message.twist if isinstance(message, TwistStamped) else message
         self._controller.set_twist(twist_from_message(twist))
@@ -207,48 +215,43 @@ class GaitNode(QuadNode[GaitParameters]):
         self._controller.set_height_map(height_map_from_message(message, frames))
 
     def _on_imu(self, message: Imu) -> None:
-        self._imu = imu_from_message(message)
+        orientation, yaw_rate = imu_from_message(message)
+        stamp = seconds_from_time(message.header.stamp)
+        self._inputs.take_imu(stamp or None, orientation, yaw_rate)
 
     def _on_joint_states(self, message: JointState) -> None:
-        self._joints = joints_from_message(message, self._robot)
+        readings = joints_from_message(message, self._robot)
         stamp = message.header.stamp
-        if self._is_placed:
+        if self._inputs.take_joints(readings) and self._is_placed:
             odometry = self._odometry
             now = seconds_from_time(stamp)
             # Level feet stand, on flat ground; elsewhere those that do not swing.
             standing = self._controller.in_contact_at(now) if self._is_uneven else None
-            odometry.update(now, self._joints.positions, standing, *self._imu)
+            odometry.update(now, readings.positions, standing, *self._inputs.imu)
             if self._leg_odometry.get_subscription_count() > 0:
                 is_own = self.parameters.leg_odometry_start == 'origin'
                 frame = 'odom' if is_own else self._frame
                 self._leg_odometry.publish(leg_odometry_message(odometry, frame, stamp))
 
     def _on_odometry(self, message: Odometry) -> None:
-        self._heard_odometry_at = time.monotonic()
-        self._frame = message.header.frame_id
         stamp = message.header.stamp
+        pose = pose_from_message(message.pose.pose, 'odometry')
+        orientation = orientation_from_odometry(message)
+        now = self._inputs.take_odometry(seconds_from_time(stamp), pose, orientation)
+        if now is None:
+            return
+        self._odometry_received_at = time.monotonic()
+        self._frame = message.header.frame_id
         pose, odometry = self._map.locate(message)
+        now = replace(now, pose=pose, odometry=odometry)
         # What is worked out from the pose on the map is in its frame.
         frame = self._frame if self._map.frame.correction is None else self._map.frame.name
         if not self._is_placed:
             # From here on the legs tell; where the robot was put they cannot know.
             self._odometry.reset(odometry)
             self._is_placed = True
-        joints, orientation = self._joints, self._imu[0]
-        if orientation is None:
-            orientation = orientation_from_odometry(message)
-        now = Measurement(
-            time=seconds_from_time(stamp),
-            pose=pose,
-            tilt=max(tilt_from_odometry(message), _tilt_of(self._imu[0])),
-            joint_positions=None if joints is None else joints.positions,
-            joint_velocities=None if joints is None else joints.velocities,
-            orientation=orientation,
-            joint_efforts=None if joints is None else joints.efforts,
-            joint_time=None if joints is None else joints.time,
-            odometry=odometry,
-        )
         controller = self._controller
+        controller.hold_plan(self._planner_problem())
         said = (controller.reason, controller.limit)
         trajectory = controller.update(now)
         if trajectory is not None:
@@ -263,6 +266,13 @@ class GaitNode(QuadNode[GaitParameters]):
         if (controller.reason, controller.limit) != said:
             self._distance_left = controller.distance_left(pose)
             self.update_status()
+
+    def _planner_problem(self) -> str:
+        """Say that the planner is gone; empty if it lives, or is not watched."""
+        timeout, alive_at = self.parameters.planner_timeout, self._planner_alive_at
+        if not timeout or alive_at is None or time.monotonic() - alive_at <= timeout:
+            return ''
+        return f'no heartbeat of the planner for {timeout:g} s: the plan waits for it'
 
     def _publish_stability(self, now: Measurement, frame: str, stamp: Any) -> None:
         controller = self._controller
@@ -292,13 +302,22 @@ class GaitNode(QuadNode[GaitParameters]):
         self._say_what_is_followed()
         return response
 
-
-def _tilt_of(orientation: Any) -> float:
-    """Angle between the body's z axis and the vertical by the imu; 0 without one [rad]."""
-    if orientation is None:
-        return 0.0
-    x, y, _, _ = orientation
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * float(x * x + y * y))))
+    def _on_emergency_stop(
+        self, request: SetBool.Request, response: SetBool.Response
+    ) -> SetBool.Response:
+        """Freeze the robot at once, or release it."""
+        response.success = True
+        if request.data:
+            hold = self._controller.freeze()
+            if hold is not None:
+                self._trajectories.publish(trajectory_message(hold))
+            response.message = 'all joints hold until the emergency stop is released'
+        else:
+            response.message = self._controller.release()
+        self._emergency_stop.publish(Bool(data=request.data))
+        self._say_what_is_followed()
+        self.update_status()
+        return response
 
 
 def _follower_options(p: GaitParameters) -> FollowerOptions:

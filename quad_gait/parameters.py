@@ -125,3 +125,27 @@ class GaitParameters:
         1.0, "Largest radius of a rounded corner, with turning 'arc'.", 'm', 0.01, 100.0
     )
     odom_timeout: float = parameter(1.0, 'Older odometry is said to be missing.', 's', lower=0.05)
+    joint_timeout: float = parameter(
+        0.2,
+        'Joint states that are older than the odometry by more are missing: the robot comes to '
+        'rest.',
+        's',
+        lower=0.02,
+        upper=10.0,
+    )
+    imu_timeout: float = parameter(
+        0.2,
+        "The imu's readings that are older than the odometry by more are left out: the "
+        "odometry's attitude takes their place.",
+        's',
+        lower=0.02,
+        upper=10.0,
+    )
+    planner_timeout: float = parameter(
+        3.0,
+        'Without a heartbeat of its planner for so long, by the wall clock, a plan waits; 0: it is '
+        'followed to its end. Planners that have no heartbeat are not watched.',
+        's',
+        lower=0.0,
+        upper=3600.0,
+    )

@@ -5,7 +5,6 @@ Conversions between ROS messages and the gait generator's values.
 from __future__ import annotations
 
 from array import array
-from typing import NamedTuple
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
@@ -29,6 +28,7 @@ from quad_common.ros_conversions import (
     unit_quaternion,
 )
 from quad_gait.leg_odometry import LegOdometry
+from quad_gait.sensor_inputs import JointReadings
 
 Array = NDArray[np.float64]
 
@@ -70,19 +70,6 @@ def trajectory_message(trajectory: JointTrajectory) -> JointTrajectoryMessage:
         )
     ]
     return message
-
-
-class JointReadings(NamedTuple):
-    """What is known of the robot's joints, each of shape (12,) in the robot's order."""
-
-    positions: Array
-    """[rad]"""
-    velocities: Array | None
-    """[rad/s]; None if they are not given."""
-    efforts: Array | None
-    """[N m]; None if they are not given."""
-    time: float | None = None
-    """When they were measured [s]; None if the message has no stamp."""
 
 
 def joints_from_message(message: JointState, robot: Robot) -> JointReadings:

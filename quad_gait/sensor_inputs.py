@@ -127,14 +127,16 @@ class SensorInputs:
         self._joints = readings
         return True
 
-    def take_imu(self, time: float, orientation: Array | None, yaw_rate: float | None) -> None:
+    def take_imu(
+        self, time: float | None, orientation: Array | None, yaw_rate: float | None
+    ) -> None:
         """
         Take what an imu says.
 
         Parameters
         ----------
-        time : float
-            When it was measured [s].
+        time : float or None
+            When it was measured [s]; None if that is not known.
         orientation : ndarray, shape (4,), or None
             Unit quaternion xyzw; None if it is not measured.
         yaw_rate : float or None
@@ -145,14 +147,14 @@ class SensorInputs:
         InvalidMessage
             If the body cannot have turned like that; it is left out then.
         """
-        if orientation is not None:
+        if orientation is not None and time is not None:
             self._imu_check.take(time, orientation)
         if yaw_rate is not None and abs(yaw_rate) > _TURN_SPEED:
             raise InvalidMessage(
                 'imu', f'its yaw rate is {yaw_rate:.4g} rad/s; {_TURN_SPEED:g} are the most'
             )
         self._imu = (orientation, yaw_rate)
-        self._imu_time = time
+        self._imu_time = self._pose_check.time if time is None else time
 
     def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
         """

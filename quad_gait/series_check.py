@@ -18,7 +18,8 @@ from quad_common.errors import InvalidMessage
 Value = TypeVar('Value')
 
 LONGEST_GAP = 5.0
-"""Time between two readings of a series, at most [s]: faster than real time a short pause is long."""
+"""Time between two readings of a series, at most [s]; many times faster than real time a short
+pause of the machine is that long."""
 
 LEAST_TIME = 0.2
 """Time that readings fit one another before they are a series of their own [s]."""

@@ -180,11 +180,6 @@ class WalkController:
         """What keeps the robot from doing all that was asked for; empty if nothing does."""
 
     @property
-    def wanted_plan(self) -> Plan | None:
-        """The plan that is to be followed; None once it is done, or something else is wished."""
-        return self._wanted
-
-    @property
     def cycle(self) -> Cycle | None:
         """The cycle that was planned last."""
         last = self._sequence.last
@@ -257,7 +252,7 @@ class WalkController:
         self._steering.wish(twist, self._last_time)
 
     def hold_plan(self, reason: str) -> None:
-        """Let the plan wait from the next cycle on, for a reason; go on with it if that is empty."""
+        """Let the plan wait from the next cycle on, for a reason; none: go on with it."""
         self._plan_waits_for = reason
 
     def freeze(self) -> JointTrajectory | None:
@@ -380,7 +375,8 @@ class WalkController:
         """Give out the next trajectory of a sound robot, if it is time."""
         options = self._options
         if now.problem and now.joint_positions is not None:
-            return self._wait_for_sensors(now)
+            self._wait_for_sensors(now)
+            return None
         if self._stride is not None:
             return self._go_on_with_stride(now)
         follow_on = self._sequence.at(now.time)

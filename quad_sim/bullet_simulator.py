@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.camera_file import quaternion_from_matrix
-from quad_common.errors import MissingOptionalDependency
+from quad_common.errors import MissingOptionalDependency, ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import LEGS, Robot
 from quad_common.temporary_folder import temporary_folder
@@ -198,7 +198,15 @@ class BulletSimulator:
             Wanted [rad], in the order of ``Robot.joint_names``.
         joint_velocities : ndarray, shape (12,)
             Wanted [rad/s].
+
+        Raises
+        ------
+        ParameterError
+            If one of them is not finite: that would stay in Bullet's world for ever.
         """
+        for name, values in (('positions', joint_positions), ('velocities', joint_velocities)):
+            if not np.isfinite(values).all():
+                raise ParameterError(f'joint_{name}', list(values), 'finite numbers')
         self._command(joint_positions, joint_velocities)
         self._last_velocity = np.array(self._bullet.getBaseVelocity(self._body)[0])
         self._bullet.stepSimulation()

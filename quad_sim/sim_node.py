@@ -24,7 +24,7 @@ from rclpy.qos import (
 )
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, PointCloud2
-from std_msgs.msg import String
+from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
@@ -129,6 +129,7 @@ class SimNode(QuadNode[SimParameters]):
             MarkerArray, 'obstacles', self._on_obstacles, 10, most_bytes=MOST_OBSTACLE_BYTES
         )
         self.create_subscription(PoseStamped, 'goal_marker', self._on_goal_marker, 10)
+        self.create_subscription(Bool, 'emergency_stop/active', self._on_emergency_stop, _LATCHED)
         self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)
@@ -197,6 +198,8 @@ class SimNode(QuadNode[SimParameters]):
             self.report(WARN, f'{failed.joint} is {failed.kind}; reset repairs it', **values)
         elif contacts:
             self.report(WARN, f'contact: {contacts}', **values)
+        elif simulation.is_frozen:
+            self.report(WARN, 'the emergency stop is on: no trajectory is executed', **values)
         elif self._is_paused:
             self.report(OK, 'paused', **values)
         else:
@@ -286,6 +289,10 @@ class SimNode(QuadNode[SimParameters]):
     def _on_trajectory(self, message: JointTrajectory) -> None:
         longest = self.parameters.longest_trajectory
         self._simulation.accept(trajectory_from_message(message, longest))
+
+    def _on_emergency_stop(self, message: Bool) -> None:
+        self._simulation.freeze(message.data)
+        self.update_status()
 
     def _on_obstacles(self, message: MarkerArray) -> None:
         p = self.parameters

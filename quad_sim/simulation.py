@@ -164,7 +164,8 @@ class Simulation:
         self._executor = TrajectoryExecutor(
             robot.joint_names, self._initial_joints, self._limits.velocity
         )
-        self._is_frozen = False
+        self.is_frozen = False
+        """Whether the joints hold, and no trajectory is executed."""
         self._start_pose = start_pose
         self._failure: JointFailure | None = None
         self.failed: JointFailure | None = None
@@ -207,7 +208,7 @@ class Simulation:
         EmergencyStopped
             If the emergency stop is on.
         """
-        if self._is_frozen:
+        if self.is_frozen:
             raise EmergencyStopped
         self._check_limits(trajectory)
         if not self._executor.accept(trajectory, self.time):
@@ -215,9 +216,9 @@ class Simulation:
 
     def freeze(self, is_frozen: bool) -> None:
         """Hold all joints where they are commanded now, or take trajectories again."""
-        if is_frozen and not self._is_frozen:
+        if is_frozen and not self.is_frozen:
             self._executor.hold(self._executor.command(self.time)[0])
-        self._is_frozen = is_frozen
+        self.is_frozen = is_frozen
 
     def _check_limits(self, trajectory: JointTrajectory) -> None:
         names = self._limits.joint_names
