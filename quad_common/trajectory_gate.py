@@ -24,11 +24,15 @@ Array = NDArray[np.float64]
 POSITION_TOLERANCE = 1e-6
 """Rounding error of positions that passes [rad]."""
 
+_VELOCITY_ROUNDING = 1e-6
+"""Rounding error of velocities that passes [rad/s]."""
+
 CONTROL_PERIOD = 0.02
 """Time in which a command may get where another trajectory, which already runs, is [s]."""
 
-VELOCITY_TOLERANCE = 0.01
-"""Fraction of a joint's largest velocity by which interpolation may exceed it."""
+VELOCITY_TOLERANCE = 0.03
+"""Fraction of a joint's largest velocity by which it may be exceeded between two points; at the
+points themselves it may not."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,8 @@ class JointLimits:
         """
         lower, upper, fastest = self._most
         self._compare('position', 'rad', positions, lower, upper)
-        self._compare('velocity', 'rad/s', velocities, -fastest, fastest)
+        exactly = self.velocity + _VELOCITY_ROUNDING
+        self._compare('velocity', 'rad/s', velocities, -exactly, exactly)
         if len(times) < 2:
             return
         h = np.diff(times)[:, None]
