@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 CONTACT_HEIGHT = 0.01
 """A foot no higher above the lowest than this share of the hips' height is on the ground."""
 
+LARGEST_ANGLE = 20.0
+"""Angle of a joint, however its turns are counted [rad]."""
+
 LONGEST_STEP = 0.5
 """Between updates; after a longer silence nothing is known of what happened meanwhile [s]."""
 
@@ -178,8 +181,9 @@ class LegOdometry:
         Raises
         ------
         InvalidMessage
-            If a number is not finite, a shape is wrong or the quaternion is no rotation;
-            the update then counts for nothing.
+            If a number is not finite, a shape is wrong, a joint is beyond
+            :data:`LARGEST_ANGLE` or the quaternion is no rotation; the update then counts
+            for nothing.
         """
         now = self._sample(time, joint_positions, in_contact, orientation, yaw_rate)
         before, self._last = self._last, now
@@ -225,6 +229,11 @@ class LegOdometry:
         if yaw_rate is not None and not math.isfinite(yaw_rate):
             raise InvalidMessage('imu', f'its yaw rate is {yaw_rate}')
         angles = _finite('joint state', joint_positions, (len(self._robot.joint_names),))
+        if np.abs(angles).max() > LARGEST_ANGLE:
+            raise InvalidMessage(
+                'joint state',
+                f'a joint is at {np.abs(angles).max():.4g} rad; {LARGEST_ANGLE:g} are the most',
+            )
         joint_angles = angles.reshape(len(LEGS), -1)
         tilt, heading = np.eye(3), None
         if orientation is not None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,8 +54,7 @@ class InputOptions:
     """Age of the imu's readings at which the odometry's attitude takes their place [s]."""
 
 
-@dataclass(frozen=True)
-class JointReadings:
+class JointReadings(NamedTuple):
     """What was read of the robot's joints, each of shape (12,) in the robot's order."""
 
     positions: Array
