@@ -1,0 +1,82 @@
+"""The robot stops when it is told to, and when its planner is gone; over topics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy')
+
+from builtin_interfaces.msg import Time
+from harness import ERROR, LATCHED, OK, WARN, Bench
+from nav_msgs.msg import Path
+from std_msgs.msg import Header
+from std_srvs.srv import SetBool
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_planner.ros_conversions import path_message
+
+pytestmark = pytest.mark.ros
+
+GOAL = Pose2D(1.8, 1.2, 0.0)
+
+
+def fastest_joint(bench: Bench) -> float:
+    return float(np.abs(bench.joint_states.velocity).max())
+
+
+def test_an_emergency_stop_freezes_the_robot_until_it_is_released(bench: Bench):
+    bench.start_robot(backend='bullet', real_time_factor=2.0)
+    bench.give_goal(GOAL)
+    bench.wait_for_walking()
+    bench.wait_until('a leg swings', lambda: fastest_joint(bench) > 0.5)
+    assert bench.call('emergency_stop', SetBool, SetBool.Request(data=True)).success
+    stopped_at = bench.elapsed
+    bench.wait_until('the joints are still', lambda: fastest_joint(bench) < 0.05)
+    assert bench.elapsed - stopped_at < 0.2
+    bench.wait_for_status('gait_node', 'emergency stop', level=ERROR)
+    bench.wait_for_status('sim_node', 'the emergency stop is on', level=WARN)
+
+    there = bench.pose
+    bench.give_goal(Pose2D(2.0, 1.2, 0.0))
+    bench.wait_until('five seconds pass', lambda: bench.elapsed - stopped_at > 5.0)
+    assert bench.pose.distance_to(there) < 2e-3
+    assert bench.call('emergency_stop', SetBool, SetBool.Request(data=False)).success
+    bench.wait_for_status('gait_node', 'it waits for stand', level=ERROR)
+    bench.wait_until('three more pass', lambda: bench.elapsed - stopped_at > 8.0)
+    assert bench.pose.distance_to(there) < 2e-3
+
+    assert bench.call('stand').success
+    bench.give_goal(GOAL)
+    bench.wait_for_arrival(GOAL)
+    assert bench.statuses['sim_node'].values['has_fallen'] == 'False'
+
+
+def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(bench: Bench):
+    bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
+    bench.start('gait_node', planner_timeout=1.0)
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.wait_for_robot()
+    start = bench.pose
+    heartbeat = bench.publisher(Header, 'plan/heartbeat', 10)
+    plan = Plan.through([[start.x, start.y], [start.x + 2.0, start.y]], 0.0)
+    bench.publisher(Path, 'plan', LATCHED).publish(path_message(plan, 'map', Time()))
+
+    def lives() -> bool:
+        heartbeat.publish(Header())
+        return bench.pose.distance_to(start) > 0.15
+
+    bench.wait_until('the robot walks', lives)
+    # From here on nobody says that the planner lives.
+    bench.wait_for_status('gait_node', 'no heartbeat of the planner for 1 s', level=WARN)
+    waiting = bench.pose
+    since = bench.elapsed
+    bench.wait_until('eight seconds pass', lambda: bench.elapsed - since > 8.0)
+    assert bench.pose.distance_to(waiting) < 2e-3
+
+    def goes_on() -> bool:
+        heartbeat.publish(Header())
+        return bench.pose.distance_to(waiting) > 0.1
+
+    bench.wait_until('the robot goes on', goes_on)
