@@ -5,7 +5,7 @@ A walk without topics on a machine that is busy: trajectories come late or never
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +14,8 @@ from quad_cli.direct_walk import DirectWalk
 from quad_common.errors import TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import Robot
-from quad_gait.measurement import Measurement
 from quad_gait.walk_controller import WalkController
+from quad_gait.sensor_inputs import JointReadings
 from quad_sim.simulator import Observation
 
 
