@@ -14,8 +14,8 @@ from quad_cli.direct_walk import DirectWalk
 from quad_common.errors import TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import Robot
-from quad_gait.walk_controller import WalkController
 from quad_gait.sensor_inputs import JointReadings
+from quad_gait.walk_controller import WalkController
 from quad_sim.simulator import Observation
 
 
