@@ -28,6 +28,9 @@ _AFTER_FAILURE = 0.02
 """Pause after something that might fail again at once [s]."""
 
 
+_MOST_ITEMS = 1000
+"""In a sequence of a request: names, parameters."""
+
 _PARAMETER_TYPES = frozenset(kind.value for kind in Parameter.Type)
 
 
@@ -177,11 +180,9 @@ class GuardedNode(Node):
     def _guarded_service(
         self, srv_type: Any, srv_name: str, callback: Callable[..., Any]
     ) -> Guarded:
-        if srv_type in (SetParameters, SetParametersAtomically):
-            # rclpy's own: it raises where a type is none.
-            callback = partial(_checked_first, _check_parameter_types, callback)
-        what = f"a request to '{srv_name}'"
-        return Guarded(self._net, what, callback, partial(_refusal, srv_type))
+        what = f"request to '{srv_name}'"
+        callback = partial(_checked_first, partial(_check_request, what), callback)
+        return Guarded(self._net, f'a {what}', callback, partial(_refusal, srv_type))
 
     def create_guard_condition(
         self, callback: Callable[[], None], *args: Any, **kwargs: Any
@@ -211,15 +212,20 @@ def _checked_first(
     return callback(message, *rest)
 
 
-def _check_parameter_types(request: Any) -> None:
-    """Raise InvalidMessage if a parameter is of no type that there is."""
-    for parameter in request.parameters:
-        if parameter.value.type not in _PARAMETER_TYPES:
-            raise InvalidMessage(
-                'change of parameters',
-                f'the type of {quoted(parameter.name)} is {parameter.value.type}; '
-                f'known are {min(_PARAMETER_TYPES)} to {max(_PARAMETER_TYPES)}',
-            )
+def _check_request(what: str, request: Any) -> None:
+    """Raise InvalidMessage if a request is longer than any has to be, or rclpy would raise."""
+    for field in request.get_fields_and_field_types():
+        value = getattr(request, field)
+        if not isinstance(value, str) and hasattr(value, '__len__') and len(value) > _MOST_ITEMS:
+            raise InvalidMessage(what, f'its {field} are {len(value)}; {_MOST_ITEMS} are the most')
+    if isinstance(request, (SetParameters.Request, SetParametersAtomically.Request)):
+        for parameter in request.parameters:
+            if parameter.value.type not in _PARAMETER_TYPES:
+                raise InvalidMessage(
+                    what,
+                    f'the type of {quoted(parameter.name)} is {parameter.value.type}; '
+                    f'known are {min(_PARAMETER_TYPES)} to {max(_PARAMETER_TYPES)}',
+                )
 
 
 def _taken_apart(
@@ -228,7 +234,13 @@ def _taken_apart(
     """Hand a message on that came as bytes, unless it has too many of them."""
     if len(data) > most_bytes:
         raise InvalidMessage(what, f'it has {len(data)} bytes; {most_bytes} are the most')
-    callback(deserialize_message(data, msg_type))
+    try:
+        message = deserialize_message(data, msg_type)
+    except Exception as error:
+        # The middleware's own kind of error, for a message that is cut off or none at all. What
+        # is not asked for as bytes it drops in silence.
+        raise InvalidMessage(what, 'its bytes are no message of its type') from error
+    callback(message)
 
 
 def _refusal(srv_type: Any, sentence: str) -> Any:

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from quad_common.errors import MapError
 from quad_common.guarded_node import Guarded
-from quad_common.ros_node import ERROR, QuadNode
+from quad_common.ros_node import ERROR, OK, QuadNode
 from quad_common.run_node import make_executor
 
 pytestmark = pytest.mark.ros
@@ -135,10 +135,12 @@ def test_a_parameter_of_no_type_is_refused_in_the_answer(make, kind):
     answer = service.callback(kind.Request(parameters=[wrong]), kind.Response())
     [result] = answer.results if kind is SetParameters else [answer.result]
     assert not result.successful
-    assert result.reason == (
-        "the change of parameters cannot be used: the type of 'gait' is 99; known are 0 to 9"
-    )
+    assert result.reason.endswith("cannot be used: the type of 'gait' is 99; known are 0 to 9")
     assert node.parameters.gait == 'crawl'
+    many = kind.Request(parameters=[wrong] * 1001)
+    answer = service.callback(many, kind.Response())
+    [result] = answer.results if kind is SetParameters else [answer.result]
+    assert result.reason.endswith('its parameters are 1001; 1000 are the most')
 
 
 def test_a_stream_of_different_refusals_does_not_fill_the_log(make):
@@ -166,6 +168,26 @@ def test_a_message_that_is_too_large_is_refused_and_one_that_is_not_is_taken(mak
         if len(heard) == 2:
             break
     assert [len(message.data) for message in heard] == [10, 20]
+    node.report(OK, 'as before')
+    # Eight bytes that promise a text of four gigabytes.
+    publisher.publish(b'\x00\x01\x00\x00\xff\xff\xff\xff')
+    for _ in range(500):
+        node.turn(executor)
+        if node._status[0] == ERROR:
+            break
+    assert node._status[1].endswith('its bytes are no message of its type')
+
+
+def test_a_message_of_too_many_bytes_is_named_with_both_numbers(make):
+    node = make('ceiling_camera_node')
+    executor = make_executor(node.context)
+    executor.add_node(node)
+    node.create_subscription(String, 'texts', print, 10, most_bytes=100)
+    node.create_publisher(String, 'texts', 10).publish(String(data='x' * 93))
+    for _ in range(500):
+        node.turn(executor)
+        if node._status[0] == ERROR:
+            break
     level, message = node._status
     assert level == ERROR
     assert "the message on 'texts' cannot be used: it has 102 bytes; 100 are the most" in message
