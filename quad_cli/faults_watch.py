@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import count, islice
 
@@ -18,6 +17,7 @@ import numpy as np
 from quad_cli.bench import Bar, at_most, figure
 from quad_cli.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 from quad_cli.terrain_walk import COURSES, make_course
+from quad_cli.workers import worker_pool
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot, available_robots, load_robot
@@ -152,7 +152,7 @@ def campaign(
         In the order of the walks.
     """
     outcomes: list[WatchedOutcome] = []
-    with ProcessPoolExecutor(processes) as pool:
+    with worker_pool(processes) as pool:
         while sum(outcome.duration for outcome in outcomes) < 3600.0 * hours:
             batch = list(islice(walks, 4 * processes))
             if not batch:

@@ -66,8 +66,15 @@ def isolated_domain() -> Iterator[int]:
         The domain, from 1 to 100; ``ROS_DOMAIN_ID`` and the other settings stand in
         ``os.environ`` meanwhile. A domain that the user has set is taken as it is.
     """
+    if os.environ.get('ROS_SECURITY_ENABLE'):
+        # Only here, because it needs rclpy.
+        from quad_common.run_node import check_middleware
+
+        check_middleware()
     changed = {
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        # They reach beyond that range.
+        'ROS_STATIC_PEERS': '',
         'FASTRTPS_DEFAULT_PROFILES_FILE': str(share_directory() / 'config' / 'fastdds.xml'),
     }
     with contextlib.ExitStack() as stack:

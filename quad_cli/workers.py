@@ -27,9 +27,14 @@ _LAST_WAIT = 1.0
 
 
 @contextlib.contextmanager
-def worker_pool() -> Iterator[ProcessPoolExecutor]:
+def worker_pool(processes: int | None = None) -> Iterator[ProcessPoolExecutor]:
     """
-    Start a process for each processor.
+    Start worker processes.
+
+    Parameters
+    ----------
+    processes : int, optional
+        How many; one for each processor if not given.
 
     Yields
     ------
@@ -37,7 +42,9 @@ def worker_pool() -> Iterator[ProcessPoolExecutor]:
         It waits for its work if the block ends well; otherwise its processes are ended,
         whatever they work on.
     """
-    pool = ProcessPoolExecutor(os.cpu_count(), initializer=_begin_worker, initargs=(os.getpid(),))
+    pool = ProcessPoolExecutor(
+        processes or os.cpu_count(), initializer=_begin_worker, initargs=(os.getpid(),)
+    )
     with released_at_last(_end_workers):
         try:
             yield pool

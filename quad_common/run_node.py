@@ -50,7 +50,7 @@ def run_node(
         try:
             if end.is_wanted():
                 return 0
-            check_security(os.environ, _library_without_security)
+            check_middleware()
             try:
                 rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             except RuntimeError as error:
@@ -73,10 +73,22 @@ def run_node(
     return 0
 
 
-def _library_without_security() -> str | None:
-    """Find a middleware without security once it is loaded, which asking for its name does."""
-    rclpy.get_rmw_implementation_identifier()
-    return library_without_security()
+def check_middleware() -> None:
+    """
+    Refuse to start without the security that the environment asks for.
+
+    Raises
+    ------
+    SecurityUnavailable, SecuritySettingUnknown
+        See :func:`quad_common.network.check_security`.
+    """
+
+    def library_without() -> str | None:
+        # Asking for its name loads it.
+        rclpy.get_rmw_implementation_identifier()
+        return library_without_security()
+
+    check_security(os.environ, library_without)
 
 
 def make_executor(context: Any = None) -> Any:

@@ -15,8 +15,8 @@ pytest.importorskip('rclpy')
 
 from harness import WALL_TIMEOUT, Bench
 
-from quad_cli.node_processes import NODES, NodeProcess
-from quad_common.network import library_without_security
+from quad_cli.node_processes import NODES, NodeProcess, isolated_domain
+from quad_common.network import SecuritySettingUnknown, library_without_security, reach_of
 from quad_common.planar_pose import Pose2D
 
 pytestmark = pytest.mark.ros
@@ -124,10 +124,26 @@ def test_a_node_ends_quietly_however_soon_a_signal_comes(domain, tmp_path, node,
 
 def test_a_node_says_on_which_network_it_listens(bench: Bench):
     bench.start('planner_node')
-    bench.wait_for_status('planner_node', 'no clock')
+    process = bench.processes['planner_node']
+    bench.wait_until('it says so', lambda: 'listening on domain' in process.log_tail(1000))
     domain = os.environ['ROS_DOMAIN_ID']
-    log = bench.processes['planner_node'].log_tail(1000)
-    assert f'listening on domain {domain} to this machine only (ROS_AUTOMATIC_D' in log
+    words = f'listening on domain {domain} to this machine only (ROS_AUTOMATIC_DISCOVERY_RANGE='
+    assert words in process.log_tail(1000)
+
+
+def test_what_the_command_starts_stays_on_this_machine(monkeypatch):
+    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
+    monkeypatch.setenv('ROS_STATIC_PEERS', '192.168.0.7')
+    with isolated_domain():
+        assert 'to this machine only (ROS_AUTO' in reach_of(os.environ)
+    assert os.environ['ROS_STATIC_PEERS'] == '192.168.0.7'
+    assert os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'SUBNET'
+
+
+def test_a_command_does_not_start_nodes_without_the_security_that_was_asked_for(monkeypatch):
+    monkeypatch.setenv('ROS_SECURITY_ENABLE', 'yes')
+    with pytest.raises(SecuritySettingUnknown), isolated_domain():
+        pytest.fail('nodes would be started')
 
 
 @pytest.mark.parametrize('strategy', ['Enforce', 'Permissive'])
