@@ -42,7 +42,7 @@ _LATEST_STOP = 3.0
 """After the start of a node [s]."""
 
 _LATEST_END = 8.0
-"""After the start of a command [s]; a short demo takes about as long."""
+"""After the start of a command [s], unless a demo was measured."""
 
 _PATIENCE = 20.0
 """After which what does not end is killed [s]."""
@@ -161,20 +161,26 @@ def attack_commands(
     pace : float
         Fraction of the usual delays before the signals.
     ends : tuple of (Signals, str), optional
-        Signals and commands; each with each if not given.
+        Signals and commands. If not given, each with each, at any moment of a demo that is
+        measured first.
 
     Returns
     -------
     list of Ending
         In the order in which they were tried.
     """
-    if ends is None:
-        ends = tuple((number, name) for number in (*SIGNALS, signal.SIGKILL) for name in _COMMANDS)
+    latest = _LATEST_END
     endings = []
     with _place() as place:
+        if ends is None:
+            ends = tuple((n, name) for n in (*SIGNALS, signal.SIGKILL) for name in _COMMANDS)
+            # On a busy machine the nodes take long to start, and the walk is to be met too.
+            began = time.monotonic()
+            _start(_DEMO, place / 'output').communicate()
+            latest = time.monotonic() - began
         for _ in range(count):
             for number, name in ends:
-                ending = _end(name, number, pace * rng.uniform(0.0, _LATEST_END), place)
+                ending = _end(name, number, pace * rng.uniform(0.0, latest), place)
                 endings.append(ending)
                 on_ending(len(endings), count * len(ends), ending)
     return endings

@@ -31,7 +31,7 @@ NODES = {
 }
 """What Python runs for each node's executable."""
 
-_LAST_WAIT = 3.5
+_LAST_WAIT = 3.0
 """For all nodes together to end; each sees to it that it takes less [s]."""
 
 _SHORT_WAIT = 0.05
@@ -192,11 +192,25 @@ class NodeProcess:
                 return self._process.wait(_SHORT_WAIT)
             except subprocess.TimeoutExpired:
                 continue
-        # It hangs: Python writes into the log where, and ends.
+        return self._end_by_force()
+
+    def end_by(self, deadline: float) -> None:
+        """Interrupt it, and see to it that it has ended at a time of the monotonic clock."""
+        self.interrupt()
+        while self._process.poll() is None and time.monotonic() < deadline:
+            time.sleep(_SHORT_WAIT)
+        if self._process.poll() is None:
+            self._end_by_force()
+
+    def _end_by_force(self) -> int:
+        """End it though it hangs, and remove what it cannot remove itself."""
+        left = shared_memory.files_of(self.pid)
+        # Python writes into the log where it hangs, and ends.
         self._process.send_signal(signal.SIGABRT)
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return self._process.wait(_ABORT_WAIT)
+            self._process.wait(_ABORT_WAIT)
         self.kill()
+        shared_memory.remove(left)
         return self._process.returncode
 
     def stop(self, timeout: float = 5.0) -> int:
@@ -245,7 +259,7 @@ class NodeProcesses:
                 process.interrupt()
             deadline = time.monotonic() + _LAST_WAIT
             for process in self._running.values():
-                process.stop(max(_SHORT_WAIT, deadline - time.monotonic()))
+                process.end_by(deadline)
 
     def start(self, name: str, **parameters: object) -> NodeProcess:
         """Start a node, or start it again."""
@@ -261,7 +275,9 @@ class NodeProcesses:
 
     def _kill(self) -> None:
         for process in self._running.values():
+            left = shared_memory.files_of(process.pid)
             process.kill()
+            shared_memory.remove(left)
 
 
 def _set(name: str, value: object) -> str:

@@ -64,8 +64,9 @@ class EndSignals:
         self.noted: list[int] = []
         """The signals that came, in order."""
         self._react = react
+        self.patience = patience
+        """May be changed; what it is when the first signal comes counts [s]."""
         self._exit_code = exit_code
-        self._patience = patience
         self._wakeup: tuple[int, int] | None = None
 
     def install(self) -> None:
@@ -92,10 +93,11 @@ class EndSignals:
         while number not in SIGNALS:
             heard = os.read(self._wakeup[0], 1)
             number = heard[0] if heard else 0
-        deadline = time.monotonic() + self._patience
+        patience = self.patience
+        deadline = time.monotonic() + patience
         while (left := deadline - time.monotonic()) > 0.0:
             time.sleep(left)
-        _say(f'did not end within {self._patience:.0f} s of {_name(number)}: {_whereabouts()}')
+        _say(f'did not end within {patience:.1f} s of {_name(number)}: {_whereabouts()}')
         end_process(self._exit_code(number))
 
     def _forget(self) -> None:

@@ -15,8 +15,11 @@ from quad_common.end_signals import EndSignals, end_process
 PARENT = 'QUADWALK_PARENT'
 """Environment variable: id of the process with which a node is to end."""
 
-_PATIENCE = 3.0
-"""For a node to end after a signal [s]."""
+_PATIENCE_MAKING = 1.0
+"""For a node to end after a signal that came while it was made [s]."""
+
+_PATIENCE = 2.5
+"""For a node that runs to end after a signal [s]."""
 
 _LAST_WAIT = 1.0
 """For its threads to come to an end, then [s]."""
@@ -32,17 +35,22 @@ class NodeEnd:
     Until `is_wanted` is asked for the first time there is nothing to be given back, and a
     signal ends the process where it stands. From then on signals are only noted: an
     exception could come anywhere, in the middle of what publishes and in the clean-up too.
+    A node that is being made has done nothing yet, and is waited for less long.
     """
 
     def __init__(self) -> None:
         self._is_asked = False
-        self._signals = EndSignals(self._react, lambda number: 0, _PATIENCE)
+        self._signals = EndSignals(self._react, lambda number: 0, _PATIENCE_MAKING)
         self._signals.install()
 
     def is_wanted(self) -> bool:
         """Return whether the node is to end."""
         self._is_asked = True
         return bool(self._signals.noted)
+
+    def expect_running(self) -> None:
+        """Give the node, which is made, its time to end in good order."""
+        self._signals.patience = _PATIENCE
 
     def _react(self, number: int) -> None:
         if not self._is_asked:

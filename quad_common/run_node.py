@@ -57,6 +57,7 @@ def run_node(
                 print(f'error: {error}', file=sys.stderr)
                 return 2
             node = make_node()
+            end.expect_running()
             node.get_logger().info(reach_of(os.environ))
             executor = make_executor()
             executor.add_node(node)
