@@ -59,6 +59,13 @@ _COMMANDS = {
 }
 """What is ended, by a short name."""
 
+_LAST_WORDS = {
+    'demo': '"arrived"',
+    'walk': 'quadwalk bench walk',
+    'terrain': 'quadwalk bench terrain',
+}
+"""What each prints when it is through."""
+
 
 def attack_processes(
     console: Console, quick: bool, seed: int
@@ -214,8 +221,8 @@ def _end(name: str, number: signal.Signals, delay: float, place: Path) -> Ending
     words = process.communicate()[0]
     code = process.returncode
     right = -number if number == signal.SIGKILL else 128 + number
-    # A command that was through before the signal came has a code of its own.
-    is_right = code == right or (code in (0, 1) and duration == 0.0)
+    # A command that was through when the signal came has a code of its own.
+    is_right = code == right or (code in (0, 1) and _LAST_WORDS[name] in words)
     left = [] if number == signal.SIGKILL else list(_left(traces, place, ('output',)))
     left += [f'process {pid}' for pid in traces.running()]
     next_run = None
