@@ -23,10 +23,10 @@ from visualization_msgs.msg import MarkerArray
 
 from quad_cli.recording import Recording
 from quad_cli.walk_record import WalkRecord
+from quad_common.height_map_conversions import height_map_from_message
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros_conversions import (
-    height_map_from_message,
     plan_from_message,
     pose_from_message,
     pose_message,

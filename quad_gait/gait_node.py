@@ -27,12 +27,12 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import QuadError
+from quad_common.height_map_conversions import height_map_from_message
 from quad_common.map_frame import MapFrame
 from quad_common.map_frame_listener import MapFrameListener
 from quad_common.plan import Plan
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
-    height_map_from_message,
     most_plan_bytes,
     orientation_from_odometry,
     plan_from_message,

@@ -25,16 +25,18 @@ from sensor_msgs.msg import CameraInfo, Image
 from quad_common.camera import CameraModel
 from quad_common.camera_file import load_camera
 from quad_common.errors import QuadError
+from quad_common.image_conversions import (
+    camera_model_from_info,
+    image_message,
+    rgb_from_image,
+)
 from quad_common.markers import Colour, GoalMarker, RobotMarker
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
-    camera_model_from_info,
     camera_transform,
     checked_name,
     grid_message,
-    image_message,
     pose_message,
-    rgb_from_image,
     seconds_from_time,
 )
 from quad_common.ros_node import OK, STALE, WARN, QuadNode

@@ -26,12 +26,12 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import PlannerError, QuadError
+from quad_common.height_map_conversions import height_map_from_message
 from quad_common.map_frame import MapFrame
 from quad_common.map_frame_listener import MapFrameListener
 from quad_common.plan import LONGEST_PLAN, Plan
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
-    height_map_from_message,
     most_plan_bytes,
     nanoseconds_from_time,
     plan_from_message,

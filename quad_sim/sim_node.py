@@ -29,16 +29,18 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
+from quad_common.height_map_conversions import height_map_message
+from quad_common.image_conversions import (
+    camera_info_message,
+    image_message,
+)
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     base_transform,
-    camera_info_message,
     camera_transform,
     footprint_transform,
     grid_message,
-    height_map_message,
-    image_message,
     pose_from_message,
     pose_transform,
     time_from_seconds,

@@ -14,9 +14,9 @@ SOURCES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob
 MIDDLE = {'quad_planner', 'quad_gait', 'quad_sim', 'quad_perception', 'quad_view'}
 
 SHELLS = {
-    'ros_conversions', 'ros_node', 'run_node', 'map_frame_listener', 'bullet_simulator'
+    'ros_node', 'run_node', 'map_frame_listener', 'bullet_simulator'
 }  # fmt: skip
-"""Modules whose work it is to talk to ROS or PyBullet, besides the nodes ``*_node``."""
+"""Modules whose work it is to talk to ROS or PyBullet, besides ``*_node`` and ``*_conversions``."""
 
 ROS_COMMANDS = {
     'quad_cli.walk',
@@ -59,7 +59,8 @@ def module_name(path):
 
 
 def is_shell(path):
-    return path.stem in SHELLS or path.stem.endswith('_node') or module_name(path) in ROS_COMMANDS
+    is_ros = path.stem.endswith(('_node', '_conversions'))
+    return is_ros or path.stem in SHELLS or module_name(path) in ROS_COMMANDS
 
 
 def import_blocked(modules):

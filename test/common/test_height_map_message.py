@@ -14,7 +14,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 
 from quad_common.errors import InvalidMessage
 from quad_common.height_map import HeightMap
-from quad_common.ros_conversions import height_map_from_message, height_map_message
+from quad_common.height_map_conversions import height_map_from_message, height_map_message
 
 pytestmark = pytest.mark.ros
 

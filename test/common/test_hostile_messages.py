@@ -28,24 +28,25 @@ from quad_cli.faults_mutations import leaves_of, replaced
 from quad_common.camera import CameraModel
 from quad_common.errors import InvalidMessage, QuadError
 from quad_common.height_map import HeightMap
+from quad_common.height_map_conversions import height_map_from_message, height_map_message
+from quad_common.image_conversions import (
+    camera_info_message,
+    camera_model_from_info,
+    image_message,
+    rgb_from_image,
+)
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     base_transform,
-    camera_info_message,
-    camera_model_from_info,
     check_clock,
     footprint_transform,
     grid_message,
-    height_map_from_message,
-    height_map_message,
-    image_message,
     orientation_from_odometry,
     plan_from_message,
     pose_from_message,
     pose_message,
-    rgb_from_image,
     seconds_from_time,
     tilt_from_odometry,
 )

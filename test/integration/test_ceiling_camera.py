@@ -17,13 +17,15 @@ from sensor_msgs.msg import CameraInfo, Image
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.camera import CameraModel
+from quad_common.image_conversions import (
+    camera_model_from_info,
+    rgb_from_image,
+)
 from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
-    camera_model_from_info,
     pose_message,
-    rgb_from_image,
     seconds_from_time,
 )
 from quad_sim.appearance import Appearance

@@ -18,12 +18,14 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import CameraInfo, Image
 
 from quad_common.camera import CameraModel
+from quad_common.image_conversions import (
+    camera_info_message,
+    image_message,
+)
 from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
-    camera_info_message,
-    image_message,
     pose_from_message,
     pose_message,
 )

@@ -14,12 +14,12 @@ from nav_msgs.srv import GetPlan
 from sensor_msgs.msg import PointCloud2
 
 from quad_common.height_map import HeightMap
+from quad_common.height_map_conversions import height_map_message
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     grid_message,
-    height_map_message,
     plan_from_message,
     pose_message,
 )

@@ -12,7 +12,7 @@ pytest.importorskip('rclpy')
 from harness import LATCHED, OK, START, Bench
 from sensor_msgs.msg import PointCloud2
 
-from quad_common.ros_conversions import height_map_from_message
+from quad_common.height_map_conversions import height_map_from_message
 from quad_sim.terrain_spec import make_terrain, specs_from_text
 
 pytestmark = pytest.mark.ros

@@ -17,20 +17,22 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.camera import CameraModel
 from quad_common.errors import InvalidMessage, TrajectoryError
+from quad_common.image_conversions import (
+    camera_info_message,
+    camera_model_from_info,
+    image_message,
+    rgb_from_image,
+)
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
 from quad_common.ros_conversions import (
     base_transform,
-    camera_info_message,
-    camera_model_from_info,
     camera_transform,
     footprint_transform,
     grid_message,
-    image_message,
     pose_from_message,
     pose_message,
-    rgb_from_image,
     tilt_from_odometry,
 )
 from quad_gait.body_motion import BodyMotion
