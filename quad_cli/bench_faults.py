@@ -14,6 +14,7 @@ from quad_cli.bench import Bar
 PARTS = {
     'messages': 'quad_cli.faults_messages.attack_messages',
     'processes': 'quad_cli.faults_processes.attack_processes',
+    'files': 'quad_cli.faults_files.measure_files',
 }
 """What is attacked, by the name for ``--only``: the function of each part."""
 

@@ -28,6 +28,7 @@ from quad_common.errors import (
     FileUnusable,
     OutOfRange,
     PerceptionError,
+    UnknownKey,
 )
 from quad_common.map_file import save_map
 from quad_common.occupancy_grid import FREE, OccupancyGrid
@@ -224,7 +225,7 @@ def _print_entry(entry: dict[str, Any]) -> None:
 
 def _calibrate(arguments: argparse.Namespace) -> int:
     lens = load_camera(arguments.camera, needs_pose=False)
-    points, pixels = _points(arguments.points)
+    points, pixels = read_points(arguments.points)
     # An image viewer counts whole pixels: what is meant is their middle.
     found = calibrate_pose(lens, points, pixels + 0.5)
     if arguments.output is not None:
@@ -259,12 +260,35 @@ def _ranges(path: Path | None) -> tuple[ColorRange, ...]:
     """Return the usual ranges, with those of a file in their places."""
     ranges = {color.name: color for color in default_ranges()}
     if path is not None:
-        ranges |= {color.name: color for color in load_ranges(path)}
+        given = {color.name: color for color in load_ranges(path)}
+        for name in given:
+            if name not in ranges:
+                raise UnknownKey('', name, ranges, f'colour file {path}: ')
+        ranges |= given
     return tuple(ranges.values())
 
 
-def _points(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Read places and pixels."""
+def read_points(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """
+    Read points for calibrating a camera.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    places : ndarray, shape (n, 2)
+        x and y in the world [m].
+    pixels : ndarray, shape (n, 2)
+        Column and row in the picture, as an image viewer counts them.
+
+    Raises
+    ------
+    CameraError
+        If the file cannot be read, or a line is no point.
+    """
     what = 'file of points'
     try:
         lines = read_text(path, what).splitlines()

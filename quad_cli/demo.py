@@ -107,11 +107,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if the robot arrived."""
+    _check(arguments)
+    return _walk(arguments)
+
+
+def _walk(arguments: argparse.Namespace) -> int:
+    """Walk, draw and say how it went; return 0 if the robot arrived."""
     # Here, so that 'quadwalk --help' and the commands without ROS work where rclpy is absent.
     from quad_cli.progress import walk_progress
     from quad_cli.walk import WalkOptions, walk
 
-    _check(arguments)
     console = Console(stderr=arguments.json)
     output: Path = arguments.output
     options = WalkOptions(

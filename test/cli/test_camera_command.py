@@ -155,3 +155,12 @@ def test_what_is_no_picture_is_said(files, capsys):
     command = ['camera', 'masks', str(files / 'room.png')]
     assert main([*command, '--output', str(files / 'no' / 'm.png')]) == 2
     assert 'cannot be written' in capsys.readouterr().err
+
+
+def test_a_colour_that_nothing_has_is_refused(files, capsys):
+    (files / 'colors.yaml').write_text('obstcale: {lower: [345, 0.4, 0.1], upper: [15, 1, 1]}\n')
+    command = ['camera', 'masks', str(files / 'room.png'), '--colors', str(files / 'colors.yaml')]
+    assert main(command) == 2
+    said = capsys.readouterr().err
+    assert "colors.yaml: the key 'obstcale' means nothing; valid keys are " in said
+    assert 'obstacle' in said

@@ -1,0 +1,143 @@
+"""
+A process that tries cases of the attack on files, and is ended when one takes too long.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import resource
+import tempfile
+from multiprocessing.connection import Connection
+from pathlib import Path
+from types import TracebackType
+
+from quad_cli.faults_arguments import warm_up
+from quad_cli.faults_file_cases import (
+    ARGUMENTS,
+    HANG,
+    TRACEBACK,
+    Fault,
+    emptied,
+    run_case,
+)
+
+_START = 120.0
+"""For the process to import what it needs [s]."""
+
+_MEMORY = 6 * 2**30
+"""Address space of the process: what wants more fails there, and not the machine [bytes]."""
+
+
+class Worker:
+    """
+    Tries cases one at a time; use it in a ``with`` block.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the attack.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+        # Spawned: a fork would inherit threads of ROS in the middle of what they do.
+        self._context = multiprocessing.get_context('spawn')
+        self._process: multiprocessing.process.BaseProcess | None = None
+        self._pipe: Connection | None = None
+        self._is_warm = False
+        self._folder = tempfile.TemporaryDirectory(prefix='quadwalk_faults_')
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._end()
+        self._folder.cleanup()
+
+    def run(self, kind: str, index: int, time_limit: float) -> Fault | None:
+        """
+        Try a case.
+
+        Parameters
+        ----------
+        kind : str
+            Kind of file.
+        index : int
+            Number of the case.
+        time_limit : float
+            Time after which it counts as a hang, and the process is ended [s].
+
+        Returns
+        -------
+        Fault or None
+            None if all went well.
+        """
+        pipe = self._started()
+        if kind == ARGUMENTS and not self._is_warm:
+            # Commands import what they need: that is not the time of a case.
+            pipe.send(None)
+            self._wait(pipe)
+            self._is_warm = True
+        pipe.send((kind, index))
+        try:
+            if pipe.poll(time_limit):
+                answer: Fault | None = pipe.recv()
+                return answer
+        except EOFError:
+            self._end()
+            return Fault(TRACEBACK, kind, self._seed, index, 'the process died')
+        self._end()
+        return Fault(HANG, kind, self._seed, index, f'no end within {time_limit:g} s')
+
+    def _started(self) -> Connection:
+        """Start the process if there is none, and wait until it is ready."""
+        if self._pipe is None:
+            self._pipe, other = self._context.Pipe()
+            self._process = self._context.Process(
+                target=_work, args=(self._seed, Path(self._folder.name), other), daemon=True
+            )
+            self._process.start()
+            other.close()
+            self._wait(self._pipe)
+            self._is_warm = False
+        return self._pipe
+
+    @staticmethod
+    def _wait(pipe: Connection) -> None:
+        """Wait until the process is ready."""
+        if not pipe.poll(_START):
+            raise TimeoutError(f'the process for the attack is not ready after {_START:g} s')
+        pipe.recv()
+
+    def _end(self) -> None:
+        if self._pipe is not None and self._process is not None:
+            self._pipe.close()
+            self._process.kill()
+            self._process.join()
+            self._pipe = self._process = None
+
+
+def _work(seed: int, folder: Path, pipe: Connection) -> None:
+    """Try cases until nobody asks for more."""
+    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
+    # Decoders complain about damage on stderr by themselves.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    os.chdir(folder)
+    pipe.send('ready')
+    while True:
+        try:
+            case = pipe.recv()
+        except EOFError:
+            return
+        if case is None:
+            warm_up()
+            pipe.send('ready')
+        else:
+            kind, index = case
+            pipe.send(run_case(seed, kind, index, emptied(folder)))
