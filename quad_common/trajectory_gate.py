@@ -30,7 +30,7 @@ _VELOCITY_ROUNDING = 1e-6
 CONTROL_PERIOD = 0.02
 """Time in which a command may get where another trajectory, which already runs, is [s]."""
 
-VELOCITY_TOLERANCE = 0.03
+VELOCITY_TOLERANCE = 0.05
 """Fraction of a joint's largest velocity by which it may be exceeded between two points; at the
 points themselves it may not."""
 

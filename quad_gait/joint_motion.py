@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 _ALIKE = 5e-3
 """Samples are as good a match as the best one if no joint is off by so much more [rad]."""
 
+_BRAKING = 1.5
+"""Number of times a sample's period that the last interval of what is given out takes."""
+
 _PATIENCE = 1.0
 """After so long past its end a motion is taken to be over, wherever the joints are [s]."""
 
@@ -133,11 +136,16 @@ class JointMotion:
         part = slice(self.since, self.given + 1)
         joints = len(self.joint_names)
         velocities = self.velocities[part].reshape(-1, joints).copy()
+        times = reaction_time + self.times[part] - self.times[self.since]
+        if len(times) > 1 and self.given < len(self.times) - 1:
+            # Cut short in mid-motion: a cubic that comes to rest in so much longer is nowhere
+            # faster than where it begins.
+            times[-1] += (_BRAKING - 1.0) * (times[-1] - times[-2])
         velocities[-1] = 0.0
         return JointTrajectory(
             joint_names=self.joint_names,
             stamp=0.0,
-            times=reaction_time + self.times[part] - self.times[self.since],
+            times=times,
             positions=self.positions[part].reshape(-1, joints),
             velocities=velocities,
         )
