@@ -70,7 +70,8 @@ def main(args: list[str] | None = None) -> int:
     arguments = parser.parse_args(with_negative_values(args))
     try:
         code: int = arguments.run(arguments)
-        sys.stdout.flush()
+        # Even a closed stdout, which is None, has nothing against this.
+        print(end='', flush=True)
         return code
     except QuadError as error:
         print(f'error: {error}', file=sys.stderr)

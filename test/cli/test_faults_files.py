@@ -244,3 +244,17 @@ def test_the_hostile_values_stay_hostile():
     # Kept apart: a number is compared with the range of its place, anything else is not.
     assert not set(NUMBERS) & set(OTHERS)
     assert ARGUMENTS in NAMES
+
+
+def test_a_disk_that_is_full_is_told_in_a_sentence(monkeypatch, capsys):
+    def run(arguments):
+        raise OSError(28, 'No space left on device')
+
+    monkeypatch.setattr('quad_cli.parameters.run', run)
+    assert main(['parameters', 'gait_node']) == 2
+    assert capsys.readouterr().err == 'error: [Errno 28] No space left on device\n'
+
+
+def test_a_closed_output_is_no_reason_to_fail(monkeypatch):
+    monkeypatch.setattr('sys.stdout', None)
+    assert main(['parameters', 'gait_node']) == 0
