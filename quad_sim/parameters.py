@@ -113,6 +113,26 @@ class SimParameters:
     odom_yaw_noise: float = parameter(
         0.0, "Standard deviation of odom's heading.", 'rad', lower=0.0
     )
+    odom_drift: float = parameter(
+        0.0,
+        'Drift of odom as real odometry has it: fraction of the way and of the angle turned, and '
+        'radians a metre.',
+        lower=0.0,
+        upper=0.5,
+    )
+    localiser_rate: float = parameter(
+        0.0,
+        'How often a localiser publishes map -> odom on map_to_odom and tf; 0: there is none.',
+        'Hz',
+        lower=0.0,
+        upper=50.0,
+    )
+    localiser_noise: float = parameter(
+        0.02, 'Standard deviation of the position it sees, along each axis.', 'm', 0.0, 10.0
+    )
+    localiser_heading_noise: float = parameter(
+        0.01, 'Standard deviation of the heading it sees.', 'rad', 0.0, 3.0
+    )
     camera: bool = parameter(False, 'Publish pictures of a camera under the ceiling.')
     camera_rate: float = parameter(
         2.0, 'How often there is a picture, in simulated time.', 'Hz', lower=0.01, upper=100.0
@@ -157,6 +177,8 @@ class SimParameters:
         'ceiling_camera', 'Frame of the camera: x right and y down in the picture.'
     )
     map_frame: str = parameter('map', 'Frame of the map.')
-    odom_frame: str = parameter('odom', 'Frame of the odometry; it coincides with the map.')
+    odom_frame: str = parameter(
+        'odom', 'Frame of the odometry; it coincides with the map unless odometry drifts.'
+    )
     base_frame: str = parameter('base_link', "Frame of the robot's body.")
     footprint_frame: str = parameter('base_footprint', 'Frame on the ground under the body.')

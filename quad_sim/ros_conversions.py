@@ -5,6 +5,7 @@ Conversions between ROS messages and the simulator's values.
 from __future__ import annotations
 
 from array import array
+from dataclasses import replace
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -150,6 +151,19 @@ def odometry_message(
     message.pose.covariance[21:36:7] = array('d', [_EXACT, _EXACT, yaw_variance])
     message.twist.covariance[0:36:7] = array('d', [_EXACT] * 6)
     return message
+
+
+def true_odometry_message(
+    observation: Observation, parameters: SimParameters, stamp: Time
+) -> Odometry:
+    """Write the truth as an odometry in the map, whatever noise and drift are set."""
+    exact = replace(
+        parameters,
+        odom_frame=parameters.map_frame,
+        odom_position_noise=0.0,
+        odom_yaw_noise=0.0,
+    )
+    return odometry_message(observation, exact, np.zeros(4), stamp)
 
 
 def imu_message(

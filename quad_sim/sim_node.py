@@ -14,7 +14,8 @@ import time
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, TransformStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import (
     DurabilityPolicy,
@@ -59,8 +60,10 @@ from quad_sim.ros_conversions import (
     obstacle_changes_from_message,
     odometry_message,
     trajectory_from_message,
+    true_odometry_message,
 )
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
+from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
 from quad_sim.simulation import Simulation, make_simulator
 
 try:
@@ -97,6 +100,11 @@ class SimNode(QuadNode[SimParameters]):
         self._world = scenery.world
         self._joint_names = robot.joint_names
         self._rng = np.random.default_rng(p.seed)
+        self._localisation = SimulatedLocalisation(
+            LocalisationOptions(
+                p.odom_drift, p.localiser_rate, p.localiser_noise, p.localiser_heading_noise, p.seed
+            )
+        )
         self._troubles_said = 0
         self._is_paused = False
         self._steps = 0
@@ -110,6 +118,8 @@ class SimNode(QuadNode[SimParameters]):
         sensor = qos_profile_sensor_data
         self._clock_publisher = self.create_publisher(Clock, '/clock', _CLOCK)
         self._odometry = self.create_publisher(Odometry, 'odom', sensor)
+        self._truth = self.create_publisher(Odometry, 'odom/truth', sensor)
+        self._corrections = self.create_publisher(TransformStamped, 'map_to_odom', 10)
         self._joint_states = self.create_publisher(JointState, 'joint_states', sensor)
         self._imu = self.create_publisher(Imu, 'imu', sensor)
         self._description = self.create_publisher(String, 'robot_description', _LATCHED)
@@ -234,14 +244,18 @@ class SimNode(QuadNode[SimParameters]):
         p = self.parameters
         observation = self._simulation.observe()
         stamp = time_from_seconds(observation.time)
-        odometry = odometry_message(observation, p, self._rng.standard_normal(4), stamp)
+        told = self._localisation.observe(observation)
+        odometry = odometry_message(told, p, self._rng.standard_normal(4), stamp)
         # Its noise is drawn in any case: who listens must not change the run.
         noise = self._rng.standard_normal((2, 3))
         # Heading, then joints, then pose: who hears of the next knows what belongs to it.
         if self._imu.get_subscription_count() > 0:
             self._imu.publish(imu_message(observation, p, noise, stamp))
         self._joint_states.publish(joint_state_message(observation, self._joint_names, stamp))
+        self._publish_correction(self._localisation.correction(observation, told), stamp)
         self._odometry.publish(odometry)
+        if self._truth.get_subscription_count() > 0:
+            self._truth.publish(true_odometry_message(observation, p, stamp))
         if self._transforms is not None:
             base = base_transform(odometry)
             ground = float(self._world.ground_at(observation.position[:2]))
@@ -250,6 +264,16 @@ class SimNode(QuadNode[SimParameters]):
         troubles = self._troubles()
         if troubles > self._troubles_said:
             self.update_status()
+
+    def _publish_correction(self, correction: Pose2D | None, stamp: Time) -> None:
+        """Publish what the localiser says, if it says anything now."""
+        if correction is None:
+            return
+        p = self.parameters
+        transform = pose_transform(correction, p.map_frame, p.odom_frame, stamp)
+        self._corrections.publish(transform)
+        if self._transforms is not None:
+            self._transforms.publish(TFMessage(transforms=[transform]))
 
     def _troubles(self) -> int:
         """Count the kinds of trouble that have been seen."""
@@ -281,12 +305,21 @@ class SimNode(QuadNode[SimParameters]):
             return None
         static = self.create_publisher(TFMessage, 'tf_static', _LATCHED)
         zero = time_from_seconds(0.0)
-        fixed = [pose_transform(Pose2D(0.0, 0.0, 0.0), p.map_frame, p.odom_frame, zero)]
+        fixed = []
+        if self._localisation.is_exact:
+            fixed.append(pose_transform(Pose2D(0.0, 0.0, 0.0), p.map_frame, p.odom_frame, zero))
         if self._camera is not None:
             model = self._camera.model
             fixed.append(camera_transform(model, p.map_frame, p.camera_frame, zero))
         static.publish(TFMessage(transforms=fixed))
         return self.create_publisher(TFMessage, 'tf', 100)
+
+    @property
+    def _frames_on_map(self) -> tuple[str, ...]:
+        """Frames that coincide with the world."""
+        p = self.parameters
+        is_exact = self._localisation.is_exact
+        return (p.map_frame, p.odom_frame) if is_exact else (p.map_frame,)
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         longest = self.parameters.longest_trajectory
@@ -298,17 +331,16 @@ class SimNode(QuadNode[SimParameters]):
 
     def _on_obstacles(self, message: MarkerArray) -> None:
         p = self.parameters
-        frames = (p.map_frame, p.odom_frame)
-        changes = obstacle_changes_from_message(message, frames)
+        changes = obstacle_changes_from_message(message, self._frames_on_map)
         self._simulation.change_obstacles(changes, p.most_obstacles)
 
     def _on_goal_marker(self, message: PoseStamped) -> None:
-        p = self.parameters
-        check_frame('goal_marker', message.header.frame_id, (p.map_frame, p.odom_frame))
+        check_frame('goal_marker', message.header.frame_id, self._frames_on_map)
         self._simulation.put_goal_marker(pose_from_message(message.pose, 'goal_marker'))
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._simulation.reset()
+        self._localisation.reset()
         self._observe()
         self.update_status()
         response.success = True
