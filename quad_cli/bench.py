@@ -23,6 +23,7 @@ BENCHMARKS = {
     'planner': 'quad_cli.bench_planner',
     'camera': 'quad_cli.bench_camera',
     'terrain': 'quad_cli.bench_terrain',
+    'localisation': 'quad_cli.bench_localisation',
     'faults': 'quad_cli.bench_faults',
 }
 """The module of each benchmark."""
@@ -34,6 +35,7 @@ EXAMPLES = """examples:
   quadwalk bench planner --quick
   quadwalk bench camera --quick
   quadwalk bench terrain --quick
+  quadwalk bench localisation --quick
   quadwalk bench faults --only messages kills
 """
 

@@ -79,6 +79,10 @@ class WalkOptions:
     """What the ground is; see sim_node's parameter ``terrain``."""
     perception: str = 'truth'
     """``truth``: map, goal and pose come from the simulator; ``camera``: from its pictures."""
+    odom_drift: float = 0.0
+    """Drift of odometry as a fraction of the way; see sim_node."""
+    localiser_rate: float = 0.0
+    """Corrections of odometry in a second [Hz]."""
 
 
 def walk(
@@ -110,12 +114,13 @@ def walk(
     with isolated_domain(), NodeProcesses() as nodes:
         _start_nodes(nodes, options)
         by_marker = options.perception == 'camera'
+        by_truth = options.odom_drift > 0.0
         if options.recording is None:
-            with WalkObserver(options.goal, by_marker=by_marker) as observer:
+            with WalkObserver(options.goal, None, by_marker, by_truth) as observer:
                 return _watch(observer, nodes, on_progress)
         with (
             Recording(options.recording) as recording,
-            WalkObserver(options.goal, recording, by_marker) as observer,
+            WalkObserver(options.goal, recording, by_marker, by_truth) as observer,
         ):
             return _watch(observer, nodes, on_progress)
 
@@ -129,6 +134,8 @@ def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
         'backend': options.backend,
         'seed': options.seed,
         'gui': options.gui,
+        'odom_drift': float(options.odom_drift),
+        'localiser_rate': float(options.localiser_rate),
     }
     planner: dict[str, object] = {
         'robot': options.robot,

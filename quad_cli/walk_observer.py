@@ -50,10 +50,16 @@ class WalkObserver:
         Where every message heard goes.
     by_marker : bool
         Whether the goal is given by a marker that a camera has to see.
+    by_truth : bool
+        Whether the walk is judged by odom/truth, and not by odometry.
     """
 
     def __init__(
-        self, goal: Pose2D, recording: Recording | None = None, by_marker: bool = False
+        self,
+        goal: Pose2D,
+        recording: Recording | None = None,
+        by_marker: bool = False,
+        by_truth: bool = False,
     ) -> None:
         self.record = WalkRecord(goal)
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
@@ -74,7 +80,10 @@ class WalkObserver:
         else:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
         sensor = qos_profile_sensor_data
-        self._listen(Odometry, 'odom', sensor, self._on_odometry)
+        if by_truth:
+            self._listen(Odometry, 'odom/truth', sensor, self._on_odometry)
+        else:
+            self._listen(Odometry, 'odom', sensor, self._on_odometry)
         self._listen(Path, 'plan', _LATCHED, self._on_plan)
         self._listen(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
         self._listen(MarkerArray, 'footholds', 10, self._on_footholds)

@@ -23,6 +23,7 @@ ROS_COMMANDS = {
     'quad_cli.walk_observer',
     'quad_cli.progress',
     'quad_cli.bench_walk',
+    'quad_cli.bench_localisation',
     'quad_cli.bench_planner_node',
     'quad_cli.faults_examples',
     'quad_cli.faults_listener',
