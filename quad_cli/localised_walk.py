@@ -21,9 +21,9 @@ from quad_common.map_frame import MapFrame
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
+from quad_gait.activity import Activity
 from quad_gait.gait import load_gait
 from quad_gait.measurement import Measurement
-from quad_gait.walk_controller import Activity
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import planner_from_parameters
 from quad_planner.planning_map import PlanningMap
@@ -33,8 +33,8 @@ from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocali
 from quad_sim.simulator import Observation
 from quad_sim.world import world_from_map
 
-_ENDS = (Activity.ARRIVED, Activity.FALLEN, Activity.LAME, Activity.BLOCKED)
-"""After one of these a walk is over."""
+_ENDS = (Activity.ARRIVED, Activity.BLOCKED, Activity.NOT_EXECUTED)
+"""After one of these a walk is over; one that has stopped off its path gets a new plan."""
 
 
 @dataclass
@@ -118,7 +118,7 @@ class LocalisedWalk:
 
     def run(self, timeout: float) -> LocalisedRecord:
         """Walk until the robot has arrived or given up; at most so long [s], simulated."""
-        self._walk.run(timeout, until=lambda: self._controller.activity in _ENDS)
+        self._walk.run(timeout, until=self._is_over)
         record, controller = self.record, self._controller
         true = self._walk.simulation.observe().pose
         error = true.inverse() @ self._goal
@@ -129,6 +129,10 @@ class LocalisedWalk:
         record.heading_error = abs(error.yaw)
         record.odometry_error = true.distance_to(self._odometry)
         return record
+
+    def _is_over(self) -> bool:
+        activity = self._controller.activity
+        return activity in _ENDS or activity.is_disabled
 
     def close(self) -> None:
         """Release the simulator."""
