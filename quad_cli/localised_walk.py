@@ -191,9 +191,10 @@ class _LocatedWalk(DirectWalk):
     locate: Callable[[Observation], tuple[Pose2D, Pose2D]]
     """Returns that pose in the map, and the one by odometry."""
 
-    def _measurement(self, seen: Observation, tilt: float) -> Measurement:
+    def _measurement(self, seen: Observation) -> Measurement | None:
         pose, odometry = self.locate(seen)
-        return replace(super()._measurement(seen, tilt), pose=pose, odometry=odometry)
+        now = super()._measurement(seen)
+        return None if now is None else replace(now, pose=pose, odometry=odometry)
 
 
 def _transform(frame: str, pose: Pose2D) -> FrameTransform:
