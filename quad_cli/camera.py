@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quad_cli.arguments import (
     count_argument,
@@ -20,19 +19,16 @@ from quad_cli.arguments import (
     quantity_argument,
 )
 from quad_cli.picture_files import read_pictures, write_picture
-from quad_common.bounded_file import read_text
+from quad_cli.points_file import read_points
 from quad_common.camera_file import load_camera, save_camera
 from quad_common.errors import (
-    CameraError,
-    CameraValueOutOfRange,
-    FileUnusable,
     OutOfRange,
     PerceptionError,
     UnknownKey,
 )
 from quad_common.map_file import save_map
 from quad_common.occupancy_grid import FREE, OccupancyGrid
-from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
+from quad_common.quantity import CELL_SIZE, COORDINATE
 from quad_common.quoting import quoted
 from quad_common.robot import load_robot
 from quad_perception.annotated import annotated
@@ -51,13 +47,6 @@ EXAMPLES = """examples:
 A file of points has a line for each: x and y in the world [m], column and row in the picture,
 as an image viewer shows them; lines that begin with # are comments.
 """
-
-
-_PIXEL = Quantity(-1e5, 1e5, 'pixels')
-_POINT = {'x': COORDINATE, 'y': COORDINATE, 'column': _PIXEL, 'row': _PIXEL}
-"""What a line of a file of points holds."""
-
-_MOST_POINTS = 1000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -266,49 +255,6 @@ def _ranges(path: Path | None) -> tuple[ColorRange, ...]:
                 raise UnknownKey('', name, ranges, f'colour file {path}: ')
         ranges |= given
     return tuple(ranges.values())
-
-
-def read_points(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """
-    Read points for calibrating a camera.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    places : ndarray, shape (n, 2)
-        x and y in the world [m].
-    pixels : ndarray, shape (n, 2)
-        Column and row in the picture, as an image viewer counts them.
-
-    Raises
-    ------
-    CameraError
-        If the file cannot be read, or a line is no point.
-    """
-    what = 'file of points'
-    try:
-        lines = read_text(path, what).splitlines()
-    except FileUnusable as error:
-        raise CameraError(str(error)) from error
-    rows = []
-    for number, line in enumerate(lines, 1):
-        text = line.partition('#')[0].replace(',', ' ').split()
-        if not text:
-            continue
-        if len(text) != len(_POINT):
-            raise CameraError(f'{what} {path}, line {number}: it must hold x, y, column and row')
-        try:
-            rows.append([_POINT[name].check(name, part) for name, part in zip(_POINT, text)])
-        except OutOfRange as error:
-            raise error.at(f'{what} {path}, line {number}: ', CameraValueOutOfRange) from error
-        if len(rows) > _MOST_POINTS:
-            raise CameraError(f'{what} {path} holds more than {_MOST_POINTS} points')
-    values = np.array(rows, dtype=float).reshape(-1, len(_POINT))
-    return values[:, :2], values[:, 2:]
 
 
 def _bounds(text: str) -> tuple[float, float, float, float]:

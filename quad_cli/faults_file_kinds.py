@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from quad_cli.camera import read_points
 from quad_cli.faults_hostile import Key
 from quad_cli.picture_files import read_pictures
+from quad_cli.points_file import read_points
 from quad_cli.robot import derived_figures
 from quad_common import camera, height_map_file, map_file, pace, quantity, robot_numbers
 from quad_common.bounded_file import read_text
