@@ -6,18 +6,15 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Twist, Vector3
-from nav_msgs.srv import GetPlan
 from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
-from quad_cli.faults_examples import example_of, goal_message, obstacle_message
+from quad_cli.faults_examples import example_of, made_up, plan_request
 from quad_cli.faults_graph import Interface, inputs_of
 from quad_cli.faults_mutations import Mutator, random_bytes
 from quad_cli.faults_stage import Stage
@@ -36,6 +33,9 @@ _DISCOVERY = 0.5
 """For publishers to be found by the node [s]."""
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_SOMEWHERE = Pose2D(1.2, 1.2, 0.0)
+"""On the map, where no odometry was heard yet."""
 
 _NOT_CHANGED = ('use_sim_time',)
 """Parameters that are not attacked: what they change is which time is meant at all."""
@@ -57,7 +57,8 @@ class Attacker:
 
     def __init__(self, stage: Stage, name: str, rng: np.random.Generator) -> None:
         self._stage = stage
-        self._name = name
+        self.name = name
+        """Of the node."""
         self._rng = rng
         self._publishers: dict[str, Any] = {}
         self._latched: list[Interface] = []
@@ -84,7 +85,7 @@ class Attacker:
     def restore_parameters(self) -> None:
         """Give the node back the parameters that it had."""
         request = SetParameters.Request(parameters=self._parameters)
-        self._stage.call(f'{self._name}/set_parameters', SetParameters, request)
+        self._stage.call(f'{self.name}/set_parameters', SetParameters, request)
 
     def renew_latched(self) -> None:
         """Take back what is latched: who starts late must not hear it."""
@@ -107,7 +108,7 @@ class Attacker:
     def _connect(self) -> None:
         node = self._stage.node
         self._parameters = self._read_parameters()
-        for target in inputs_of(node, self._name):
+        for target in inputs_of(node, self.name):
             self.inputs.append(target)
             self._mutators[target.name] = Mutator(self._rng)
             if target.is_service:
@@ -122,21 +123,39 @@ class Attacker:
         self.renew_latched()
 
     def _read_parameters(self) -> list[Parameter]:
-        listed = self._stage.call(f'{self._name}/list_parameters', ListParameters)
+        listed = self._stage.call(f'{self.name}/list_parameters', ListParameters)
         names = [] if listed is None else [n for n in listed.result.names if n not in _NOT_CHANGED]
         request = GetParameters.Request(names=names)
-        answer = self._stage.call(f'{self._name}/get_parameters', GetParameters, request)
+        answer = self._stage.call(f'{self.name}/get_parameters', GetParameters, request)
         values = [] if answer is None else answer.values
         return [Parameter(name=name, value=value) for name, value in zip(names, values)]
 
     def _publish(self, target: Interface) -> None:
-        message = self._example(target)
+        message = self.example(target)
         if self._rng.random() < _SHARE_BYTES:
             what, data = random_bytes(serialize_message(message), self._rng)
+            self._send_bytes(target, data, f'{target} {what}')
         else:
             mutation = self._mutators[target.name].draw(message)
-            what, data = str(mutation), serialize_message(mutation.message)
-        self._note(f'{target} {what}')
+            self.send(target, mutation.message, f'{target} {mutation}')
+
+    def send(self, target: Interface, message: Any, what: str) -> None:
+        """
+        Publish a message that is not meant well.
+
+        Parameters
+        ----------
+        target : Interface
+            One of the node's topics.
+        message : message
+            Of that topic's type.
+        what : str
+            The message in words.
+        """
+        self._send_bytes(target, serialize_message(message), what)
+
+    def _send_bytes(self, target: Interface, data: bytes, what: str) -> None:
+        self._note(what)
         self._stage.listener.ignore(data)
         # Not everything passes the middleware itself.
         with contextlib.suppress(RuntimeError):
@@ -144,7 +163,7 @@ class Attacker:
 
     def _request(self, target: Interface) -> None:
         client = self._clients[target.name]
-        mutation = self._mutators[target.name].draw(self._example(target))
+        mutation = self._mutators[target.name].draw(self.example(target))
         self._note(f'{target} {mutation}')
         if not client.service_is_ready():
             return
@@ -155,31 +174,21 @@ class Attacker:
             answered = 'no answer' if took is None else f'answer after {took:.1f} s'
             self.slow.append(f'{target} {mutation}: {answered}')
 
-    def _example(self, target: Interface) -> Any:
+    def example(self, target: Interface) -> Any:
         """Return a valid message: the last one that was heard, or one that is made up."""
-        pose = self._stage.pose or Pose2D(1.2, 1.2, 0.0)
-        made: dict[str, Callable[[], Any]] = {
-            '/goal_pose': lambda: goal_message(self._goal(pose)),
-            '/goal_marker': lambda: goal_message(self._goal(pose)),
-            '/obstacles': lambda: obstacle_message(pose.x + 1.5, pose.y),
-            '/cmd_vel': lambda: Twist(linear=Vector3(x=0.02), angular=Vector3(z=0.02)),
-            '/get_plan': lambda: GetPlan.Request(
-                start=goal_message(pose), goal=goal_message(self._goal(pose))
-            ),
-        }
-        if target.name in made:
-            return made[target.name]()
         if target.name.endswith(('/set_parameters', '/set_parameters_atomically')):
             few = self._parameters
             chosen = [few[int(self._rng.integers(len(few)))]] if few else []
             return target.type.Request(parameters=chosen)
+        if target.name == '/get_plan':
+            return plan_request(self._stage.pose or _SOMEWHERE)
         if target.is_service:
             return example_of(target.type.Request)
-        heard = self._stage.listener.last.get(target.name)
-        return example_of(target.type) if heard is None else heard
-
-    def _goal(self, pose: Pose2D) -> Pose2D:
-        return Pose2D(pose.x + 0.2, pose.y, pose.yaw)
+        heard = self._stage.listener.last
+        if target.name in heard:
+            return heard[target.name]
+        made = made_up(target.name, self._stage.pose or _SOMEWHERE, heard.get('/joint_states'))
+        return example_of(target.type) if made is None else made
 
     def _note(self, what: str) -> None:
         self.recent = [*self.recent[-19:], what]

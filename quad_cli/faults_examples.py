@@ -5,17 +5,29 @@ Valid messages to begin with: of any type, with something in every sequence.
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable
 from typing import Any
 
-from geometry_msgs.msg import PoseStamped
+import numpy as np
+from builtin_interfaces.msg import Duration, Time
+from geometry_msgs.msg import PoseStamped, Twist, Vector3
+from nav_msgs.srv import GetPlan
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_cli.faults_graph import class_of
+from quad_common.height_map import HeightMap
+from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.ros_conversions import pose_message
+from quad_common.ros_conversions import height_map_message, pose_message
+from quad_planner.ros_conversions import path_message
 
 OBSTACLE_NAMESPACE = 'faults'
 """Of the obstacles that an attack puts up."""
+
+_AHEAD = 0.2
+"""From the robot to a goal that is easily reached [m]."""
 
 
 def example_of(kind: Any) -> Any:
@@ -56,6 +68,64 @@ def obstacle_message(x: float, y: float) -> MarkerArray:
     marker.pose = pose_message(Pose2D(x, y, 0.0))
     marker.scale.x = marker.scale.y = marker.scale.z = 0.3
     return MarkerArray(markers=[marker])
+
+
+def plan_request(pose: Pose2D) -> GetPlan.Request:
+    """Ask for a plan from a pose to one nearby."""
+    return GetPlan.Request(start=goal_message(pose), goal=goal_message(ahead_of(pose)))
+
+
+def ahead_of(pose: Pose2D) -> Pose2D:
+    """Return a pose one step to the right on the map, where there is free ground."""
+    return Pose2D(pose.x + _AHEAD, pose.y, pose.yaw)
+
+
+def made_up(topic: str, pose: Pose2D, joints: JointState | None) -> Any:
+    """
+    Make a valid message of a topic on which nobody has published yet.
+
+    Parameters
+    ----------
+    topic : str
+        Full name.
+    pose : Pose2D
+        Of the robot on the map.
+    joints : sensor_msgs/JointState, optional
+        Of the robot as it stands.
+
+    Returns
+    -------
+    message or None
+        None if nothing is known of such a topic.
+    """
+    makers: dict[str, Callable[[], Any]] = {
+        '/goal_pose': lambda: goal_message(ahead_of(pose)),
+        '/goal_marker': lambda: goal_message(ahead_of(pose)),
+        '/obstacles': lambda: obstacle_message(pose.x + 1.5, pose.y),
+        '/cmd_vel': lambda: Twist(linear=Vector3(x=0.02), angular=Vector3(z=0.02)),
+        '/plan': lambda: path_message(Plan((pose, ahead_of(pose))), 'map', Time()),
+        '/height_map': lambda: height_map_message(_flat_around(pose), 'map', Time()),
+    }
+    if topic == '/joint_trajectory' and joints is not None:
+        return _holding(joints)
+    return makers[topic]() if topic in makers else None
+
+
+def _flat_around(pose: Pose2D) -> HeightMap:
+    corner = (round(pose.x - 1.0, 1), round(pose.y - 1.0, 1))
+    return HeightMap(np.zeros((20, 20)), 0.1, corner)
+
+
+def _holding(joints: JointState) -> JointTrajectory:
+    """Write a trajectory that keeps joints where they are."""
+    still = array('d', [0.0] * len(joints.name))
+    points = [
+        JointTrajectoryPoint(
+            positions=joints.position, velocities=still, time_from_start=Duration(sec=seconds)
+        )
+        for seconds in (1, 2, 3)
+    ]
+    return JointTrajectory(joint_names=joints.name, points=points)
 
 
 def _one_element(empty: Any, type_name: str) -> Any:

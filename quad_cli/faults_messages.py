@@ -18,6 +18,7 @@ from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.faults_attacker import SLOWEST, Attacker
 from quad_cli.faults_goals import GoalDrawer
 from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG
+from quad_cli.faults_nonsense import accepted_nonsense
 from quad_cli.faults_stage import NotSeen, Stage
 from quad_cli.faults_state import growth
 from quad_cli.node_processes import NodeDied, isolated_domain
@@ -28,7 +29,10 @@ from quad_common.robot import load_robot
 MESSAGES = 2000
 """To each node, with the robot standing, and as many with it walking."""
 
-QUICK_MESSAGES = 120
+QUICK_MESSAGES = 60
+
+QUICK_NONSENSE = 8
+"""Messages that must be refused, to each node."""
 
 _BATCH = 20
 """Messages between two looks whether all is well."""
@@ -68,6 +72,10 @@ class Report:
     """Whether the next good goal was reached without a restart."""
     problem: str = ''
     """Why it was not."""
+    nonsense: int = 0
+    """Messages that must be refused."""
+    accepted: list[str] = field(default_factory=list)
+    """Of these, what was not refused."""
     falls: int = 0
     """Of a robot to whose joints nothing was sent."""
 
@@ -103,6 +111,8 @@ def attack_messages(
             _start(stage, backend)
             for node in NODES:
                 attack = _Attack(stage, Report(node, state), seed)
+                if backend == 'kinematic':
+                    attack.try_nonsense(QUICK_NONSENSE if quick else None)
                 attack.run(count)
                 reports.append(attack.report)
                 _say(console, attack.report, stage)
@@ -133,12 +143,21 @@ class _Attack:
         self.report = report
         self._stage = stage
         self._goals = GoalDrawer(load_robot(_ROBOT), sample_map(_MAP), seed)
-        self._attacker = Attacker(stage, report.node, np.random.default_rng(seed))
+        self._rng = np.random.default_rng(seed)
+        self._attacker = Attacker(stage, report.node, self._rng)
         self._maps = stage.node.create_publisher(OccupancyGrid, 'map', _LATCHED)
         self._obstacles = stage.node.create_publisher(MarkerArray, 'obstacles', 10)
         self._good_map = stage.listener.last['/map']
         self._memory: dict[str, float] = {}
         """Of each node after the warm-up [MB]."""
+
+    def try_nonsense(self, count: int | None) -> None:
+        """Send what must be refused."""
+        report = self.report
+        report.nonsense, report.accepted = accepted_nonsense(
+            self._stage, self._attacker, self._rng, count
+        )
+        self._look()
 
     def run(self, count: int) -> None:
         """Send so many messages, and see whether the robot still walks then."""
@@ -240,6 +259,8 @@ def _bars(reports: list[Report], counts: dict[str, int], tracebacks: list[str]) 
         at_most(JOINTS_OUTSIDE, counts.get(JOINTS_OUTSIDE, 0), '', 0),
         at_most(TOO_LONG, counts.get(TOO_LONG, 0), '', 0),
         at_most('largest growth of memory', max(grown, default=None), 'fraction', 0.05),
+        figure('messages that must be refused', sum(r.nonsense for r in reports), ''),
+        at_most('nonsense accepted', sum(len(r.accepted) for r in reports), '', 0),
         at_most('falls under attack', sum(r.falls for r in reports), '', 0),
         at_least('good goals reached after', reached, f'of {len(reports)}', len(reports)),
     ]
@@ -248,7 +269,8 @@ def _bars(reports: list[Report], counts: dict[str, int], tracebacks: list[str]) 
 def _say(console: Console, report: Report, stage: Stage) -> None:
     console.print(
         f'{report.node}, {report.state}: {report.messages} messages, {len(report.deaths)} deaths, '
-        f'{len(report.slow)} slow, {dict(stage.listener.counts)}, '
+        f'{len(report.slow)} slow, {len(report.accepted)} of {report.nonsense} accepted, '
+        f'{dict(stage.listener.counts)}, '
         f'goal {"reached" if report.has_reached_goal else "NOT reached: " + report.problem}',
         highlight=False,
     )

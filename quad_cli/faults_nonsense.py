@@ -1,0 +1,172 @@
+"""
+Messages that can have no meaning: each has to be refused, and said to be.
+
+Every one breaks a range that is stated on the message's page, or no robot and no room can be
+so. What is merely unwise is not here: the attack by mutations sends that too, but a node may
+take it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from quad_cli.faults_attacker import Attacker
+from quad_cli.faults_graph import Interface
+from quad_cli.faults_mutations import Path, replaced
+from quad_cli.faults_stage import Stage
+
+_WAIT = 2.0
+"""For a node to say what it thinks of a message [s]."""
+
+_AGAIN = 0.1
+"""A message is sent again after so long: what is best effort may be lost [s]."""
+
+
+@dataclass(frozen=True)
+class Nonsense:
+    """A message that must be refused."""
+
+    node: str
+    topic: str
+    path: Path
+    """The field that is changed."""
+    value: object
+    """What it is changed to."""
+    reason: str
+    """Why it makes no sense."""
+
+    def __str__(self) -> str:
+        field = '.'.join(map(str, self.path))
+        value = str(self.value)
+        return f'{self.node}: {self.topic} {field} = {value[:40]} ({self.reason})'
+
+
+_NO_NUMBER = 'a pose is made of numbers'
+_NO_ROTATION = 'a quaternion has length 1'
+_NO_PLACE = 'nothing is so far away'
+_NO_FRAME = 'nobody knows that frame'
+_X = ('position', 'x')
+_W = ('orientation', 'w')
+_FRAME = ('header', 'frame_id')
+
+
+def _poses(node: str, topic: str, *pose: str | int) -> tuple[Nonsense, ...]:
+    """List what no pose can be."""
+    return (
+        Nonsense(node, topic, (*pose, *_X), math.nan, _NO_NUMBER),
+        Nonsense(node, topic, (*pose, *_X), -math.inf, _NO_NUMBER),
+        Nonsense(node, topic, (*pose, *_W), math.nan, _NO_NUMBER),
+        Nonsense(node, topic, (*pose, *_W), 1e308, _NO_ROTATION),
+        Nonsense(node, topic, (*pose, *_W), 1.4e154, _NO_ROTATION),
+        Nonsense(node, topic, (*pose, *_W), 2.0, _NO_ROTATION),
+        Nonsense(node, topic, (*pose, *_X), 1e308, _NO_PLACE),
+    )
+
+
+_FIRST = ('points', 0, 'positions', 0)
+_SPEED = ('points', 0, 'velocities', 0)
+
+CASES = (
+    *_poses('planner_node', '/goal_pose', 'pose'),
+    Nonsense('planner_node', '/goal_pose', _FRAME, 'moon', _NO_FRAME),
+    *_poses('planner_node', '/odom', 'pose', 'pose'),
+    Nonsense('planner_node', '/map', ('info', 'resolution'), math.nan, 'cells have a size'),
+    Nonsense('planner_node', '/map', ('info', 'resolution'), 0.0, 'cells have a size'),
+    Nonsense('planner_node', '/map', ('info', 'resolution'), -0.05, 'cells have a size'),
+    Nonsense('planner_node', '/map', ('info', 'resolution'), 1e30, 'no room has such cells'),
+    Nonsense('planner_node', '/map', ('info', 'width'), 2**31, 'there are not so many cells'),
+    Nonsense('planner_node', '/map', ('info', 'height'), 0, 'there are cells'),
+    Nonsense('planner_node', '/map', ('info', 'origin', *_X), math.nan, _NO_NUMBER),
+    Nonsense('planner_node', '/map', ('info', 'origin', *_W), 1e308, _NO_ROTATION),
+    Nonsense('planner_node', '/map', ('info', 'origin', *_X), 1e300, _NO_PLACE),
+    Nonsense('planner_node', '/map', ('data', 0), 120, 'an occupancy is 100 at most'),
+    Nonsense('planner_node', '/height_map', _FRAME, 'moon', _NO_FRAME),
+    Nonsense('gait_node', '/plan', _FRAME, 'moon', _NO_FRAME),
+    *_poses('gait_node', '/plan', 'poses', 0, 'pose'),
+    *_poses('gait_node', '/odom', 'pose', 'pose'),
+    Nonsense('gait_node', '/odom', ('header', 'stamp', 'sec'), -1, 'no time is before zero'),
+    Nonsense('gait_node', '/cmd_vel', ('linear', 'x'), math.nan, 'a speed is a number'),
+    Nonsense('gait_node', '/cmd_vel', ('angular', 'z'), math.inf, 'a speed is a number'),
+    Nonsense('gait_node', '/cmd_vel', ('linear', 'z'), 1.0, 'a robot on legs does not rise'),
+    Nonsense('gait_node', '/joint_states', ('position', 0), math.nan, 'an angle is a number'),
+    Nonsense('gait_node', '/joint_states', ('position', 0), 1e308, 'no joint turns so far'),
+    Nonsense('gait_node', '/joint_states', ('position', 0), 7.85, 'the joint ends at 1.4 rad'),
+    Nonsense('gait_node', '/joint_states', ('velocity', 0), math.inf, 'a speed is a number'),
+    Nonsense('gait_node', '/joint_states', ('effort', 0), math.nan, 'a torque is a number'),
+    Nonsense('gait_node', '/joint_states', ('name', 0), 'wheel', 'a joint of the robot is missing'),
+    Nonsense('gait_node', '/joint_states', ('name',), [], 'there are more angles than names'),
+    Nonsense('gait_node', '/imu', ('orientation', 'x'), math.nan, _NO_NUMBER),
+    Nonsense('gait_node', '/imu', _W, 1e308, _NO_ROTATION),
+    Nonsense('gait_node', '/imu', ('angular_velocity', 'z'), math.nan, 'a rate is a number'),
+    Nonsense('sim_node', '/joint_trajectory', _FIRST, math.nan, 'an angle is a number'),
+    Nonsense('sim_node', '/joint_trajectory', _FIRST, 1e308, 'no joint turns so far'),
+    Nonsense('sim_node', '/joint_trajectory', _FIRST, 7.85, 'the joint ends at 1.4 rad'),
+    Nonsense('sim_node', '/joint_trajectory', _SPEED, math.inf, 'a speed is a number'),
+    Nonsense('sim_node', '/joint_trajectory', _SPEED, 1e3, 'the joint has 6 rad/s'),
+    Nonsense('sim_node', '/joint_trajectory', ('points',), [], 'it leads nowhere'),
+    Nonsense('sim_node', '/joint_trajectory', ('joint_names', 0), 'wheel', 'no such joint'),
+    Nonsense('sim_node', '/joint_trajectory', ('joint_names',), ['a'], 'joints are missing'),
+    Nonsense(
+        'sim_node', '/joint_trajectory', ('points', -1, 'time_from_start', 'sec'), -5,
+        'times rise',
+    ),
+    Nonsense('sim_node', '/obstacles', ('markers', 0, 'type'), 99, 'no obstacle has that shape'),
+    Nonsense('sim_node', '/obstacles', ('markers', 0, 'action'), 99, 'there is no such action'),
+    Nonsense('sim_node', '/obstacles', ('markers', 0, 'scale', 'x'), -1.0, 'sizes are positive'),
+    Nonsense('sim_node', '/obstacles', ('markers', 0, 'scale', 'x'), 1e308, 'no room holds it'),
+    Nonsense('sim_node', '/obstacles', ('markers', 0, 'scale', 'y'), math.nan, 'sizes are numbers'),
+    Nonsense('sim_node', '/obstacles', ('markers', 0, *_FRAME), 'moon', _NO_FRAME),
+    *_poses('sim_node', '/obstacles', 'markers', 0, 'pose'),
+    Nonsense('sim_node', '/goal_marker', _FRAME, 'moon', _NO_FRAME),
+    *_poses('sim_node', '/goal_marker', 'pose'),
+)  # fmt: skip
+"""What is sent, and why it has to be refused."""
+
+
+def accepted_nonsense(
+    stage: Stage, attacker: Attacker, rng: np.random.Generator, count: int | None = None
+) -> tuple[int, list[str]]:
+    """
+    Send a node what it must refuse, and listen for the refusal on diagnostics.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where it runs.
+    attacker : Attacker
+        Of the node.
+    rng : numpy.random.Generator
+        Of the sample.
+    count : int, optional
+        How many of the messages; all if not given.
+
+    Returns
+    -------
+    tuple of int and list of str
+        How many were sent, and those that were not refused.
+    """
+    cases = [case for case in CASES if case.node == attacker.name]
+    if count is not None and count < len(cases):
+        chosen = sorted(rng.choice(len(cases), count, replace=False))
+        cases = [cases[index] for index in chosen]
+    targets = {target.name: target for target in attacker.inputs}
+    return len(cases), [
+        str(case) for case in cases if not _is_refused(stage, attacker, targets[case.topic], case)
+    ]
+
+
+def _is_refused(stage: Stage, attacker: Attacker, target: Interface, case: Nonsense) -> bool:
+    listener = stage.listener
+    # What the node complains of already, or of the case before, is no answer to this one.
+    known = {*listener.refusals.get(case.node, [])[-3:], stage.said(case.node)}
+    listener.refusals[case.node] = []
+    for _ in range(round(_WAIT / _AGAIN)):
+        message = replaced(attacker.example(target), case.path, case.value)
+        attacker.send(target, message, str(case))
+        stage.spin(_AGAIN)
+        if set(listener.refusals[case.node]) - known:
+            return True
+    return False
