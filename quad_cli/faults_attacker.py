@@ -20,14 +20,8 @@ from quad_cli.faults_mutations import Mutator, random_bytes
 from quad_cli.faults_stage import Stage
 from quad_common.planar_pose import Pose2D
 
-SLOWEST = 2.0
-"""A node that answers later hangs [s]."""
-
 _SHARE_BYTES = 0.08
 """Of messages whose bytes are damaged, instead of a field."""
-
-_GIVE_UP = 10.0
-"""Wait for an answer [s]."""
 
 _DISCOVERY = 0.5
 """For publishers to be found by the node [s]."""
@@ -169,10 +163,9 @@ class Attacker:
             return
         if target.name == '/reset':
             self._stage.listener.forget_robot()
-        took = self._stage.answer_time(client.call_async(mutation.message), _GIVE_UP)
-        if took is None or took > SLOWEST:
-            answered = 'no answer' if took is None else f'answer after {took:.1f} s'
-            self.slow.append(f'{target} {mutation}: {answered}')
+        reaction = self._stage.reaction(self.name, client.call_async(mutation.message))
+        if reaction.is_hang and self.name not in self._stage.dead_nodes():
+            self.slow.append(f'{target} {mutation}: {reaction}')
 
     def example(self, target: Interface) -> Any:
         """Return a valid message: the last one that was heard, or one that is made up."""

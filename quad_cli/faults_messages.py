@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_cli.bench import Bar, at_least, at_most, figure
-from quad_cli.faults_attacker import SLOWEST, Attacker
+from quad_cli.faults_attacker import Attacker
 from quad_cli.faults_goals import GoalDrawer
 from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG
 from quad_cli.faults_nonsense import accepted_nonsense
@@ -185,11 +185,10 @@ class _Attack:
         stage, report = self._stage, self.report
         self._revive()
         for name in stage.nodes:
-            took = stage.ping(name)
-            if (took is None or took > SLOWEST) and name not in stage.dead_nodes():
-                answered = 'no answer' if took is None else f'{took:.1f} s'
+            reaction = stage.ping(name)
+            if reaction.is_hang and name not in stage.dead_nodes():
                 sent = ' | '.join(self._attacker.recent)
-                report.slow.append(f'{name}: {answered} after {sent}')
+                report.slow.append(f'{name}: {reaction}; sent last: {sent}')
 
     def _revive(self) -> None:
         """Start nodes again that have ended: the attack goes on, and their deaths count."""

@@ -4,6 +4,7 @@ Nodes as processes, and somebody who listens to all of them: what every attack n
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from functools import partial
@@ -18,7 +19,7 @@ from rclpy.node import NodeNameNonExistentError
 from quad_cli.faults_examples import goal_message
 from quad_cli.faults_graph import inputs_of
 from quad_cli.faults_listener import TopicListener
-from quad_cli.faults_state import resident_memory, traceback_ends
+from quad_cli.faults_state import Reaction, processor_time, resident_memory, traceback_ends
 from quad_cli.node_processes import NodeDied, NodeProcess, NodeProcesses
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D, wrap_angle
@@ -31,6 +32,9 @@ START_TIMEOUT = 90.0
 
 STALL_TIMEOUT = 20.0
 """For simulated time to advance [s]."""
+
+_GIVE_UP = 20.0
+"""Wait for an answer [s]."""
 
 NEAR = 0.05
 """Of a goal: the robot is there [m]."""
@@ -190,42 +194,41 @@ class Stage:
             if time.monotonic() - advanced > stall_timeout:
                 raise NotSeen(what, f'{stall_timeout:.0f} s without advance', self.all_said())
 
-    def ping(self, name: str, timeout: float = 10.0) -> float | None:
-        """
-        Measure how long a node takes to answer to a request for a parameter.
-
-        Returns
-        -------
-        float or None
-            [s]; None if it does not answer in the given time, or has ended.
-        """
+    def ping(self, name: str) -> Reaction:
+        """Measure how long a node takes to answer to a request for a parameter."""
         if name not in self._pings:
             self._pings[name] = self.node.create_client(GetParameters, f'{name}/get_parameters')
         client = self._pings[name]
+        # Found first: discovery is not the node's own time.
         began = time.monotonic()
-        while not client.service_is_ready():
+        while not client.service_is_ready() and time.monotonic() - began < _GIVE_UP:
             self._executor.spin_once(timeout_sec=0.01)
-            if time.monotonic() - began > timeout or name in self.dead_nodes():
-                return None
-        return self.answer_time(client.call_async(GetParameters.Request(names=['robot'])), timeout)
+            if name in self.dead_nodes():
+                break
+        return self.reaction(name, client.call_async(GetParameters.Request(names=['robot'])))
 
-    def answer_time(self, answer: Any, timeout: float = 10.0) -> float | None:
-        """Listen until a request is answered; return how long that took [s], None if too long."""
-        began = time.monotonic()
-        while not answer.done():
+    def reaction(self, name: str, answer: Any) -> Reaction:
+        """Listen until a node has answered to a request; measure how long that takes."""
+        process = self.nodes[name]
+        began, computed = time.monotonic(), processor_time(process.pid)
+        while not answer.done() and time.monotonic() - began < _GIVE_UP:
             self._executor.spin_once(timeout_sec=0.01)
-            if time.monotonic() - began > timeout:
-                return None
-        return time.monotonic() - began
+            if name in self.dead_nodes():
+                break
+        elapsed = time.monotonic() - began
+        return Reaction(elapsed, processor_time(process.pid) - computed, answer.done())
 
     def call(self, name: str, kind: Any, request: Any = None) -> Any:
-        """Call a service and return its answer; None if there is none within ten seconds."""
+        """Call a service and return its answer; None if there is none."""
         client = self.node.create_client(kind, name)
+        end = time.monotonic() + _GIVE_UP
         try:
-            if not client.wait_for_service(10.0):
+            if not client.wait_for_service(_GIVE_UP):
                 return None
             answer = client.call_async(kind.Request() if request is None else request)
-            return None if self.answer_time(answer) is None else answer.result()
+            while not answer.done() and time.monotonic() < end:
+                self._executor.spin_once(timeout_sec=0.01)
+            return answer.result() if answer.done() else None
         finally:
             self.node.destroy_client(client)
 
@@ -248,9 +251,11 @@ class Stage:
 
     @property
     def pose(self) -> Pose2D | None:
-        """Where the robot is; None before odometry was heard."""
+        """Where the robot is; None before odometry was heard, and if that is nonsense."""
         message = self.listener.last.get('/odom')
-        return None if message is None else pose_from_message(message.pose.pose)
+        with contextlib.suppress(QuadError):
+            return None if message is None else pose_from_message(message.pose.pose)
+        return None
 
     def said(self, name: str) -> str:
         """Return what a node said last."""

@@ -4,7 +4,12 @@ What can be seen of a process from outside: its memory, and what it wrote into i
 
 from __future__ import annotations
 
+import os
+from dataclasses import dataclass
 from pathlib import Path
+
+SLOWEST = 2.0
+"""A node that takes longer to react hangs [s]."""
 
 _LONGEST_LINE = 300
 """Of a log that is quoted [letters]."""
@@ -20,6 +25,37 @@ def resident_memory(pid: int) -> float | None:
         if line.startswith('VmRSS:'):
             return float(line.split()[1]) / 1024.0
     return None
+
+
+def processor_time(pid: int) -> float:
+    """Return how long a process has computed [s]; 0 if it has ended."""
+    try:
+        text = Path(f'/proc/{pid}/stat').read_text()
+    except OSError:
+        return 0.0
+    # The name in parentheses may hold spaces; user and system time follow it.
+    fields = text.rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """How long a node took to answer."""
+
+    elapsed: float
+    """On the wall clock [s]."""
+    computed: float
+    """Time that the node computed meanwhile [s]: on a busy machine it waits for others."""
+    is_answered: bool
+
+    @property
+    def is_hang(self) -> bool:
+        """Whether the node itself was slow."""
+        return not self.is_answered or min(self.elapsed, self.computed) > SLOWEST
+
+    def __str__(self) -> str:
+        answered = 'answered' if self.is_answered else 'no answer'
+        return f'{answered} after {self.elapsed:.1f} s, {self.computed:.1f} s of computing'
 
 
 def growth(before: dict[str, float], after: dict[str, float]) -> dict[str, float]:
