@@ -117,7 +117,7 @@ class TrajectoryChecker:
         far = np.abs(first - position_at(last, now))
         bad = np.flatnonzero((apart > _SAME_PLACE) & (far > reach))
         return [
-            f'{trajectory.joint_names[j]} is {far[j]:.3f} rad from its last command, and has '
+            f'{trajectory.joint_names[j]} is {far[j]:.4g} rad from its last command, and has '
             f'{start - now:.3f} s to get there at {self._speed[j]:.3g} rad/s'
             for j in bad
         ]
@@ -171,7 +171,7 @@ class JointChecker:
             duration = time - self._before[0] + _OWN_TIME
             moved = np.abs(positions - self._before[1])
             problems += [
-                f'{self._names[j]} moved by {moved[j]:.3f} rad in {duration - _OWN_TIME:.3f} s'
+                f'{self._names[j]} moved by {moved[j]:.4g} rad in {duration - _OWN_TIME:.3f} s'
                 for j in np.flatnonzero(moved > self._speed * duration)
             ]
         self._before = (time, positions)
@@ -247,6 +247,12 @@ def extremes(trajectory: JointTrajectory) -> tuple[Array, Array, Array]:
 def _cubics(trajectory: JointTrajectory) -> Array:
     """Coefficients of the cubic in each interval, shape (4, m - 1, n)."""
     h = np.diff(trajectory.times)[:, None]
+    # Numbers that overflow here are far outside the limits at the points already.
+    with np.errstate(over='ignore', invalid='ignore'):
+        return _hermite(h, trajectory)
+
+
+def _hermite(h: Array, trajectory: JointTrajectory) -> Array:
     p0, p1 = trajectory.positions[:-1], trajectory.positions[1:]
     v0, v1 = trajectory.velocities[:-1], trajectory.velocities[1:]
     slope = (p1 - p0) / h

@@ -52,6 +52,7 @@ class TopicListener:
         self._node = node
         self._subscribed: set[str] = set()
         self._own: set[int] = set()
+        self._noted: set[tuple[str, str, str]] = set()
         self._names = robot.joint_names
         self._trajectories = TrajectoryChecker(robot)
         self._joints = JointChecker(robot)
@@ -93,7 +94,10 @@ class TopicListener:
         """Note a violation down."""
         self.counts[kind] = self.counts.get(kind, 0) + 1
         examples = self.examples.setdefault(kind, [])
-        if len(examples) < _KEPT:
+        # One that goes on is noted down once.
+        is_new = (kind, what.split()[0], self.context) not in self._noted
+        if is_new and len(examples) < _KEPT:
+            self._noted.add((kind, what.split()[0], self.context))
             examples.append(f'{what} ({self.context})' if self.context else what)
 
     def _subscribe(self, topic: Interface) -> None:

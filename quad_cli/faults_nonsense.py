@@ -18,11 +18,32 @@ from quad_cli.faults_graph import Interface
 from quad_cli.faults_mutations import Path, replaced
 from quad_cli.faults_stage import Stage
 
-_TRIES = 15
+_TRIES = 10
 """A message is sent so often before it counts as accepted: what is best effort may be lost."""
 
 _AGAIN = 0.05
 """Between two times [s]."""
+
+_WORDS_LAST = 1.5
+"""A sentence stays on diagnostics no longer, unless it is still true [s]."""
+
+_RECENT = 3
+"""Sentences that may still come in from the case before."""
+
+_WORDS = {
+    '/goal_pose': ('goal',),
+    '/odom': ('odom', 'stamp'),
+    '/map': ('map',),
+    '/height_map': ('height map',),
+    '/plan': ('plan',),
+    '/cmd_vel': ('cmd_vel',),
+    '/joint_states': ('joint',),
+    '/imu': ('imu',),
+    '/joint_trajectory': ('trajectory', 'joint'),
+    '/obstacles': ('obstacle',),
+    '/goal_marker': ('goal_marker',),
+}
+"""A refusal names what it refuses, in one of these words."""
 
 
 @dataclass(frozen=True)
@@ -159,9 +180,18 @@ def accepted_nonsense(
 
 
 def _is_refused(stage: Stage, attacker: Attacker, target: Interface, case: Nonsense) -> bool:
+    """Return whether the node says so, in a sentence that it did not say just before."""
+    if _says_it(stage, attacker, target, case):
+        return True
+    # It may have used the same words for the case before: once they are over, again.
+    stage.spin(_WORDS_LAST)
+    stage.listener.refusals[case.node] = []
+    return _says_it(stage, attacker, target, case)
+
+
+def _says_it(stage: Stage, attacker: Attacker, target: Interface, case: Nonsense) -> bool:
     listener = stage.listener
-    # What the node complains of already, or of the case before, is no answer to this one.
-    known = {*listener.refusals.get(case.node, [])[-3:], stage.said(case.node)}
+    known = {*listener.refusals.get(case.node, [])[-_RECENT:], stage.said(case.node)}
     listener.refusals[case.node] = []
     for _ in range(_TRIES):
         message = replaced(attacker.example(target), case.path, case.value)
@@ -170,6 +200,7 @@ def _is_refused(stage: Stage, attacker: Attacker, target: Interface, case: Nonse
         # holds on a busy machine as well, where no fixed time is enough.
         stage.ping(case.node)
         stage.spin(_AGAIN)
-        if set(listener.refusals[case.node]) - known:
+        new = set(listener.refusals[case.node]) - known
+        if any(word in sentence for sentence in new for word in _WORDS[case.topic]):
             return True
     return False
