@@ -15,6 +15,7 @@ PARTS = {
     'messages': 'quad_cli.faults_messages.attack_messages',
     'processes': 'quad_cli.faults_processes.attack_processes',
     'files': 'quad_cli.faults_files.measure_files',
+    'kills': 'quad_cli.faults_kills.attack_by_kills',
 }
 """What is attacked, by the name for ``--only``: the function of each part."""
 

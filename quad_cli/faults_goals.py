@@ -9,13 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from quad_common.errors import PlannerError
+from quad_common.errors import PlannerError, QuadError
 from quad_common.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import Robot
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner import Planner, make_planner
 from quad_planner.safety_map import SafetyMap
+
+_TRIES = 2000
+"""Goals that are drawn before it is given up."""
 
 
 class GoalDrawer:
@@ -41,6 +44,8 @@ class GoalDrawer:
             method,
             mesh_size=robot.mesh_size,
             clearance_radius=robot.footprint_radius + PlannerParameters().safety_distance,
+            # A robot stands a little beside the goal that it was given.
+            start_tolerance=PlannerParameters().safety_distance,
         )
         self._planner.set_map(self._grid)
 
@@ -58,9 +63,14 @@ class GoalDrawer:
         Returns
         -------
         Pose2D
-            A goal that has a plan from there, with some margin to the safety boundary.
+            A goal that has a plan from there.
+
+        Raises
+        ------
+        QuadError
+            If none is found.
         """
-        while True:
+        for _ in range(_TRIES):
             # Not far as the crow flies either: most of the room need not be tried.
             distance = self._rng.uniform(0.5 * shortest, longest)
             direction, yaw = self._rng.uniform(-math.pi, math.pi, 2)
@@ -71,6 +81,10 @@ class GoalDrawer:
             )
             if shortest <= self._length(start, goal) <= longest:
                 return goal
+        raise QuadError(
+            f'no goal of {_TRIES} has a plan of {shortest:g} to {longest:g} m from '
+            f'({start.x:.2f}, {start.y:.2f}) m'
+        )
 
     def _length(self, start: Pose2D, goal: Pose2D) -> float:
         try:

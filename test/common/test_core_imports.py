@@ -30,6 +30,8 @@ ROS_COMMANDS = {
     'quad_cli.faults_stage',
     'quad_cli.faults_attacker',
     'quad_cli.faults_messages',
+    'quad_cli.faults_kills',
+    'quad_cli.faults_soak',
     'quad_cli.faults_nonsense',
 }
 """Of the command line: what walks over topics."""

@@ -1,0 +1,223 @@
+"""
+Attack by kills: nodes are killed, or stopped for five seconds, at random moments of walks.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from rich.console import Console
+
+from quad_cli.bench import Bar, at_least, at_most
+from quad_cli.faults_goals import GoalDrawer
+from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS
+from quad_cli.faults_stage import NotSeen, Stage
+from quad_cli.node_processes import NodeDied, isolated_domain
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.robot import load_robot
+
+WALKS = 40
+QUICK_WALKS = 2
+
+NODES = ('planner_node', 'gait_node', 'sim_node')
+WAYS = ('SIGKILL', 'SIGSTOP')
+
+_STOPPED_FOR = 5.0
+"""A node that is stopped [s], on the wall clock."""
+
+_RESPAWN = 1.0
+"""After which a node that was killed is started again, as ``respawn_delay`` does [s]."""
+
+_LATEST = 12.0
+"""After a walk's beginning, for the kill [s], simulated."""
+
+_PATIENCE = 20.0
+"""For the robot to go on by itself, or to say why it does not [s], simulated."""
+
+_RATE = 3.0
+"""Simulated over real time."""
+
+_ROBOT = 'titan_viii'
+_MAP = 'room'
+_START = Pose2D(1.2, 1.2, 0.0)
+
+
+@dataclass
+class KilledWalk:
+    """What became of one walk."""
+
+    number: int
+    node: str
+    way: str
+    """SIGKILL, or SIGSTOP and SIGCONT after five seconds."""
+    moment: float = 0.0
+    """Of the kill, after the goal was given [s], simulated."""
+    goals: int = 1
+    """How often the goal had to be given."""
+    has_arrived: bool = False
+    has_fallen: bool = False
+    contacts: str = ''
+    reason: str = ''
+    """What the nodes said when the robot did not go on by itself."""
+    says_why: bool = True
+    """Whether a robot that stood said anything about it."""
+    problem: str = ''
+    """Why it did not arrive."""
+
+    @property
+    def is_good(self) -> bool:
+        """Whether all that is promised came true."""
+        is_safe = not self.has_fallen and not self.contacts
+        return is_safe and self.has_arrived and self.goals <= 2
+
+
+def attack_by_kills(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Bar], dict[str, object]]:
+    """
+    Kill nodes in walks, and work out the bars.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress goes.
+    quick : bool
+        A few walks only.
+    seed : int
+        Of goals and moments.
+
+    Returns
+    -------
+    tuple
+        The bars, and details for JSON: every walk.
+    """
+    rng = np.random.default_rng(seed)
+    count = QUICK_WALKS if quick else WALKS
+    ways = [(node, way) for way in WAYS for node in NODES]
+    order = rng.permutation(len(ways))
+    walks: list[KilledWalk] = []
+    with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
+        start = [_START.x, _START.y, _START.yaw]
+        stage.start('sim_node', real_time_factor=_RATE, start_pose=start)
+        stage.start('planner_node')
+        stage.start('gait_node')
+        stage.wait_until_ready()
+        goals = GoalDrawer(load_robot(_ROBOT), sample_map(_MAP), seed)
+        for number in range(count):
+            node, way = ways[order[number % len(ways)]]
+            walk = KilledWalk(number, node, way)
+            _killed_walk(stage, walk, goals, float(rng.uniform(0.0, _LATEST)))
+            walks.append(walk)
+            _say(console, walk)
+            if not walk.is_good:
+                _begin_again(stage)
+        counts = dict(stage.listener.counts)
+        tracebacks = stage.tracebacks()
+    return _bars(walks, counts, tracebacks), {
+        'walks': [asdict(walk) for walk in walks],
+        'tracebacks': tracebacks,
+        'violations': counts,
+    }
+
+
+def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: float) -> None:
+    """Walk to a goal; kill a node on the way."""
+    pose = stage.pose or _START
+    goal = goals.draw(pose, 0.4, 1.2)
+    walk.moment = moment
+    try:
+        stage.give_goal(goal)
+        stage.wait_until('the robot walks', lambda: stage.activity in ('walking', 'turning'), 30.0)
+        begun = stage.listener.time
+        stage.wait_until(
+            'the moment of the kill',
+            lambda: stage.listener.time >= begun + moment or stage.is_at(goal),
+        )
+        _kill(stage, walk)
+        if not _goes_on(stage, goal):
+            # It says why; a new goal has to be enough.
+            walk.reason = stage.all_said()
+            walk.says_why = bool(stage.said('gait_node'))
+            walk.goals += 1
+            stage.give_goal(goal)
+        stage.wait_until(f'arrival at {goal}', lambda: stage.is_at(goal), 300.0)
+        walk.has_arrived = True
+    except (NotSeen, NodeDied) as error:
+        walk.problem = str(error)
+    walk.has_fallen, walk.contacts = stage.has_fallen, stage.contacts
+
+
+def _kill(stage: Stage, walk: KilledWalk) -> None:
+    process = stage.nodes[walk.node]
+    if walk.way == 'SIGKILL':
+        process.kill()
+        stage.spin(_RESPAWN)
+        stage.start_again(walk.node)
+        stage.wait_until_found()
+    else:
+        os.kill(process.pid, signal.SIGSTOP)
+        try:
+            stage.spin(_STOPPED_FOR)
+        finally:
+            os.kill(process.pid, signal.SIGCONT)
+
+
+def _goes_on(stage: Stage, goal: Pose2D) -> bool:
+    """Return whether the robot reaches the goal by itself; if not, it has stood for a while."""
+    moved_at = seen = stage.listener.time
+
+    def is_over() -> bool:
+        nonlocal moved_at, seen
+        now = stage.listener.time
+        # A simulator that is started again begins at zero.
+        if now < seen or stage.activity in ('walking', 'turning', 'standing up'):
+            moved_at = now
+        seen = now
+        return stage.is_at(goal) or now - moved_at > _PATIENCE
+
+    stage.wait_until(f'arrival at {goal}, or a robot that stands', is_over, 300.0)
+    return stage.is_at(goal)
+
+
+def _begin_again(stage: Stage) -> None:
+    """Start all nodes anew: a walk that went wrong must not spoil the next one."""
+    for name in NODES:
+        stage.nodes[name].kill()
+    for name in NODES:
+        stage.start_again(name)
+    stage.wait_until_ready()
+
+
+def _bars(walks: list[KilledWalk], counts: dict[str, int], tracebacks: list[str]) -> list[Bar]:
+    total = len(walks)
+    good = sum(walk.is_good for walk in walks)
+    return [
+        at_least('walks that end well', good, f'of {total}', total),
+        at_most('falls', sum(walk.has_fallen for walk in walks), '', 0),
+        at_most('walks with contacts', sum(bool(walk.contacts) for walk in walks), '', 0),
+        at_most('goals given, at most', max((walk.goals for walk in walks), default=None), '', 2),
+        at_most(
+            'robots that stand and do not say why',
+            sum(walk.goals > 1 and not walk.says_why for walk in walks),
+            '',
+            0,
+        ),
+        at_most(NOT_FINITE, counts.get(NOT_FINITE, 0), '', 0),
+        at_most(OUTSIDE_LIMITS, counts.get(OUTSIDE_LIMITS, 0), '', 0),
+        at_most('tracebacks', len(tracebacks), '', 0),
+    ]
+
+
+def _say(console: Console, walk: KilledWalk) -> None:
+    outcome = 'arrived' if walk.has_arrived else f'did NOT arrive: {walk.problem}'
+    extra = f', {walk.goals} goals' if walk.goals > 1 else ''
+    extra += ', FELL' if walk.has_fallen else ''
+    extra += f', CONTACTS {walk.contacts}' if walk.contacts else ''
+    console.print(
+        f'{walk.number + 1} {walk.way} of {walk.node} after {walk.moment:.1f} s: {outcome}{extra}',
+        highlight=False,
+    )
