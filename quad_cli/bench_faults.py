@@ -16,6 +16,7 @@ PARTS = {
     'processes': 'quad_cli.faults_processes.attack_processes',
     'files': 'quad_cli.faults_files.measure_files',
     'kills': 'quad_cli.faults_kills.attack_by_kills',
+    'soak': 'quad_cli.faults_soak.soak',
 }
 """What is attacked, by the name for ``--only``: the function of each part."""
 
