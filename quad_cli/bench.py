@@ -25,6 +25,7 @@ BENCHMARKS = {
     'terrain': 'quad_cli.bench_terrain',
     'localisation': 'quad_cli.bench_localisation',
     'faults': 'quad_cli.bench_faults',
+    'matrix': 'quad_cli.bench_matrix',
 }
 """The module of each benchmark."""
 
@@ -37,6 +38,7 @@ EXAMPLES = """examples:
   quadwalk bench terrain --quick
   quadwalk bench localisation --quick
   quadwalk bench faults --only messages kills
+  quadwalk bench matrix --only pukyong wave
 """
 
 

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 
@@ -25,6 +25,7 @@ NOT_FINITE = 'numbers that are not finite'
 OUTSIDE_LIMITS = 'commands outside limits'
 JOINTS_OUTSIDE = 'joints outside limits'
 TOO_LONG = 'texts too long'
+UNREADABLE = 'messages that cannot be read'
 
 _DEPTH = 500
 """Messages that wait while the listener is busy."""
@@ -64,6 +65,8 @@ class TopicListener:
         """How many were heard."""
         self.refusals: dict[str, list[str]] = {}
         """Every error that a node reported, by the node's name, since they were cleared."""
+        self.alarms: dict[str, list[str]] = {}
+        """Likewise every sentence that came at level ERROR."""
         self.time = 0.0
         """Simulated time, by the joints' stamps [s]."""
         self.counts: dict[str, int] = {}
@@ -112,7 +115,11 @@ class TopicListener:
     def _on_bytes(self, topic: Interface, data: bytes) -> None:
         if hash(data) in self._own:
             return
-        message = deserialize_message(data, topic.type)
+        try:
+            message = deserialize_message(data, topic.type)
+        except (TypeError, ValueError, RuntimeError) as error:
+            self.note(UNREADABLE, f'{topic}: {len(data)} bytes: {str(error)[:200]}')
+            return
         self.last[topic.name] = message
         for problem in numbers_not_finite(message):
             self.note(NOT_FINITE, f'{topic}: {problem}')
@@ -155,5 +162,7 @@ class TopicListener:
             for key, value in values.items():
                 if value in ('nan', 'inf', '-inf'):
                     self.note(NOT_FINITE, f'diagnostics of {status.name}: {key} is {value}')
+            if status.level == DiagnosticStatus.ERROR:
+                self.alarms.setdefault(status.name, []).append(status.message)
             if 'error' in values:
                 self.refusals.setdefault(status.name, []).append(status.message)

@@ -104,12 +104,12 @@ class Stage:
     def wait_until_found(self) -> None:
         """Wait until every node is discovered, and listened to."""
         for name in self.nodes:
-            self.wait_until(f'{name} is found', partial(self._is_found, name), 1e9)
+            self._wait_for_start(f'{name} is found', partial(self._is_found, name))
 
     def wait_until_ready(self) -> None:
         """Wait until a goal would be walked to."""
         self.wait_until_found()
-        self.wait_until('planner and gait are ready', self.is_ready, 1e9, START_TIMEOUT)
+        self._wait_for_start('planner and gait are ready', self.is_ready)
 
     def is_ready(self) -> bool:
         """Return whether planner and gait say that they could begin."""
@@ -283,6 +283,16 @@ class Stage:
         """Give a goal and wait until the robot is there."""
         self.give_goal(goal)
         self.wait_until(f'arrival at {goal}', lambda: self.is_at(goal), simulated_timeout)
+
+    def _wait_for_start(self, what: str, condition: Callable[[], bool]) -> None:
+        """Wait on the wall clock: simulated time may run, or not yet, while nodes start."""
+        end = time.monotonic() + START_TIMEOUT
+        while not condition():
+            self._executor.spin_once(timeout_sec=0.05)
+            for process in self.nodes.values():
+                process.check()
+            if time.monotonic() > end:
+                raise NotSeen(what, f'{START_TIMEOUT:.0f} s', self.all_said())
 
     def _is_found(self, name: str) -> bool:
         try:

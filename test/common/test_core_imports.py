@@ -25,6 +25,7 @@ ROS_COMMANDS = {
     'quad_cli.bench_walk',
     'quad_cli.bench_localisation',
     'quad_cli.bench_planner_node',
+    'quad_cli.bench_matrix',
     'quad_cli.faults_examples',
     'quad_cli.faults_listener',
     'quad_cli.faults_stage',
