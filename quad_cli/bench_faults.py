@@ -15,6 +15,7 @@ PARTS = {
     'messages': 'quad_cli.faults_messages.attack_messages',
     'processes': 'quad_cli.faults_processes.attack_processes',
     'files': 'quad_cli.faults_files.measure_files',
+    'watch': 'quad_cli.faults_watch.attack_by_load',
     'kills': 'quad_cli.faults_kills.attack_by_kills',
     'soak': 'quad_cli.faults_soak.soak',
 }

@@ -18,9 +18,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_cli.faults_graph import class_of
 from quad_common.height_map import HeightMap
+from quad_common.height_map_conversions import height_map_message
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.ros_conversions import height_map_message, pose_message
+from quad_common.ros_conversions import pose_message
 from quad_planner.ros_conversions import path_message
 
 OBSTACLE_NAMESPACE = 'faults'

@@ -38,6 +38,14 @@ _LATEST = 12.0
 _PATIENCE = 20.0
 """For the robot to go on by itself, or to say why it does not [s], simulated."""
 
+_MOVING = ('walking', 'turning')
+
+_BEGINNING = 60.0
+"""For a robot that was given a goal to begin [s], simulated."""
+
+_ATTEMPTS = 3
+"""Times that the goal is given until it does."""
+
 _RATE = 3.0
 """Simulated over real time."""
 
@@ -130,8 +138,7 @@ def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: floa
     goal = goals.draw(pose, 0.4, 1.2)
     walk.moment = moment
     try:
-        stage.give_goal(goal)
-        stage.wait_until('the robot walks', lambda: stage.activity in ('walking', 'turning'), 30.0)
+        _begin(stage, goal)
         begun = stage.listener.time
         stage.wait_until(
             'the moment of the kill',
@@ -149,6 +156,20 @@ def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: floa
     except (NotSeen, NodeDied) as error:
         walk.problem = str(error)
     walk.has_fallen, walk.contacts = stage.has_fallen, stage.contacts
+
+
+def _begin(stage: Stage, goal: Pose2D) -> None:
+    """Give a goal, and wait until the robot walks."""
+    for attempt in range(1, _ATTEMPTS + 1):
+        stage.give_goal(goal)
+        try:
+            stage.wait_until('the robot walks', lambda: stage.activity in _MOVING, _BEGINNING)
+        except NotSeen:
+            # On a busy machine the graph forgets who was stopped for a while.
+            if attempt == _ATTEMPTS:
+                raise
+        else:
+            return
 
 
 def _kill(stage: Stage, walk: KilledWalk) -> None:
@@ -174,7 +195,7 @@ def _goes_on(stage: Stage, goal: Pose2D) -> bool:
         nonlocal moved_at, seen
         now = stage.listener.time
         # A simulator that is started again begins at zero.
-        if now < seen or stage.activity in ('walking', 'turning', 'standing up'):
+        if now < seen or stage.activity in (*_MOVING, 'standing up'):
             moved_at = now
         seen = now
         return stage.is_at(goal) or now - moved_at > _PATIENCE

@@ -11,7 +11,7 @@ import numpy as np
 from nav_msgs.msg import OccupancyGrid
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rich.console import Console
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_cli.bench import Bar, at_least, at_most, figure
@@ -221,6 +221,8 @@ class _Attack:
             stage.listener.forget_robot()
             stage.call('reset', Trigger)
         stage.call('unpause', Trigger)
+        if '/emergency_stop' in dict(stage.node.get_service_names_and_types()):
+            stage.call('emergency_stop', SetBool, SetBool.Request(data=False))
         if stage.activity in ('sitting', 'sitting down'):
             stage.call('stand', Trigger)
         self._maps.publish(self._good_map)

@@ -12,11 +12,10 @@ from types import TracebackType
 from typing import Any
 
 import rclpy
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.srv import GetParameters
 from rclpy.node import NodeNameNonExistentError
 
-from quad_cli.faults_examples import goal_message
+from quad_cli.faults_goal_topic import GoalTopic
 from quad_cli.faults_graph import inputs_of
 from quad_cli.faults_listener import TopicListener
 from quad_cli.faults_state import Reaction, processor_time, resident_memory, traceback_ends
@@ -72,7 +71,7 @@ class Stage:
         self.nodes: dict[str, NodeProcess] = {}
         """Every node that was started; the last one of a name."""
         self._parameters: dict[str, dict[str, object]] = {}
-        self._goals = self.node.create_publisher(PoseStamped, 'goal_pose', 10)
+        self._goals = GoalTopic(self.node)
         self._pings: dict[str, Any] = {}
 
     def __enter__(self) -> Stage:
@@ -99,6 +98,7 @@ class Stage:
     def start_again(self, name: str) -> None:
         """Start a node that has ended, with the parameters it had."""
         self.listener.statuses.pop(name, None)
+        self._goals.note_death(name)
         self.start(name, **self._parameters[name])
 
     def wait_until_found(self) -> None:
@@ -117,7 +117,7 @@ class Stage:
         return (
             planner.startswith(('ready', 'plan'))
             and self.activity in ('standing', 'arrived')
-            and self._goals.get_subscription_count() > 0
+            and self._goals.is_heard()
         )
 
     def dead_nodes(self) -> dict[str, NodeDied]:
@@ -179,7 +179,7 @@ class Stage:
         NodeDied
             If a node ends meanwhile.
         """
-        began = seen = self.listener.time
+        seen = self.listener.time
         advanced, passed = time.monotonic(), 0.0
         while not condition():
             self._executor.spin_once(timeout_sec=0.05)
@@ -190,7 +190,7 @@ class Stage:
                 passed += max(0.0, now - seen)
                 seen, advanced = now, time.monotonic()
             if passed > simulated_timeout:
-                raise NotSeen(what, f'{now - began:.0f} s of simulated time', self.all_said())
+                raise NotSeen(what, f'{passed:.0f} s of simulated time', self.all_said())
             if time.monotonic() - advanced > stall_timeout:
                 raise NotSeen(what, f'{stall_timeout:.0f} s without advance', self.all_said())
 
@@ -266,8 +266,11 @@ class Stage:
         return '; '.join(f'{name}: {self.said(name)[:200] or "nothing"}' for name in self.nodes)
 
     def give_goal(self, goal: Pose2D) -> None:
-        """Publish a goal."""
-        self._goals.publish(goal_message(goal))
+        """Publish a goal, once a living planner hears it."""
+        end = time.monotonic() + _GIVE_UP
+        while not self._goals.is_heard() and time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.05)
+        self._goals.publish(goal)
 
     def is_at(self, goal: Pose2D) -> bool:
         """Return whether the gait says that it has arrived, and the robot is at the goal."""

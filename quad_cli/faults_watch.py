@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from itertools import count, islice
 
 import numpy as np
+from rich.console import Console
 
 from quad_cli.bench import Bar, at_most, figure
 from quad_cli.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
@@ -124,6 +125,12 @@ def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Bar]:
             0,
         ),
     ]
+
+
+def attack_by_load(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+    """Walk sound robots on a busy machine, as a part of ``quadwalk bench faults``."""
+    console.print('sound robots walk without topics, on a machine that is busy')
+    return watch_bars(quick, seed), {}
 
 
 def campaign(
