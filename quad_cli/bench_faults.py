@@ -14,6 +14,7 @@ from quad_cli.bench import Bar
 PARTS = {
     'messages': 'quad_cli.faults_messages.attack_messages',
     'processes': 'quad_cli.faults_processes.attack_processes',
+    'gate': 'quad_cli.faults_gate.attack_gate',
     'files': 'quad_cli.faults_files.measure_files',
     'watch': 'quad_cli.faults_watch.attack_by_load',
     'kills': 'quad_cli.faults_kills.attack_by_kills',
