@@ -49,7 +49,10 @@ def send(process: subprocess.Popen, *numbers: int, gap: float = 0.05) -> str:
     for number in numbers:
         process.send_signal(number)
         time.sleep(gap)
-    return process.communicate(timeout=20)[0]
+    # Not by communicate, which does not know what readline has read ahead.
+    said = process.stdout.read()
+    process.wait(20.0)
+    return said
 
 
 def node(folder: Path, text: str) -> None:
