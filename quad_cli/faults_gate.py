@@ -177,6 +177,6 @@ def _beyond(limits: JointLimits, trajectory: JointTrajectory, now: float, comman
             most = limits.velocity * (1.0 + tolerance)
             span = limits.upper - limits.lower
             off = np.maximum(limits.lower - place, place - limits.upper) - POSITION_TOLERANCE
-            for excess in (off / span, np.abs(rate) / most - 1.0):
-                worst.append(float(np.nan_to_num(excess, nan=np.inf).max()))
+            excess = np.maximum(off / span, np.abs(rate) / most - 1.0)
+            worst.append(float(np.nan_to_num(excess, nan=np.inf).max()))
     return max(worst)
