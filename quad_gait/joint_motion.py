@@ -24,6 +24,10 @@ _ALIKE = 5e-3
 _BRAKING = 1.5
 """Number of times a sample's period that the last interval of what is given out takes."""
 
+_SLOWING = 0.6
+"""Mean speed of the last interval as a fraction of that at its beginning, at most, of a motion
+that comes to rest by itself."""
+
 _PATIENCE = 1.0
 """After so long past its end a motion is taken to be over, wherever the joints are [s]."""
 
@@ -137,10 +141,13 @@ class JointMotion:
         joints = len(self.joint_names)
         velocities = self.velocities[part].reshape(-1, joints).copy()
         times = reaction_time + self.times[part] - self.times[self.since]
-        if len(times) > 1 and self.given < len(self.times) - 1:
-            # Cut short in mid-motion: a cubic that comes to rest in so much longer is nowhere
-            # faster than where it begins.
-            times[-1] += (_BRAKING - 1.0) * (times[-1] - times[-2])
+        if len(times) > 1:
+            period = times[-1] - times[-2]
+            pace = np.abs(self.positions[self.given] - self.positions[self.given - 1]) / period
+            if pace.max() > _SLOWING * np.abs(velocities[-2]).max():
+                # Cut short in mid-motion: a cubic that comes to rest in so much longer is hardly
+                # faster than where it begins.
+                times[-1] += (_BRAKING - 1.0) * period
         velocities[-1] = 0.0
         return JointTrajectory(
             joint_names=self.joint_names,
