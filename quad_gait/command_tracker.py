@@ -21,12 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_gait.command_candidate import Candidate
 from quad_gait.joint_path import JointPath
 
 Array = NDArray[np.float64]
-
-_SPACING = 0.01
-"""Time between two instants at which joints that are behind are looked for [s]."""
 
 _ARRIVALS = 5
 """Number of instants at which a later trajectory may have arrived that are tried."""
@@ -67,21 +65,6 @@ class Explanation(NamedTuple):
     """Whether the joints have just left an earlier one for it, or no other can be followed."""
 
 
-@dataclass
-class _Candidate:
-    """A trajectory that may be followed."""
-
-    path: JointPath
-    delay: float = 0.0
-    """Time by which it began later than it could have, as far as is known [s]."""
-    latest: float = np.inf
-    """Largest delay by where the joints have been since [s]."""
-    matched: float = -np.inf
-    """Time at which all joints were on it last [s]."""
-    is_outdated: bool = False
-    """Whether a later one was never followed and has ended."""
-
-
 class CommandTracker:
     """
     Keeps the trajectories that may be followed, and finds the one that is.
@@ -102,13 +85,13 @@ class CommandTracker:
 
     def forget(self) -> None:
         """Know no trajectory."""
-        self._candidates: list[_Candidate] = []
-        self._followed: _Candidate | None = None
+        self._candidates: list[Candidate] = []
+        self._followed: Candidate | None = None
 
     def hold(self, time: float, positions: Array) -> None:
         """Take notice of joints that hold a posture, shape (n,) [rad], before all else."""
         path = JointPath.hold(positions, time, self._options.tolerance)
-        self._candidates.insert(0, _Candidate(path, matched=time))
+        self._candidates.insert(0, Candidate(path, matched=time))
 
     def add(self, path: JointPath) -> None:
         """Take notice of a trajectory that is given out; of two at one time the later counts."""
@@ -116,7 +99,7 @@ class CommandTracker:
             last = self._candidates.pop()
             if last is self._followed:
                 self._followed = None
-        self._candidates.append(_Candidate(path))
+        self._candidates.append(Candidate(path))
         if len(self._candidates) > _LARGEST_COUNT:
             # The first one is what was followed last; of those never heard the oldest goes.
             del self._candidates[1]
@@ -157,17 +140,17 @@ class CommandTracker:
                 return self._explanation(posture, allowed, off, candidate, begun, goes_on)
         return self._search(begun, time, positions)
 
-    def _bound_delay(self, candidate: _Candidate, time: float, positions: Array) -> None:
+    def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
         """Find the largest delay of a trajectory that the joints have begun to follow."""
         first, allowed = candidate.path.at(candidate.path.begin)
         if (np.abs(positions - first) > 2.0 * allowed).any():
-            postures, allowed, delays = self._rows(candidate, time)
+            postures, allowed, delays = candidate.rows(time, self._options.age)
             fits = (np.abs(positions - postures) <= allowed).all(axis=1)
             if fits.any():
                 candidate.latest = float(delays[fits].max()) + self._options.age
 
     def _settle_for(
-        self, followed: _Candidate, begun: list[_Candidate], time: float, positions: Array
+        self, followed: Candidate, begun: list[Candidate], time: float, positions: Array
     ) -> bool:
         """
         Drop earlier trajectories that the joints are no longer on, and later ones that ended.
@@ -183,7 +166,7 @@ class CommandTracker:
             posture, allowed = candidate.path.at(time - candidate.delay)
             fits = bool((np.abs(positions - posture) <= allowed).all())
             if not fits:
-                postures, allowed, _ = self._rows(candidate, time)
+                postures, allowed, _ = candidate.rows(time, self._options.age)
                 fits = bool((np.abs(positions - postures) <= allowed).all(axis=1).any())
             if fits:
                 candidate.matched = time
@@ -198,9 +181,9 @@ class CommandTracker:
                 followed.is_outdated = True
         return goes_on
 
-    def _search(self, begun: list[_Candidate], time: float, positions: Array) -> Explanation | None:
+    def _search(self, begun: list[Candidate], time: float, positions: Array) -> Explanation | None:
         """Look at all that may be followed, with delays and on the way into each other."""
-        blocks = [(candidate, *self._rows(candidate, time)) for candidate in begun]
+        blocks = [(candidate, *candidate.rows(time, self._options.age)) for candidate in begun]
         for k, later in enumerate(self._candidates):
             if later.path.given <= time:
                 for earlier in self._candidates[:k]:
@@ -243,8 +226,8 @@ class CommandTracker:
         posture: Array,
         allowed: Array,
         off: NDArray[np.bool_],
-        owner: _Candidate,
-        begun: list[_Candidate],
+        owner: Candidate,
+        begun: list[Candidate],
         goes_on: bool,
     ) -> Explanation:
         is_latest = not begun or (owner is begun[-1] and not owner.is_outdated)
@@ -253,8 +236,8 @@ class CommandTracker:
 
     def _drop_others(
         self,
-        followed: _Candidate,
-        begun: list[_Candidate],
+        followed: Candidate,
+        begun: list[Candidate],
         time: float,
         positions: Array,
         suspect: NDArray[np.bool_],
@@ -262,31 +245,13 @@ class CommandTracker:
         """Drop earlier trajectories that sound joints have left for longer than a joining."""
         for candidate in begun[: begun.index(followed)]:
             if time - candidate.matched > self._options.joining:
-                postures, allowed, _ = self._rows(candidate, time)
+                postures, allowed, _ = candidate.rows(time, self._options.age)
                 fits = (np.abs(positions - postures) <= allowed) | suspect
                 if not fits.all(axis=1).any():
                     self._candidates.remove(candidate)
 
-    def _rows(self, candidate: _Candidate, time: float) -> tuple[Array, Array, Array]:
-        """Return postures on a trajectory, what they may be off, and their delays [s]."""
-        path, latest = candidate.path, self._options.age
-        if path.starts_on_arrival:
-            # Before its first point it is not followed yet.
-            latest = min(max(time - path.begin, 0.0), candidate.latest)
-        first = 0.0
-        if time > path.end and path.starts_on_arrival:
-            # So far back all instants are alike.
-            first = min(time - path.end, latest)
-        delays: Array = np.linspace(
-            first, latest, 1 + int(np.ceil((latest - first) / _SPACING)), dtype=np.float64
-        )
-        if not path.starts_on_arrival:
-            delays = delays[time - delays >= path.begin]
-        postures, allowed = path.over(time - delays)
-        return postures, allowed, delays
-
     def _joining(
-        self, earlier: _Candidate, later: _Candidate, time: float, positions: Array
+        self, earlier: Candidate, later: Candidate, time: float, positions: Array
     ) -> tuple[Array, Array, Array] | None:
         """
         Return the postures nearest to the joints on the way from one trajectory into another.

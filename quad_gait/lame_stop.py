@@ -78,6 +78,13 @@ class LameOptions:
     """A body that tilts by so much more has lost the leg that was to bear [rad]."""
     attempts: int = 3
     """To bring the centre of mass there."""
+    shifts_at_once: bool = False
+    """Whether the centre of mass goes over the sound feet while those that swing are put down."""
+
+    @classmethod
+    def hasty(cls) -> LameOptions:
+        """Return the options for a gait that is not static: it leaves no time to settle."""
+        return cls(catch_time=0.27, settle_time=0.45, pause=0.08, attempts=2, shifts_at_once=True)
 
 
 class _Stage(enum.Enum):
@@ -321,6 +328,8 @@ class LameStop:
         if self._is_lost:
             crouch = -float(robot.foot_positions(crouching_joint_angles(robot))[:, 2].mean())
             shift[2] = -max(0.0, -ground - crouch)
+        elif options.shifts_at_once and not self.bears:
+            shift[:2] = self._way_over(posture, level, target)
         lame = self._helpful(posture) if self._is_lost else posture[self._leg]
         return self._move(
             now.time + options.reaction,

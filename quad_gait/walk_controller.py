@@ -30,7 +30,7 @@ from quad_gait.gait_generator import Cycle
 from quad_gait.gears import Gears
 from quad_gait.joint_fault import JointFault
 from quad_gait.joint_watch import JointWatch
-from quad_gait.lame_stop import Lameness, LameStop
+from quad_gait.lame_stop import Lameness, LameOptions, LameStop
 from quad_gait.measurement import Measurement
 from quad_gait.motion_sequence import MotionSequence, ScheduledCycle
 from quad_gait.path_follower import FollowerOptions, PathFollower, Step
@@ -720,7 +720,8 @@ class WalkController:
         assert now.joint_positions is not None
         commanded, _ = self._gate.command(now.time, now.joint_positions)
         standing = self.in_contact_at(now.time)
-        stop = LameStop(self._robot, fault, commanded.reshape(4, 3), standing)
+        options = LameOptions() if self.gait.is_static else LameOptions.hasty()
+        stop = LameStop(self._robot, fault, commanded.reshape(4, 3), standing, options)
         self._lameness = Lameness(self._robot, fault, stop)
         self._give_up_plan()
         self._follower.follow(None, now.pose)

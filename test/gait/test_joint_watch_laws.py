@@ -12,8 +12,8 @@ import pytest
 from quad_common.errors import TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import load_robot
+from quad_common.trajectory_executor import TrajectoryExecutor
 from quad_gait.joint_watch import JointWatch
-from quad_sim.trajectory_executor import TrajectoryExecutor
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)

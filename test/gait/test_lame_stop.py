@@ -7,6 +7,7 @@ import pytest
 
 pytest.importorskip('pybullet')
 
+from quad_cli.bench_joint_failure import FailureCase, walk_and_fail
 from quad_cli.direct_walk import DirectWalk
 from quad_common.errors import GaitError
 from quad_common.plan import Plan
@@ -89,6 +90,17 @@ def test_a_robot_whose_joint_fails_does_not_fall_stands_still_and_says_why(
     if not uneven:
         assert f'stands on {feet} with a margin of' in walk.controller.reason
     assert walk.largest_tilt < math.radians(25.0)
+
+
+@pytest.mark.parametrize(
+    ('joint', 'kind', 'time'),
+    [(7, 'stuck', 2.23), (3, 'stuck', 2.16), (1, 'free', 3.3), (9, 'stuck', 2.86)],
+)
+def test_a_trotting_robot_stands_still_within_two_strides(joint, kind, time):
+    outcome = walk_and_fail(FailureCase('titan_viii', 'trot', 'flat', joint, kind, time, 0))
+    assert outcome.is_named
+    assert not outcome.has_fallen
+    assert outcome.still <= 2.0 * outcome.period
 
 
 def test_a_lame_robot_refuses_plans_and_steering_and_says_so(lame_walk):
