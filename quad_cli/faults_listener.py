@@ -30,7 +30,7 @@ UNREADABLE = 'messages that cannot be read'
 _DEPTH = 500
 """Messages that wait while the listener is busy."""
 
-_WHILE = 2.0
+_WHILE = 10.0
 """Until all know that the robot stands elsewhere [s], simulated."""
 
 _KEPT = 40

@@ -108,12 +108,13 @@ def attack_messages(
     states = {'walking': 'kinematic'} if quick else {'standing': 'kinematic', 'walking': 'bullet'}
     for state, backend in states.items():
         with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
-            _start(stage, backend)
+            start_nodes(stage, backend)
             for node in NODES:
-                attack = _Attack(stage, Report(node, state), seed)
+                attack = MessageAttack(stage, Report(node, state), seed)
                 if backend == 'kinematic':
                     attack.try_nonsense(QUICK_NONSENSE if quick else None)
                 attack.run(count)
+                attack.walk_on()
                 reports.append(attack.report)
                 _say(console, attack.report, stage)
             tracebacks += stage.tracebacks()
@@ -128,7 +129,8 @@ def attack_messages(
     return _bars(reports, counts, tracebacks), details
 
 
-def _start(stage: Stage, backend: str) -> None:
+def start_nodes(stage: Stage, backend: str) -> None:
+    """Start simulator, planner and gait, and wait until a goal would be walked to."""
     start = [_START.x, _START.y, _START.yaw]
     stage.start('sim_node', backend=backend, real_time_factor=_RATE, start_pose=start)
     stage.start('planner_node')
@@ -136,7 +138,7 @@ def _start(stage: Stage, backend: str) -> None:
     stage.wait_until_ready()
 
 
-class _Attack:
+class MessageAttack:
     """The attack on one node: sends, looks after the robot, measures."""
 
     def __init__(self, stage: Stage, report: Report, seed: int) -> None:
@@ -160,7 +162,7 @@ class _Attack:
         self._look()
 
     def run(self, count: int) -> None:
-        """Send so many messages, and see whether the robot still walks then."""
+        """Send so many messages; then take back what is latched, and what was changed."""
         while self.report.messages < count:
             self._keep_going()
             for _ in range(_BATCH):
@@ -173,9 +175,12 @@ class _Attack:
         self.report.slow += self._attacker.slow
         self._attacker.restore_parameters()
         self._attacker.close()
-        self._walk_on()
-        after = self._stage.memory()
-        self.report.memory_growth = growth(self._memory, after)
+        self._release()
+
+    def walk_on(self) -> None:
+        """Give a good goal, see whether it is reached, and compare the memory with before."""
+        self._walk_to_goal()
+        self.report.memory_growth = growth(self._memory, self._stage.memory())
         self._stage.listener.context = ''
         for publisher in (self._maps, self._obstacles):
             self._stage.node.destroy_publisher(publisher)
@@ -223,13 +228,12 @@ class _Attack:
         stage.call('unpause', Trigger)
         if '/emergency_stop' in dict(stage.node.get_service_names_and_types()):
             stage.call('emergency_stop', SetBool, SetBool.Request(data=False))
-        if stage.activity in ('sitting', 'sitting down'):
+        if stage.activity in ('sitting', 'sitting down', 'stopped'):
             stage.call('stand', Trigger)
         self._maps.publish(self._good_map)
         self._obstacles.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
-    def _walk_on(self) -> None:
-        """Give a good goal, and see whether it is reached."""
+    def _walk_to_goal(self) -> None:
         stage, report = self._stage, self.report
         try:
             self._release()
@@ -237,6 +241,8 @@ class _Attack:
                 stage.listener.forget_robot()
                 stage.call('reset', Trigger)
             stage.spin(1.0)
+            # What was released may only now be said.
+            self._release()
             pose = stage.pose
             assert pose is not None
             stage.walk_to(self._goals.draw(pose, 0.3, 1.0))
