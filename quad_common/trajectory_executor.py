@@ -29,34 +29,40 @@ _NEGLIGIBLE = 1e-4
 _LEAST_FADING = 0.1
 """Time in which even a small jump fades out [s]."""
 
+LONGEST_FADING = 2.0
+"""Time in which even a large jump has faded out [s]."""
+
 _LEAST_ROOM = 0.25
 """Fraction of a joint's velocity limit that is left for fading, however fast the trajectory."""
 
 
 @dataclass(frozen=True)
 class _Fading:
-    """A difference to the trajectory that goes to zero: c0 + c1 s + c2 s^2 + c3 s^3."""
+    """
+    A difference to the trajectory that goes to zero with minimum jerk.
+
+    It is the same fraction of the whole for all joints: so their posture is on the straight way
+    from where they were commanded into the trajectory.
+    """
 
     start: float
-    """When it begins [s]."""
-    end: float
-    """When nothing is left of it [s]."""
-    coefficients: Array
-    """Shape (4, n); s in seconds since the start."""
+    """Time when it begins [s]."""
+    duration: float
+    """Time until nothing is left of it [s]."""
+    offset: Array
+    """Shape (n,) [rad]."""
 
-    @classmethod
-    def of(cls, start: float, duration: float, position: Array, velocity: Array) -> _Fading:
-        """Begin with a difference in position [rad] and velocity [rad/s]."""
-        zero = np.zeros_like(position)
-        times = np.array([0.0, duration])
-        cubic = _cubics(times, np.stack([position, zero]), np.stack([velocity, zero]))[0]
-        return cls(start, start + duration, cubic)
+    @property
+    def end(self) -> float:
+        """Time when nothing is left of it [s]."""
+        return self.start + self.duration
 
     def at(self, time: float) -> tuple[Array, Array]:
         """Return what is left, in position and in velocity."""
-        a, b, c, d = self.coefficients
-        s = time - self.start
-        return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
+        s = (time - self.start) / self.duration
+        left = 1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        rate = -30.0 * s * s * (1.0 - s) ** 2 / self.duration
+        return left * self.offset, rate * self.offset
 
 
 class TrajectoryExecutor:
@@ -156,15 +162,15 @@ class TrajectoryExecutor:
         limits = self._velocity_limits
         if limits is None or (is_ahead and fits):
             return True
-        after, rate = self.command(now)
+        after, _ = self.command(now)
         if _is_same(after, followed):
             # It goes on with what runs, and so does what is fading out.
             self._fading = fading
             return fits
         if _is_same(after, position):
             return fits
-        duration = _fading_time(position - after, velocity - rate, velocities, limits)
-        self._fading = _Fading.of(now, duration, position - after, velocity - rate)
+        duration = _fading_time(position - after, _fastest(times, positions, velocities), limits)
+        self._fading = _Fading(now, duration, position - after)
         return False
 
     def command(self, time: float) -> tuple[Array, Array]:
@@ -216,13 +222,20 @@ def _is_same(a: Array, b: Array) -> bool:
     return float(np.max(np.abs(a - b))) <= _NEGLIGIBLE
 
 
-def _fading_time(position: Array, velocity: Array, velocities: Array, limits: Array) -> float:
-    """Return in what time a difference fades out without exceeding the joints' velocity [s]."""
-    used = np.abs(velocities).max(axis=0)
+def _fastest(times: Array, positions: Array, velocities: Array) -> Array:
+    """Return the largest speed of each joint at points and halfway between them [rad/s]."""
+    slope = np.diff(positions, axis=0) / np.diff(times)[:, None]
+    halfway = 1.5 * slope - 0.25 * (velocities[:-1] + velocities[1:])
+    fastest: Array = np.abs(np.concatenate([velocities, halfway])).max(axis=0)
+    return fastest
+
+
+def _fading_time(offset: Array, used: Array, limits: Array) -> float:
+    """Return the time in which a difference fades out beside a motion, not too fast [s]."""
     room = np.maximum(limits - used, _LEAST_ROOM * limits)
-    # A cubic from (p, v) to rest is nowhere faster than 3 |p| / T + |v|.
-    room = np.maximum(room - np.abs(velocity), 0.5 * _LEAST_ROOM * limits)
-    return max(_LEAST_FADING, float(np.max(3.0 * np.abs(position) / room)))
+    # Minimum jerk is at most 15/8 times as fast as the mean.
+    duration = 1.875 * float(np.max(np.abs(offset) / room))
+    return min(max(_LEAST_FADING, duration), LONGEST_FADING)
 
 
 def _cubics(times: Array, positions: Array, velocities: Array) -> Array:

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.trajectory_executor import LONGEST_FADING
 from quad_gait.command_candidate import Candidate
 from quad_gait.joint_path import JointPath
 
@@ -46,7 +47,7 @@ class TrackerOptions:
     """Time by which a joint may be behind while others are not [s]."""
     age: float = 0.06
     """Time by which all joints may be behind, or measurements old [s]."""
-    joining: float = 0.35
+    joining: float = LONGEST_FADING
     """Time in which joints join a trajectory that came late [s]."""
 
 
