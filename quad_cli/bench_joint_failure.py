@@ -216,7 +216,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
 
     # Over uneven ground a cycle lasts as long as its feet need: new footholds tell of the next.
     begun: list[float] = []
-    planned = np.empty((0, 2))
+    planned: Array = np.empty((0, 2))
 
     def is_over() -> bool:
         nonlocal planned

@@ -25,6 +25,7 @@ from quad_gait.activity import Activity
 from quad_gait.gait import load_gait
 from quad_gait.leg_odometry import LegOdometry
 from quad_gait.measurement import Measurement
+from quad_perception.color_segmentation import Picture
 from quad_perception.perception import Perceiver
 from quad_perception.room_watch import RoomWatch, Sighting
 from quad_planner.parameters import PlannerParameters
@@ -117,7 +118,7 @@ class CameraWalk:
         self._goal: Pose2D | None = None
         self.plan: Plan | None = None
         """The plan in force."""
-        self._late: deque[tuple[float, float, np.ndarray]] = deque()
+        self._late: deque[tuple[float, float, Picture]] = deque()
         self.record = CameraWalkRecord()
 
     def run(
@@ -193,7 +194,7 @@ class CameraWalk:
         if trajectory is not None:
             self.simulation.accept(trajectory)
 
-    def _look(self, taken_at: float, picture: np.ndarray) -> None:
+    def _look(self, taken_at: float, picture: Picture) -> None:
         try:
             sighting: Sighting = self.watch.add_picture(taken_at, picture)
         except QuadError as error:

@@ -73,7 +73,7 @@ class Record:
     @property
     def heading(self) -> Array:
         """Heading, without jumps at +-pi [rad]."""
-        return np.unwrap([pose.yaw for pose in self.poses])
+        return np.asarray(np.unwrap([pose.yaw for pose in self.poses]), dtype=np.float64)
 
     @property
     def positions(self) -> Array:

@@ -91,7 +91,7 @@ def _numeric(robot: Robot, feet: Array, samples: int) -> float | None:
     leg = robot.legs[0]
     links: list[Any] = [OriginLink()]
     pitch_axis, knee, foot = leg.chain(np.zeros(3))
-    at = np.zeros(3)
+    at: Array = np.zeros(3)
     for name, axis, end in (
         ('first', leg.first_axis, np.asarray(leg.hip)),
         ('pitch', leg.lateral_direction, pitch_axis),

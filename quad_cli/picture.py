@@ -223,8 +223,10 @@ def _draw_map(
 
 def _draw_mesh(axes: Axes, grid: OccupancyGrid, mesh_size: float) -> None:
     width, height = grid.width * grid.resolution, grid.height * grid.resolution
-    lines = [[(x, 0.0), (x, height)] for x in np.arange(0.0, width + 1e-9, mesh_size)]
-    lines += [[(0.0, y), (width, y)] for y in np.arange(0.0, height + 1e-9, mesh_size)]
+    columns = np.arange(0.0, width + 1e-9, mesh_size, dtype=np.float64)
+    rows = np.arange(0.0, height + 1e-9, mesh_size, dtype=np.float64)
+    lines: list[list[tuple[float, float]]] = [[(x, 0.0), (x, height)] for x in columns]
+    lines += [[(0.0, y), (width, y)] for y in rows]
     for index, line in enumerate(lines):
         ends = grid.origin.transform(np.array(line))
         axes.plot(

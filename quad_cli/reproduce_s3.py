@@ -115,7 +115,7 @@ def reproduce(output: Path) -> Reproduction:
     for sweep in SWEEPS:
         figure, axes = _figure(sweep.title)
         shades = np.linspace(0.75, 0.35, _FAINT)
-        postures = sweep.posture(np.linspace(*sweep.ends, _FAINT))
+        postures = sweep.posture(np.linspace(*sweep.ends, _FAINT, dtype=np.float64))
         for index, shade in enumerate(shades):
             _draw(axes, postures[index], str(shade), 0.8)
         axes.plot(
@@ -187,7 +187,7 @@ def _draw(
 
 def _track(axes: Axes, sweep: Sweep) -> None:
     """Draw the way of hip j over the whole sweep."""
-    way = sweep.posture(np.linspace(*sweep.ends, 200)).hip_j
+    way = sweep.posture(np.linspace(*sweep.ends, 200, dtype=np.float64)).hip_j
     axes.plot(
         way.real, way.imag, ':', color='#ff8c00', linewidth=1.4, zorder=4, label='way of hip j'
     )

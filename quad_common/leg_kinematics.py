@@ -137,7 +137,7 @@ class Leg:
     @cached_property
     def lateral_direction(self) -> Array:
         """The leg's nu at q1 = 0, in the body frame: zeta x rho0, shape (3,)."""
-        return np.cross(self.first_axis, self.radial_direction)
+        return np.asarray(np.cross(self.first_axis, self.radial_direction), dtype=np.float64)
 
     def reach(self) -> tuple[float | Array, float | Array]:
         """Least and largest distance between pitch axis and foot [m]."""

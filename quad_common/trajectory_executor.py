@@ -94,7 +94,7 @@ class TrajectoryExecutor:
         still = np.zeros_like(positions)
         self._times = np.array([0.0])
         self._positions = np.array([positions], dtype=float)
-        self._coefficients = np.zeros((0, 4, len(positions)))
+        self._coefficients: Array = np.zeros((0, 4, len(positions)))
         self._segment = 0
         self._still = still
         self._fading: _Fading | None = None

@@ -205,7 +205,8 @@ def step_response(
     for name, value in (('duration', duration), ('dt', dt)):
         if not (np.isfinite(value) and value > 0.0):
             raise ParameterError(name, value, 'a positive number of seconds')
-    times = np.linspace(0.0, duration, 1 + max(1, int(np.ceil(duration / dt - 1e-9))))
+    steps = max(1, int(np.ceil(duration / dt - 1e-9)))
+    times = np.linspace(0.0, duration, steps + 1, dtype=np.float64)
     p_d = np.tile(_checked('target', target, (3,)), (len(times), 1))
     q0 = _checked('start', start, (3,))
     q, _ = _integrate(leg.forward, leg.jacobian, times, p_d, np.zeros_like(p_d), q0, K)

@@ -430,7 +430,8 @@ class LameStop:
         # Minimum jerk is at most 15/8 times as fast as the mean.
         fastest = np.max(np.abs(change) / np.broadcast_to(robot.velocity, (4, 3)).reshape(-1))
         duration = max(duration, 1.875 * float(fastest))
-        times = np.linspace(0.0, duration, max(2, round(duration / options.sample_period)) + 1)
+        steps = max(2, round(duration / options.sample_period))
+        times = np.linspace(0.0, duration, steps + 1, dtype=np.float64)
         share, rate = minimum_jerk(0.0, duration, times)
         self._joints = end.copy()
         self._end = time + duration

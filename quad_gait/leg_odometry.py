@@ -140,7 +140,7 @@ class LegOdometry:
         self._pose = pose
         self._twist = (0.0, 0.0, 0.0)
         self._height = self._robot.standing_height
-        self._covariance = np.zeros((3, 3))
+        self._covariance: Array = np.zeros((3, 3))
         self._last: _Sample | None = None
         self._time_without_feet = 0.0
         self._time_without_heading = 0.0

@@ -96,7 +96,7 @@ def posture_trajectory(
     fastest = np.abs(change) / np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
     duration = max(duration, 1.875 * float(fastest.max()))
     steps = int(np.ceil(duration / sample_period))
-    times = np.linspace(0.0, duration, steps + 1)
+    times = np.linspace(0.0, duration, steps + 1, dtype=np.float64)
     share, rate = minimum_jerk(0.0, duration, times)
     return JointTrajectory(
         joint_names=robot.joint_names,

@@ -86,7 +86,7 @@ def schedule_of(gait: Gait, sample_period: float) -> Schedule:
     """
     period = gait.cycle_period
     steps = max(1, int(np.ceil(period / sample_period - 1e-9)))
-    times = np.linspace(0.0, period, steps + 1)
+    times = np.linspace(0.0, period, steps + 1, dtype=np.float64)
     if gait.pendulum_rate > 0.0:
         progress, progress_rate = _pendulum_progress(gait, times)
     elif gait.body_progress is None:

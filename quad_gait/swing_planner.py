@@ -362,7 +362,7 @@ class SwingPlanner:
 
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
-        return np.linspace(0.0, duration, count + 1)
+        return np.linspace(0.0, duration, count + 1, dtype=np.float64)
 
     def _planned(
         self,

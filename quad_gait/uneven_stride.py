@@ -95,7 +95,7 @@ class UnevenStride:
         self._return_to: Array | None = None
         self._has_lowered = False
         self._swinging: Swing | None = None
-        self._left = np.zeros((len(LEGS), 3))
+        self._left: Array = np.zeros((len(LEGS), 3))
         self._motion: JointMotion | None = None
         self.limit = ''
         """What kept a leg from getting as far as it was to; empty if nothing did."""
@@ -118,7 +118,7 @@ class UnevenStride:
     @property
     def footholds(self) -> Array:
         """Where the feet would stand after it on even ground, shape (4, 3) [m]; z by the map."""
-        height = np.zeros(len(LEGS))
+        height: Array = np.zeros(len(LEGS))
         if self.height_map is not None:
             height = self.height_map.height_at(self._footholds, beyond=0.0)
         return np.column_stack([self._footholds, height])

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.occupancy_grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from quad_perception.floor_view import FloorView, Mask
@@ -57,7 +58,7 @@ def floor_map(
         part = occupied[row : row + height, column : column + width]
         np.maximum(part, footprint.mask, out=part)
     cells = np.full(view.shape, UNKNOWN, np.int8)
-    before = cells.copy()
+    before: NDArray[np.int8] = cells.copy()
     if previous is not None and previous.is_aligned_with(
         OccupancyGrid(cells, view.resolution, view.origin)
     ):

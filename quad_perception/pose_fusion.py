@@ -94,7 +94,7 @@ class PoseFusion:
         self._options = options or FusionOptions()
         self._odometry: deque[tuple[float, Pose2D]] = deque()
         self._correction: Pose2D | None = None
-        self._covariance = np.zeros((3, 3))
+        self._covariance: Array = np.zeros((3, 3))
         self._refused = 0
         self._corrected_at = -math.inf
 

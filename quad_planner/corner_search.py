@@ -180,7 +180,7 @@ def _edges(
             if total < left[seen] and total + from_start[seen] <= longest:
                 left[seen] = total
                 heapq.heappush(heap, (total, seen))
-    firsts = np.zeros(count + 1, dtype=np.int64)
+    firsts: Indices = np.zeros(count + 1, dtype=np.int64)
     for at, view in views.items():
         # Only to where the way goes on.
         views[at] = view[is_done[view]]

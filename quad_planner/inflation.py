@@ -174,7 +174,8 @@ def _reaches(radius: float) -> NDArray[np.int64]:
     between_rows = between_rows[between_rows < radius]
     if radius <= 0.0:
         return np.empty(0, dtype=np.int64)
-    return np.ceil(np.sqrt(radius**2 - between_rows**2)).astype(np.int64)
+    reaches: NDArray[np.int64] = np.ceil(np.sqrt(radius**2 - between_rows**2)).astype(np.int64)
+    return reaches
 
 
 def points_allowed(allowed: Mask, points: Points) -> Mask:

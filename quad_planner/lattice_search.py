@@ -56,7 +56,7 @@ def _leading() -> NDArray[np.bool_]:
     """Tabulate whether headings a and b lead into sector s (`_sector`), shape (16, 8, 8)."""
     sector, low, high = np.ogrid[:16, :16:2, :16:2]
     cone = (high - low) % 16
-    is_between = (cone < 8) & ((sector - low) % 16 <= cone)
+    is_between: NDArray[np.bool_] = (cone < 8) & ((sector - low) % 16 <= cone)
     return is_between | is_between.transpose(0, 2, 1)
 
 

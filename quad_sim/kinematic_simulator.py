@@ -51,8 +51,8 @@ class KinematicSimulator:
         """Stand the robot at a pose, in its initial posture, at rest, with all joints sound."""
         self._pose = pose
         self._previous = pose
-        self._joints = self._robot.initial_joint_angles.reshape(-1).copy()
-        self._joint_velocities = np.zeros_like(self._joints)
+        self._joints: Array = self._robot.initial_joint_angles.reshape(-1).copy()
+        self._joint_velocities: Array = np.zeros_like(self._joints)
         self._feet = self._robot.neutral_feet
         self._stuck: set[int] = set()
 
