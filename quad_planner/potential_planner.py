@@ -31,8 +31,8 @@ from quad_planner.map_potential import (
     boundary_distances_anew,
 )
 from quad_planner.navigation_field import descend_times, slowness_near_obstacles, travel_times
+from quad_planner.path_steps import steps_along
 from quad_planner.planner_options import PlannerOptions
-from quad_planner.potential_field import steps_along
 from quad_planner.safety_map import SafetyMap
 from quad_planner.simplification import all_seen, fewest_corners
 
