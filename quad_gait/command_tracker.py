@@ -33,6 +33,9 @@ _ARRIVALS = 5
 _LARGEST_COUNT = 12
 """Number of trajectories that the joints may follow that are kept."""
 
+_INSTANT = 0.02
+"""Time over which the speed of a command is taken [s]."""
+
 _EXPIRY = 0.5
 """After so long past its end a trajectory that was not followed is void [s]."""
 
@@ -111,6 +114,13 @@ class CommandTracker:
             return None
         followed = self._candidates[-1] if self._followed is None else self._followed
         return followed.path.at(time - followed.delay)[0]
+
+    def speeds(self, time: float) -> Array:
+        """Return how fast the joints are commanded to turn, shape (n,) [rad/s]."""
+        now, before = self.commanded(time), self.commanded(time - _INSTANT)
+        if now is None or before is None:
+            return np.zeros(0)
+        return np.abs(now - before) / _INSTANT
 
     def explain(self, time: float, positions: Array) -> Explanation | None:
         """

@@ -40,6 +40,10 @@ class WatchOptions:
     """Time that a joint may be on its way [s]."""
     compliance: float = 0.35
     """Distance from its command at which a position drive gives all its torque [rad]."""
+    turning: float = 0.3
+    """Speed that joints are commanded from which on they must be seen to turn [rad/s]."""
+    resting: float = 0.15
+    """Fraction of that speed below which they rest."""
     longest_gap: float = 0.03
     """Two measurements farther apart count as if they were so near [s]."""
     saturated: float = 0.95
@@ -166,6 +170,11 @@ class JointWatch:
         if joint != self._suspect:
             self._suspect, self._off_from = joint, float(positions[joint])
             self._off_for = self._on_way_for = 0.0
+        if self._nothing_moves(joint, velocities, time):
+            # Then it is not this joint: nobody carries the trajectory out.
+            self._off_for = 0.0
+            self.unfollowed += step
+            return None
         error = float(found.posture[joint] - positions[joint])
         is_slack = False
         if efforts is not None:
@@ -191,6 +200,14 @@ class JointWatch:
         if self._off_for < patience - 1e-9:
             return None
         return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
+
+    def _nothing_moves(self, joint: int, velocities: Array, time: float) -> bool:
+        """Return whether all other joints rest though they are commanded to turn."""
+        asked = np.delete(self._tracker.speeds(time), joint)
+        done = np.delete(np.abs(velocities), joint)
+        if not len(asked) or asked.max() < self._options.turning:
+            return False
+        return bool(done.max() < self._options.resting * asked.max())
 
     def _fault(
         self, joint: int, time: float, positions: Array, commanded: float, efforts: Array | None
