@@ -15,6 +15,7 @@ PARTS = {
     'messages': 'quad_cli.faults_messages.attack_messages',
     'processes': 'quad_cli.faults_processes.attack_processes',
     'gate': 'quad_cli.faults_gate.attack_gate',
+    'silence': 'quad_cli.faults_silence.attack_by_silence',
     'files': 'quad_cli.faults_files.measure_files',
     'watch': 'quad_cli.faults_watch.attack_by_load',
     'kills': 'quad_cli.faults_kills.attack_by_kills',
