@@ -217,5 +217,5 @@ def test_a_motion_beyond_the_limits_leaves_a_file_that_can_be_read(tmp_path):
 
 def test_a_robot_that_falls_is_measured_as_fallen():
     pytest.importorskip('pybullet')
-    weak = replace(CUHK, effort=0.05 * CUHK.effort)
+    weak = replace(CUHK, effort=0.07 * CUHK.effort)
     assert measure_motion(weak, TROT, BodyMotion(0.1), 4).has_fallen
