@@ -32,7 +32,7 @@ _STAND, _LATEST = 0.5, 8.0
 _CYCLES, _SETTLING = 2.5, 2.0
 """Number of cycles in which the robot is to have come to rest, and time to settle after [s]."""
 
-_STILL = 0.02
+_STILL = 0.1
 """Speed below which a joint rests [rad/s]."""
 
 _LEVEL = 0.03
