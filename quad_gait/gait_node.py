@@ -134,16 +134,12 @@ class GaitNode(QuadNode[GaitParameters]):
         most_bytes = most_plan_bytes(p.longest_plan)
         self.create_subscription(Path, 'plan', self._on_plan, plan_qos, most_bytes=most_bytes)
         twist = TwistStamped if p.stamped_cmd_vel else Twist
-        self.create_subscription(twist, 'cmd_vel', self.guarded(self._on_cmd_vel), 10)
-        self.create_subscription(
-            JointState, 'joint_states', self.guarded(self._on_joint_states), sensor
-        )
-        self.create_subscription(Imu, 'imu', self.guarded(self._on_imu), sensor)
-        self.create_subscription(Odometry, p.odom_topic, self.guarded(self._on_odometry), sensor)
+        self.create_subscription(twist, 'cmd_vel', self._on_cmd_vel, 10)
+        self.create_subscription(JointState, 'joint_states', self._on_joint_states, sensor)
+        self.create_subscription(Imu, 'imu', self._on_imu, sensor)
+        self.create_subscription(Odometry, p.odom_topic, self._on_odometry, sensor)
         if self._is_uneven:
-            self.create_subscription(
-                PointCloud2, 'height_map', self.guarded(self._on_height_map), _LATCHED
-            )
+            self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         self.create_subscription(Header, 'plan/heartbeat', self._on_heartbeat, 10)
         self._emergency_stop = self.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
         self.create_service(SetBool, 'emergency_stop', self._on_emergency_stop)
@@ -189,6 +185,9 @@ class GaitNode(QuadNode[GaitParameters]):
         plan = plan_from_message(message, self.parameters.longest_plan)
         if plan is not None:
             plan = self._map.frame.plan_on_map(message.header.frame_id, plan)
+        if self._planner_problem():
+            # Whoever made this plan has no heartbeat: nobody is missed while it is followed.
+            self._planner_alive_at = None
         self._controller.set_plan(plan)
         if plan is not None and self._controller.wanted_plan is plan:
             self._plan_heard = message

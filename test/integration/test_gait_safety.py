@@ -80,3 +80,9 @@ def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(benc
         return bench.pose.distance_to(waiting) > 0.1
 
     bench.wait_until('the robot goes on', goes_on)
+    # Silent again; but the next plan is of somebody who never said that he lives.
+    bench.wait_for_status('gait_node', 'no heartbeat of the planner for 1 s', level=WARN)
+    waiting = bench.pose
+    longer = Plan.through([[waiting.x, waiting.y], [start.x + 3.0, start.y]], 0.0)
+    bench.publisher(Path, 'plan', LATCHED).publish(path_message(longer, 'map', Time()))
+    bench.wait_until('it follows that', lambda: bench.pose.distance_to(waiting) > 0.3)
