@@ -4,10 +4,10 @@ A process that tries cases of the attack on files, and is ended when one takes t
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import resource
-import tempfile
 import time
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -22,6 +22,8 @@ from quad_cli.faults_file_cases import (
     emptied,
     run_case,
 )
+from quad_cli.workers import end_with_parent
+from quad_common.temporary_folder import temporary_folder
 
 _START = 120.0
 """For the process to import what it needs [s]."""
@@ -50,9 +52,14 @@ class Worker:
         self._process: multiprocessing.process.BaseProcess | None = None
         self._pipe: Connection | None = None
         self._is_warm = False
-        self._folder = tempfile.TemporaryDirectory(prefix='quadwalk_faults_')
+        self._stack = contextlib.ExitStack()
+        self.folder = Path()
+        """Folder of the cases, in the block."""
 
     def __enter__(self) -> Worker:
+        # One of its own in there: each case empties it, and the other says whose it is.
+        self.folder = self._stack.enter_context(temporary_folder()) / 'cases'
+        self.folder.mkdir()
         return self
 
     def __exit__(
@@ -61,8 +68,8 @@ class Worker:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._end()
-        self._folder.cleanup()
+        with self._stack:
+            self._end()
 
     def run(self, kind: str, index: int, time_limit: float) -> Fault | None:
         """
@@ -110,7 +117,7 @@ class Worker:
         if self._pipe is None:
             self._pipe, other = self._context.Pipe()
             self._process = self._context.Process(
-                target=_work, args=(self._seed, Path(self._folder.name), other), daemon=True
+                target=_work, args=(self._seed, self.folder, other), daemon=True
             )
             self._process.start()
             other.close()
@@ -135,6 +142,8 @@ class Worker:
 
 def _work(seed: int, folder: Path, pipe: Connection) -> None:
     """Try cases until nobody asks for more."""
+    # A case that hangs must not outlive an attack that is killed.
+    end_with_parent()
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
     # Decoders complain about damage on stderr by themselves.
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from rich.console import Console
 
@@ -31,6 +29,7 @@ from quad_cli.faults_file_cases import (
     write_all,
 )
 from quad_cli.faults_file_worker import Worker
+from quad_common.temporary_folder import temporary_folder
 
 TIME_LIMIT = 2.0
 """Of the processor, for a case [s]."""
@@ -159,8 +158,8 @@ def measure_files(console: Console, quick: bool, seed: int) -> tuple[list[Bar], 
 def _run_commands(seed: int, count: int) -> list[Fault]:
     """Run command lines that must be refused as a user does, one after the other."""
     faults = []
-    with tempfile.TemporaryDirectory(prefix='quadwalk_faults_') as folder:
-        write_all(Path(folder))
+    with temporary_folder() as folder:
+        write_all(folder)
         for index in range(count):
             # An argument of a process can hold neither a null byte nor more than 128 kB.
             line = command_line(seed, index, only_failing=True)

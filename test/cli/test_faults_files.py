@@ -3,6 +3,11 @@
 import dataclasses
 import os
 import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +28,8 @@ from quad_common.errors import (
     QuadError,
     RobotValueOutOfRange,
 )
+
+ROOT = Path(__file__).resolve().parents[2]
 
 DOCUMENTS = [kind for kind in KINDS if kind.is_document]
 each_document = pytest.mark.parametrize('kind', DOCUMENTS, ids=lambda kind: kind.name)
@@ -258,3 +265,53 @@ def test_a_disk_that_is_full_is_told_in_a_sentence(monkeypatch, capsys):
 def test_a_closed_output_is_no_reason_to_fail(monkeypatch):
     monkeypatch.setattr('sys.stdout', None)
     assert main(['parameters', 'gait_node']) == 0
+
+
+KILLED = """
+import time
+from quad_cli.faults_file_worker import Worker
+if __name__ == '__main__':
+    with Worker(0) as worker:
+        worker.run('robot', 0, 60.0)
+        print(worker.folder, flush=True)
+        time.sleep(60)
+"""
+
+
+@pytest.mark.slow
+def test_an_attack_that_is_killed_leaves_nothing_once_the_next_begins(tmp_path, monkeypatch):
+    monkeypatch.setenv('TMPDIR', str(tmp_path))
+    monkeypatch.setattr(tempfile, 'tempdir', None)
+    script = tmp_path / 'attack.py'
+    script.write_text(KILLED)
+    attack = subprocess.Popen(
+        [sys.executable, script],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, 'PYTHONPATH': str(ROOT)},
+    )
+    folder = Path(attack.stdout.readline().strip())
+    workers = [
+        int(pid)
+        for thread in Path(f'/proc/{attack.pid}/task').iterdir()
+        for pid in (thread / 'children').read_text().split()
+    ]
+    attack.kill()
+    attack.communicate(timeout=10)
+    assert folder.exists()
+    with Worker(0) as worker:
+        assert not folder.parent.exists()
+        assert worker.folder.exists()
+    assert [path.name for path in tmp_path.iterdir()] == ['attack.py']
+    assert workers
+    assert ended_within(workers, 10.0)
+
+
+def ended_within(pids: list[int], timeout: float) -> bool:
+    """Return whether all these processes have ended before the timeout [s]."""
+    end = time.monotonic() + timeout
+    while any(Path(f'/proc/{pid}').exists() for pid in pids):
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
