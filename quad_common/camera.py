@@ -38,6 +38,9 @@ _ROUNDS = 50
 _EXACT = 1e-6
 """How exactly light is traced back [pixels]."""
 
+_OVERSHOT = 0.5
+"""A step that turns the error round and leaves so much of it is made half as long from then on."""
+
 
 @dataclass(frozen=True, eq=False)
 class CameraModel:
@@ -205,21 +208,35 @@ class CameraModel:
         ndarray, shape (n, 3)
             Unit vectors in the world.
         """
-        given = np.reshape(np.asarray(pixels, dtype=float), (-1, 1, 2))
-        straight = cv2.undistortPoints(given, self.matrix, self.distortion).reshape(-1, 2)
-        # OpenCV stops after five rounds, which leaves tenths of a pixel at the rim of wide lenses.
-        none = np.zeros(3)
-        focal = (self.matrix[0, 0], self.matrix[1, 1])
-        for _ in range(_ROUNDS if len(given) and self.distortion.any() else 0):
-            rays = np.column_stack((straight, np.ones(len(straight))))
-            seen, _ = cv2.projectPoints(rays, none, none, self.matrix, self.distortion)
-            missed = (given - seen).reshape(-1, 2)
-            if not np.abs(missed).max() > _EXACT:
-                break
-            straight += missed / focal
+        given = np.reshape(np.asarray(pixels, dtype=float), (-1, 2))
+        straight = cv2.undistortPoints(given[:, None], self.matrix, self.distortion).reshape(-1, 2)
+        if self.distortion.any():
+            straight = self._refined(given, straight)
         rays = np.column_stack((straight, np.ones(len(straight)))) @ self.rotation.T
         unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
         return unit
+
+    def _refined(self, given: Array, straight: Array) -> Array:
+        """Let undistorted places fit pixels: OpenCV leaves tenths of a pixel for wide lenses."""
+        focal = np.array((self.matrix[0, 0], self.matrix[1, 1]))
+        none = np.zeros(3)
+        left = np.arange(len(given))
+        before = np.zeros_like(given)
+        step = np.ones(len(given))
+        for _ in range(_ROUNDS):
+            if not len(left):
+                break
+            rays = np.column_stack((straight[left], np.ones(len(left))))
+            seen, _ = cv2.projectPoints(rays, none, none, self.matrix, self.distortion)
+            missed = given[left] - seen.reshape(-1, 2)
+            # Where a lens spreads directions to more than double, whole steps overshoot for ever.
+            along, size = (missed * before[left]).sum(axis=1), (before[left] ** 2).sum(axis=1)
+            step[left[along < -_OVERSHOT * size]] *= 0.5
+            before[left] = missed
+            is_left = np.abs(missed).max(axis=1) > _EXACT
+            left, missed = left[is_left], missed[is_left]
+            straight[left] += step[left, None] * missed / focal
+        return straight
 
     def without_distortion(self) -> CameraModel:
         """Return the same camera with a perfect lens."""

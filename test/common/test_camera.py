@@ -45,8 +45,13 @@ def test_a_pixel_looks_at_the_point_that_is_seen_in_it(distortion, height):
     assert model.on_plane(pixels, height) == pytest.approx(places, abs=1e-4)
 
 
-def test_the_corners_of_a_wide_lens_are_traced_back_as_exactly_as_its_middle():
-    model = camera(field_of_view=1.4, distortion=(-0.25, 0.06, 0.001, -0.0005, 0.0))
+@pytest.mark.parametrize(
+    'distortion',
+    [(-0.25, 0.06, 0.001, -0.0005, 0.0), (1.0, 0.0, 0.0, 0.0, 0.0), (0.5, 0.5, 0, 0, 0)],
+)
+def test_the_corners_of_a_wide_lens_are_traced_back_as_exactly_as_its_middle(distortion):
+    # A lens that spreads its rim to more than double was not: steps towards it overshot for ever.
+    model = camera(field_of_view=1.4, distortion=distortion)
     pixels = np.array([(0.0, 0.0), (640.0, 0.0), (0.0, 640.0), (640.0, 640.0), (320.0, 320.0)])
     seen = model.project(model.position + model.directions(pixels))
     assert seen == pytest.approx(pixels, abs=1e-5)
