@@ -6,14 +6,15 @@ from __future__ import annotations
 
 import os
 import signal
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most
 from quad_cli.faults_goals import GoalDrawer
-from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS
+from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
+from quad_cli.faults_reasons import reason_for_standing
 from quad_cli.faults_stage import NotSeen, Stage
 from quad_cli.node_processes import NodeDied, isolated_domain
 from quad_common.planar_pose import Pose2D
@@ -69,10 +70,14 @@ class KilledWalk:
     has_arrived: bool = False
     has_fallen: bool = False
     contacts: str = ''
+    has_stood: bool = False
+    """Whether the robot did not go on by itself."""
     reason: str = ''
-    """What the nodes said when the robot did not go on by itself."""
-    says_why: bool = True
-    """Whether a robot that stood said anything about it."""
+    """Reason that the gait node gave for it; empty if it gave none."""
+    said: str = ''
+    """All that the nodes said then."""
+    without_effect: list[str] = field(default_factory=list)
+    """Goals at the beginning that had no effect: what the nodes said then."""
     problem: str = ''
     """Why it did not arrive."""
 
@@ -80,7 +85,13 @@ class KilledWalk:
     def is_good(self) -> bool:
         """Whether all that is promised came true."""
         is_safe = not self.has_fallen and not self.contacts
-        return is_safe and self.has_arrived and self.goals <= 2
+        is_heard = self.goals <= 2 and not self.without_effect
+        return is_safe and self.has_arrived and is_heard and self.says_why
+
+    @property
+    def says_why(self) -> bool:
+        """Whether the robot went on, or said why it did not."""
+        return not self.has_stood or bool(self.reason)
 
 
 def attack_by_kills(
@@ -123,12 +134,12 @@ def attack_by_kills(
             _say(console, walk)
             if not walk.is_good:
                 _begin_again(stage)
-        counts = dict(stage.listener.counts)
+        counts, examples = dict(stage.listener.counts), dict(stage.listener.examples)
         tracebacks = stage.tracebacks()
-    return _bars(walks, counts, tracebacks), {
+    return bars_of(walks, counts, len(tracebacks)), {
         'walks': [asdict(walk) for walk in walks],
         'tracebacks': tracebacks,
-        'violations': counts,
+        'violations': examples,
     }
 
 
@@ -138,7 +149,7 @@ def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: floa
     goal = goals.draw(pose, 0.4, 1.2)
     walk.moment = moment
     try:
-        _begin(stage, goal)
+        _begin(stage, walk, goal)
         begun = stage.listener.time
         stage.wait_until(
             'the moment of the kill',
@@ -146,9 +157,10 @@ def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: floa
         )
         _kill(stage, walk)
         if not _goes_on(stage, goal):
-            # It says why; a new goal has to be enough.
-            walk.reason = stage.all_said()
-            walk.says_why = bool(stage.said('gait_node'))
+            # It has to say why; a new goal has to be enough.
+            walk.has_stood, walk.said = True, stage.all_said()
+            status = stage.listener.statuses.get('gait_node', (b'', '', {}))
+            walk.reason = reason_for_standing(*status)
             walk.goals += 1
             stage.give_goal(goal)
         stage.wait_until(f'arrival at {goal}', lambda: stage.is_at(goal), 300.0)
@@ -158,14 +170,16 @@ def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: floa
     walk.has_fallen, walk.contacts = stage.has_fallen, stage.contacts
 
 
-def _begin(stage: Stage, goal: Pose2D) -> None:
-    """Give a goal, and wait until the robot walks."""
+def _begin(stage: Stage, walk: KilledWalk, goal: Pose2D) -> None:
+    """Give a goal until the robot walks; note every one that has no effect."""
     for attempt in range(1, _ATTEMPTS + 1):
         stage.give_goal(goal)
         try:
             stage.wait_until('the robot walks', lambda: stage.activity in _MOVING, _BEGINNING)
         except NotSeen:
-            # On a busy machine the graph forgets who was stopped for a while.
+            # An answer, and no effect: the topic is lost, and the node is not.
+            ping = stage.ping('planner_node')
+            walk.without_effect.append(f'{stage.all_said()}; asked, planner_node: {ping}')
             if attempt == _ATTEMPTS:
                 raise
         else:
@@ -213,29 +227,52 @@ def _begin_again(stage: Stage) -> None:
     stage.wait_until_ready()
 
 
-def _bars(walks: list[KilledWalk], counts: dict[str, int], tracebacks: list[str]) -> list[Bar]:
+def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) -> list[Bar]:
+    """
+    Work out the bars of some walks.
+
+    Parameters
+    ----------
+    walks : list of KilledWalk
+        What became of each.
+    counts : dict of str to int
+        How often each kind of violation was seen; see :mod:`quad_cli.faults_listener`.
+    tracebacks : int
+        How many are in the nodes' logs.
+
+    Returns
+    -------
+    list of Bar
+        What must hold.
+    """
     total = len(walks)
     good = sum(walk.is_good for walk in walks)
+    without_effect = sum(len(walk.without_effect) for walk in walks)
     return [
-        at_least('walks that end well', good, f'of {total}', total),
+        at_least('walks that end well', good if total else None, f'of {total}', total),
         at_most('falls', sum(walk.has_fallen for walk in walks), '', 0),
         at_most('walks with contacts', sum(bool(walk.contacts) for walk in walks), '', 0),
         at_most('goals given, at most', max((walk.goals for walk in walks), default=None), '', 2),
+        at_most('goals at the beginning without effect', without_effect, '', 0),
         at_most(
             'robots that stand and do not say why',
-            sum(walk.goals > 1 and not walk.says_why for walk in walks),
+            sum(not walk.says_why for walk in walks),
             '',
             0,
         ),
-        at_most(NOT_FINITE, counts.get(NOT_FINITE, 0), '', 0),
-        at_most(OUTSIDE_LIMITS, counts.get(OUTSIDE_LIMITS, 0), '', 0),
-        at_most('tracebacks', len(tracebacks), '', 0),
+        *(
+            at_most(kind, counts.get(kind, 0), '', 0)
+            for kind in (NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE)
+        ),
+        at_most('tracebacks', tracebacks, '', 0),
     ]
 
 
 def _say(console: Console, walk: KilledWalk) -> None:
     outcome = 'arrived' if walk.has_arrived else f'did NOT arrive: {walk.problem}'
     extra = f', {walk.goals} goals' if walk.goals > 1 else ''
+    extra += f', stood: {walk.reason or "did NOT say why"}' if walk.has_stood else ''
+    extra += f', {len(walk.without_effect)} goals WITHOUT EFFECT' if walk.without_effect else ''
     extra += ', FELL' if walk.has_fallen else ''
     extra += f', CONTACTS {walk.contacts}' if walk.contacts else ''
     console.print(
