@@ -14,7 +14,7 @@ from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.faults_goals import GoalDrawer
-from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS
+from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_cli.faults_stage import NotSeen, Stage
 from quad_cli.node_processes import NodeDied, isolated_domain
 from quad_common.planar_pose import Pose2D
@@ -44,7 +44,10 @@ _QUICK_LONGEST = 0.6
 _TIMEOUT = 600.0
 """For a goal to be reached [s], simulated."""
 
-_KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE)
+_KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE, UNREADABLE)
+
+_SHOWN = 3
+"""Violations of a combination that are told of while the others walk."""
 
 _MAP = 'room'
 _START = Pose2D(1.2, 1.2, 0.0)
@@ -75,7 +78,9 @@ class Outcome:
     alarms: list[str] = field(default_factory=list)
     """What the nodes said to be wrong, though nothing was."""
     violations: dict[str, int] = field(default_factory=dict)
-    """Numbers that are not finite, commands and joints outside limits."""
+    """Number of each kind: see :mod:`quad_cli.faults_listener`."""
+    examples: list[str] = field(default_factory=list)
+    """Violations of these kinds in words, the first ones."""
     late_trajectories: int = 0
     problem: str = ''
     """Why a goal was not reached."""
@@ -161,6 +166,7 @@ def walk_combination(combination: Combination, seed: int, longest: float = _LONG
         outcome.contacts, outcome.has_fallen = stage.contacts, stage.has_fallen
         outcome.alarms = sorted(set(itertools.chain.from_iterable(listener.alarms.values())))
         outcome.violations = {k: n for k, n in listener.counts.items() if k in _KINDS}
+        outcome.examples = [text for kind in _KINDS for text in listener.examples.get(kind, [])]
         late = listener.statuses.get('sim_node', (b'', '', {}))[2].get('late_trajectories', '0')
         outcome.late_trajectories = int(late)
         outcome.simulated = listener.time
@@ -211,6 +217,7 @@ def _say(console: Console, number: int, count: int, outcome: Outcome) -> None:
         'FELL' if outcome.has_fallen else '',
         f'ALARMS: {" | ".join(outcome.alarms)}' if outcome.alarms else '',
         str(outcome.violations) if outcome.violations else '',
+        ' | '.join(outcome.examples[:_SHOWN]),
     ]
     console.print(
         f'{number}/{count} {outcome.combination}: {outcome.reached} of {GOALS} goals, '

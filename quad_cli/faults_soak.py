@@ -10,7 +10,13 @@ from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.faults_goals import GoalDrawer
-from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG
+from quad_cli.faults_listener import (
+    JOINTS_OUTSIDE,
+    NOT_FINITE,
+    OUTSIDE_LIMITS,
+    TOO_LONG,
+    UNREADABLE,
+)
 from quad_cli.faults_stage import NotSeen, Stage
 from quad_cli.faults_state import growth
 from quad_cli.node_processes import NodeDied, isolated_domain
@@ -30,7 +36,10 @@ _WARM_UP = 600.0
 _LINE_EVERY = 30.0
 """A line of progress [s], on the wall clock."""
 
-_KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE, TOO_LONG)
+_KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE, TOO_LONG, UNREADABLE)
+
+LARGEST_GROWTH = 0.02
+"""Memory that a node may gain after the warm-up, as a fraction."""
 
 _FEWEST = 2
 """Goals, or there would be nothing to compare."""
@@ -93,29 +102,68 @@ def soak(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str,
                     f'{hours:.2f} h simulated, {reached} goals, {memory[-1][1]}', highlight=False
                 )
         counts, simulated = dict(stage.listener.counts), stage.listener.time
+        examples = dict(stage.listener.examples)
         tracebacks = stage.tracebacks()
-    grown = _growth(memory, 0.0 if quick else _WARM_UP)
+    # Nodes that have just begun still load what they need.
+    grown = growth_since(memory, 0.0 if quick else _WARM_UP)
     largest = max(grown.values(), default=None)
     bars = [
         figure('simulated', simulated / 3600.0, 'h'),
-        at_least('goals reached', reached, f'of {reached + len(missed)}', reached + len(missed)),
-        # Nodes that have just begun still load what they need.
+        *bars_of(reached, len(missed), counts, len(tracebacks)),
         figure('largest growth of memory', largest, 'fraction')
         if quick
-        else at_most('largest growth of memory', largest, 'fraction', 0.02),
-        *(at_most(kind, counts.get(kind, 0), '', 0) for kind in _KINDS),
-        at_most('tracebacks', len(tracebacks), '', 0),
+        else at_most('largest growth of memory', largest, 'fraction', LARGEST_GROWTH),
     ]
     return bars, {
         'growth': grown,
         'memory': memory,
         'missed': missed,
-        'violations': counts,
+        'violations': examples,
         'tracebacks': tracebacks,
     }
 
 
-def _growth(memory: list[tuple[float, dict[str, float]]], since: float) -> dict[str, float]:
-    """Return by how much each node has grown since a time [s], as a fraction."""
+def bars_of(reached: int, missed: int, counts: dict[str, int], tracebacks: int) -> list[Bar]:
+    """
+    Work out the bars of a soak, but for its memory.
+
+    Parameters
+    ----------
+    reached, missed : int
+        Goals.
+    counts : dict of str to int
+        How often each kind of violation was seen; see :mod:`quad_cli.faults_listener`.
+    tracebacks : int
+        How many are in the nodes' logs.
+
+    Returns
+    -------
+    list of Bar
+        What must hold.
+    """
+    total = reached + missed
+    return [
+        at_least('goals reached', reached if total else None, f'of {total}', total),
+        *(at_most(kind, counts.get(kind, 0), '', 0) for kind in _KINDS),
+        at_most('tracebacks', tracebacks, '', 0),
+    ]
+
+
+def growth_since(memory: list[tuple[float, dict[str, float]]], since: float) -> dict[str, float]:
+    """
+    Work out by how much each node has grown.
+
+    Parameters
+    ----------
+    memory : list of (float, dict)
+        Simulated time [s] and what each node held then [MB], in the order of time.
+    since : float
+        What was held before that time is left out [s].
+
+    Returns
+    -------
+    dict of str to float
+        From the first to the last of the rest, as a fraction; empty if these are not two.
+    """
     warm = [held for time, held in memory if time >= since]
     return growth(warm[0], warm[-1]) if len(warm) > 1 else {}
