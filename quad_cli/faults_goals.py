@@ -35,17 +35,28 @@ class GoalDrawer:
         Of the drawing.
     method : str
         The planning method that must find a way.
+    clearance : float
+        Distance to obstacles beyond the one that the planner keeps [m].
     """
 
-    def __init__(self, robot: Robot, map_file: Path, seed: int, method: str = 'mesh') -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        map_file: Path,
+        seed: int,
+        method: str = 'mesh',
+        clearance: float = 0.0,
+    ) -> None:
         self._rng = np.random.default_rng(seed)
         self._grid = load_map(map_file)
         self._planner: Planner[SafetyMap] = make_planner(
             method,
             mesh_size=robot.mesh_size,
-            clearance_radius=robot.footprint_radius + PlannerParameters().safety_distance,
+            clearance_radius=robot.footprint_radius
+            + PlannerParameters().safety_distance
+            + clearance,
             # A robot stands a little beside the goal that it was given.
-            start_tolerance=PlannerParameters().safety_distance,
+            start_tolerance=PlannerParameters().safety_distance + clearance,
         )
         self._planner.set_map(self._grid)
 

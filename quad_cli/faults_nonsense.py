@@ -9,6 +9,7 @@ take it.
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +43,9 @@ _WORDS = {
     '/joint_trajectory': ('trajectory', 'joint'),
     '/obstacles': ('obstacle',),
     '/goal_marker': ('goal_marker',),
+    '/ceiling_camera/camera_info': ('camera_info', 'camera'),
+    '/ceiling_camera/image_raw': ('image',),
+    '/odom/legs': ('odom', 'stamp'),
 }
 """A refusal names what it refuses, in one of these words."""
 
@@ -86,6 +90,10 @@ def _poses(node: str, topic: str, *pose: str | int) -> tuple[Nonsense, ...]:
         Nonsense(node, topic, (*pose, *_X), 1e308, _NO_PLACE),
     )
 
+
+_CAMERA = 'ceiling_camera_node'
+_INFO = '/ceiling_camera/camera_info'
+_PICTURE = '/ceiling_camera/image_raw'
 
 _FIRST = ('points', 0, 'positions', 0)
 _SPEED = ('points', 0, 'velocities', 0)
@@ -143,6 +151,20 @@ CASES = (
     *_poses('sim_node', '/obstacles', 'markers', 0, 'pose'),
     Nonsense('sim_node', '/goal_marker', _FRAME, 'moon', _NO_FRAME),
     *_poses('sim_node', '/goal_marker', 'pose'),
+    Nonsense(_CAMERA, _INFO, ('k', 0), math.nan, 'a focal length is a number'),
+    Nonsense(_CAMERA, _INFO, ('k', 0), 0.0, 'the camera is not calibrated'),
+    Nonsense(_CAMERA, _INFO, ('k', 4), 1e308, 'no lens has that focal length'),
+    Nonsense(_CAMERA, _INFO, ('width',), 0, 'pictures have pixels'),
+    Nonsense(_CAMERA, _INFO, ('height',), 2**31, 'no picture is so large'),
+    Nonsense(_CAMERA, _INFO, ('d', 0), math.inf, 'coefficients of a lens are numbers'),
+    Nonsense(_CAMERA, _INFO, ('distortion_model',), 'moon', 'nobody knows that model'),
+    Nonsense(_CAMERA, _PICTURE, ('encoding',), 'moon', 'nobody knows that encoding'),
+    Nonsense(_CAMERA, _PICTURE, ('width',), 0, 'pictures have pixels'),
+    Nonsense(_CAMERA, _PICTURE, ('height',), 2**31, 'no picture is so large'),
+    Nonsense(_CAMERA, _PICTURE, ('step',), 1, 'rows are longer'),
+    Nonsense(_CAMERA, _PICTURE, ('data',), array('B'), 'its pixels are missing'),
+    Nonsense(_CAMERA, '/odom/legs', _FRAME, 'map', 'legs cannot know where the map is'),
+    *_poses(_CAMERA, '/odom/legs', 'pose', 'pose'),
 )  # fmt: skip
 """What is sent, and why it has to be refused."""
 

@@ -43,7 +43,7 @@ _CAMERA_VIEW = math.radians(70.0)
 _CAMERA_MARGIN = 1.05
 """It hangs so much higher than it must to see the whole map."""
 
-_CAMERA_RESOLUTION = 0.05
+CAMERA_MAP_RESOLUTION = 0.05
 """Side of the cells of the map that the camera makes [m]."""
 
 _FASTEST_ON_TERRAIN = 3.0
@@ -158,7 +158,7 @@ def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
     if options.perception == 'camera':
         # One camera under the ceiling is all that tells of the room; the legs tell between
         # its pictures.
-        place = _camera_over(load_map(options.map_file))
+        place = camera_over(load_map(options.map_file))
         simulator |= {'camera': True, 'publish_map': False, 'publish_tf': False, **place}
         planner['odom_topic'] = 'odom/camera'
         gait |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
@@ -168,14 +168,14 @@ def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
             robot=options.robot,
             camera_position=position,
             camera_yaw=yaw,
-            resolution=_CAMERA_RESOLUTION,
+            resolution=CAMERA_MAP_RESOLUTION,
         )
     nodes.start('sim_node', **simulator)
     nodes.start('planner_node', **planner)
     nodes.start('gait_node', **gait)
 
 
-def _camera_over(grid: OccupancyGrid) -> dict[str, object]:
+def camera_over(grid: OccupancyGrid) -> dict[str, object]:
     """Hang a camera where it sees a whole map."""
     middle = grid.map_to_world(np.array([grid.width / 2.0, grid.height / 2.0]))
     half = grid.resolution * max(grid.width, grid.height) / 2.0

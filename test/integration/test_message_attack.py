@@ -6,8 +6,10 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG
-from quad_cli.faults_messages import NODES, MessageAttack, Report, start_nodes
+from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG, UNREADABLE
+from quad_cli.faults_messages import MessageAttack
+from quad_cli.faults_report import Report
+from quad_cli.faults_scenes import NODES, start_nodes
 from quad_cli.faults_stage import Stage
 from quad_common.robot import load_robot
 
@@ -33,5 +35,5 @@ def test_nodes_bear_a_short_attack_and_refuse_nonsense(domain):
         assert report.accepted == []
     assert reports[-1].has_reached_goal, reports[-1].problem
     assert tracebacks == []
-    for kind in (NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG):
+    for kind in (NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG, UNREADABLE):
         assert seen.get(kind, []) == []
