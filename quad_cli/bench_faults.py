@@ -20,6 +20,7 @@ PARTS = {
     'watch': 'quad_cli.faults_watch.attack_by_load',
     'kills': 'quad_cli.faults_kills.attack_by_kills',
     'soak': 'quad_cli.faults_soak.soak',
+    'localisation': 'quad_cli.faults_localisation.attack_by_drift',
 }
 """What is attacked, by the name for ``--only``: the function of each part."""
 

@@ -71,10 +71,15 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     details: dict[str, object] = {
         'quick': quick,
         'seed': seed,
-        'walks': [{**vars(record), 'contacts': sorted(record.contacts)} for record in records],
+        'walks': [as_dict(record) for record in records],
         'walks_over_topics': [result.as_dict() for result in over_topics],
     }
     return bars_of(records, over_topics), details
+
+
+def as_dict(record: LocalisedRecord) -> dict[str, object]:
+    """Return a walk's figures as JSON has them."""
+    return {**vars(record), 'contacts': sorted(record.contacts)}
 
 
 def measure_drift(
