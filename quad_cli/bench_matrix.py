@@ -14,8 +14,8 @@ from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.faults_goals import GoalDrawer
-from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_cli.faults_stage import NotSeen, Stage
+from quad_cli.faults_violations import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_cli.node_processes import NodeDied, isolated_domain
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
@@ -78,7 +78,7 @@ class Outcome:
     alarms: list[str] = field(default_factory=list)
     """What the nodes said to be wrong, though nothing was."""
     violations: dict[str, int] = field(default_factory=dict)
-    """Number of each kind: see :mod:`quad_cli.faults_listener`."""
+    """Number of each kind: see :mod:`quad_cli.faults_violations`."""
     examples: list[str] = field(default_factory=list)
     """Violations of these kinds in words, the first ones."""
     late_trajectories: int = 0

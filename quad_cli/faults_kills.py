@@ -13,9 +13,9 @@ from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most
 from quad_cli.faults_goals import GoalDrawer
-from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_cli.faults_reasons import reason_for_standing
 from quad_cli.faults_stage import NotSeen, Stage
+from quad_cli.faults_violations import NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_cli.node_processes import NodeDied, isolated_domain
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
@@ -236,7 +236,7 @@ def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) ->
     walks : list of KilledWalk
         What became of each.
     counts : dict of str to int
-        How often each kind of violation was seen; see :mod:`quad_cli.faults_listener`.
+        How often each kind of violation was seen; see :mod:`quad_cli.faults_violations`.
     tracebacks : int
         How many are in the nodes' logs.
 

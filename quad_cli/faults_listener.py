@@ -16,16 +16,17 @@ from rclpy.serialization import deserialize_message
 from quad_cli.faults_checks import numbers_not_finite, texts_too_long
 from quad_cli.faults_graph import Interface, outputs_of
 from quad_cli.faults_limits import JointChecker, TrajectoryChecker
+from quad_cli.faults_violations import (
+    JOINTS_OUTSIDE,
+    NOT_FINITE,
+    OUTSIDE_LIMITS,
+    TOO_LONG,
+    UNREADABLE,
+)
 from quad_common.errors import QuadError
 from quad_common.robot import Robot
 from quad_common.ros_conversions import seconds_from_time
 from quad_sim.ros_conversions import trajectory_from_message
-
-NOT_FINITE = 'numbers that are not finite'
-OUTSIDE_LIMITS = 'commands outside limits'
-JOINTS_OUTSIDE = 'joints outside limits'
-TOO_LONG = 'texts too long'
-UNREADABLE = 'messages that cannot be read'
 
 _DEPTH = 500
 """Messages that wait while the listener is busy."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from quad_cli.bench import Bar, at_least, at_most, figure
-from quad_cli.faults_listener import (
+from quad_cli.faults_violations import (
     JOINTS_OUTSIDE,
     NOT_FINITE,
     OUTSIDE_LIMITS,
@@ -59,7 +59,7 @@ def bars_of(
     reports : list of Report
         What came of each.
     counts : dict of str to int
-        How often each kind of violation was seen; see :mod:`quad_cli.faults_listener`.
+        How often each kind of violation was seen; see :mod:`quad_cli.faults_violations`.
     tracebacks : list of str
         Those in the nodes' logs.
     quick : bool

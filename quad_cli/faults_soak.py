@@ -10,15 +10,15 @@ from rich.console import Console
 
 from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.faults_goals import GoalDrawer
-from quad_cli.faults_listener import (
+from quad_cli.faults_stage import NotSeen, Stage
+from quad_cli.faults_state import growth
+from quad_cli.faults_violations import (
     JOINTS_OUTSIDE,
     NOT_FINITE,
     OUTSIDE_LIMITS,
     TOO_LONG,
     UNREADABLE,
 )
-from quad_cli.faults_stage import NotSeen, Stage
-from quad_cli.faults_state import growth
 from quad_cli.node_processes import NodeDied, isolated_domain
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
@@ -132,7 +132,7 @@ def bars_of(reached: int, missed: int, counts: dict[str, int], tracebacks: int) 
     reached, missed : int
         Goals.
     counts : dict of str to int
-        How often each kind of violation was seen; see :mod:`quad_cli.faults_listener`.
+        How often each kind of violation was seen; see :mod:`quad_cli.faults_violations`.
     tracebacks : int
         How many are in the nodes' logs.
 

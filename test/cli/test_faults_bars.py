@@ -15,13 +15,13 @@ from quad_cli.bench_matrix import GOALS, METHODS, ROBOTS, Combination, Outcome, 
 from quad_cli.bench_matrix import bars_of as matrix_bars
 from quad_cli.faults_kills import KilledWalk
 from quad_cli.faults_kills import bars_of as kill_bars
-from quad_cli.faults_listener import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_cli.faults_reasons import reason_for_standing
 from quad_cli.faults_report import Report
 from quad_cli.faults_report import bars_of as message_bars
 from quad_cli.faults_scenes import CAMERA, NODES, QUICK_SCENES, SCENES
 from quad_cli.faults_soak import bars_of as soak_bars
 from quad_cli.faults_soak import growth_since
+from quad_cli.faults_violations import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 
 OK, WARN, ERROR, STALE = b'\x00', b'\x01', b'\x02', b'\x03'
 

@@ -31,6 +31,8 @@ ROS_COMMANDS = {
     'quad_cli.faults_stage',
     'quad_cli.faults_attacker',
     'quad_cli.faults_messages',
+    'quad_cli.faults_scenes',
+    'quad_cli.faults_localisation',
     'quad_cli.faults_goal_topic',
     'quad_cli.faults_kills',
     'quad_cli.faults_soak',

@@ -6,11 +6,11 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from quad_cli.faults_listener import NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG, UNREADABLE
 from quad_cli.faults_messages import MessageAttack
 from quad_cli.faults_report import Report
 from quad_cli.faults_scenes import NODES, start_nodes
 from quad_cli.faults_stage import Stage
+from quad_cli.faults_violations import NOT_FINITE, OUTSIDE_LIMITS, TOO_LONG, UNREADABLE
 from quad_common.robot import load_robot
 
 pytestmark = pytest.mark.ros
