@@ -108,6 +108,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._is_placed = p.odom_topic == 'odom/legs' or p.leg_odometry_start == 'origin'
         self._inputs = SensorInputs(self._robot, InputOptions(p.joint_timeout, p.imu_timeout))
         self._odometry_received_at: float | None = None
+        self._is_time_still = False
         self._planner_alive_at: float | None = None
         self._published_footholds: Any = None
         self._distance_left = 0.0
@@ -165,6 +166,9 @@ class GaitNode(QuadNode[GaitParameters]):
         if clock_problem is not None:
             self.report(STALE, clock_problem)
         elif received is None or time.monotonic() - received > self.parameters.odom_timeout:
+            if self._is_time_still:
+                self.report(WARN, 'stale odometry: it comes, and its time stands still')
+                return
             self.report(WARN, f"no odometry: waiting for it on '{self.parameters.odom_topic}'")
         else:
             controller = self._controller
@@ -237,6 +241,7 @@ class GaitNode(QuadNode[GaitParameters]):
         pose = pose_from_message(message.pose.pose, 'odometry')
         orientation = orientation_from_odometry(message)
         now = self._inputs.take_odometry(seconds_from_time(stamp), pose, orientation)
+        self._is_time_still = now is None
         if now is None:
             return
         self._odometry_received_at = time.monotonic()

@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 RANGE_MARGIN = 0.25
 """Angle by which a measured joint may be beyond its range, for errors of its encoder [rad]."""
 
+LEAST_MISSED = 4
+"""Number of readings of the odometry without joint states in between that make them missing."""
+
 _OVERSPEED = 4.0
 """Number of times its largest speed that a joint may turn, as when the robot falls."""
 
@@ -91,6 +94,8 @@ class SensorInputs:
         self._imu_time: float | None = None
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
+        # Odometry that has come since the last joint states.
+        self._without_joints = 0
         self._was_moved = False
 
     @property
@@ -124,6 +129,7 @@ class SensorInputs:
             return False
         self._was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._joint_refusal = ''
+        self._without_joints = 0
         self._joints = readings
         return True
 
@@ -184,6 +190,7 @@ class SensorInputs:
             return None
         was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._was_moved = False
+        self._without_joints += 1
         joints, imu = self._joints, self._recent_imu(time)
         return Measurement(
             time=time,
@@ -210,7 +217,9 @@ class SensorInputs:
         if self._joints is None:
             return self._joint_refusal or 'no joint states yet'
         since = self._joints.time
-        if since is None or time - since <= self._options.joint_timeout:
+        is_old = since is not None and time - since > self._options.joint_timeout
+        # After a pause of the machine odometry may be the first to come.
+        if since is None or not is_old or self._without_joints < LEAST_MISSED:
             return ''
         # What is refused comes, and still nothing is known of the joints.
         return self._joint_refusal or f'no joint states for {time - since:.1f} s'

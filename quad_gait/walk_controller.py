@@ -159,6 +159,7 @@ class WalkController:
         correction = options.follower.largest_correction if options.hold_course else 0.0
         self._steering = Steering(options.twist_timeout, correction)
         self._reason_to_stand = ''
+        self._lacks_sensors = False
         # Why the plan waits; empty if it does not.
         self._plan_waits_for = ''
         self._is_to_sit = False
@@ -377,6 +378,9 @@ class WalkController:
         if now.problem and now.joint_positions is not None:
             self._wait_for_sensors(now)
             return None
+        if self._lacks_sensors:
+            self._lacks_sensors = False
+            self.limit = ''
         if self._stride is not None:
             return self._go_on_with_stride(now)
         follow_on = self._sequence.at(now.time)
@@ -456,6 +460,7 @@ class WalkController:
 
     def _wait_for_sensors(self, now: Measurement) -> None:
         """Let what was given out come to its end, which is at rest, and begin nothing."""
+        self._lacks_sensors = True
         current = self._sequence.at(now.time)
         if current is not None and current.cycle.exit:
             self._come_to_rest(current)

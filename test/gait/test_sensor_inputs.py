@@ -95,6 +95,14 @@ def test_without_joint_states_a_measurement_says_since_when():
     assert SensorInputs(ROBOT).take_odometry(0.0, ORIGIN, LEVEL).problem == 'no joint states yet'
 
 
+def test_odometry_that_is_the_first_to_come_after_a_pause_does_not_make_joints_missing():
+    inputs = standing_inputs()
+    for time in (2.0, 2.02):
+        assert inputs.take_odometry(time, ORIGIN, LEVEL).problem == ''
+    inputs.take_joints(readings(2.02))
+    assert inputs.take_odometry(2.04, ORIGIN, LEVEL).problem == ''
+
+
 def test_an_imu_that_falls_silent_gives_way_to_the_odometry():
     inputs = standing_inputs(imu_timeout=0.2)
     inputs.take_imu(1.0, rolled(0.1), 0.0)

@@ -115,6 +115,16 @@ def test_without_joint_states_a_walk_ends_standing_and_goes_on_when_they_return(
     walk.run(3.0, silent)
     assert walk.is_still
     assert walk.run(5.0, until=lambda: walk.controller.activity is Activity.WALKING)
+    assert walk.controller.limit == ''
+
+
+def test_a_moment_without_joint_states_is_told_of_while_it_lasts():
+    walk = walking()
+    walk.step(silent)
+    assert 'comes to rest: no joint states' in walk.controller.limit
+    walk.run(12.0)
+    assert walk.controller.limit == ''
+    assert walk.controller.activity is Activity.WALKING
 
 
 def test_a_plan_waits_while_its_planner_is_gone_and_is_followed_again_then():

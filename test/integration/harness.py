@@ -320,9 +320,10 @@ class Bench:
 
     @contextlib.contextmanager
     def publishing(self, topic: str, message: Any, qos: Any = 10) -> Iterator[None]:
-        """Publish a message again and again in this block, as a sensor does."""
-        publisher = self.publisher(type(message), topic, qos)
-        timer = self.node.create_timer(0.1, lambda: publisher.publish(message))
+        """Publish a message again and again in this block; a callable makes each."""
+        make = message if callable(message) else lambda: message
+        publisher = self.publisher(type(make()), topic, qos)
+        timer = self.node.create_timer(0.1, lambda: publisher.publish(make()))
         yield
         self.node.destroy_timer(timer)
 

@@ -179,7 +179,7 @@ def test_obstacles_that_cannot_be_are_refused_with_a_sentence_and_change_nothing
         (marker(Marker.SPHERE, 5.0, 5.0, size), 'its type is 2; known are CUBE 1 and CYLINDER 3'),
         (marker(Marker.CUBE, 5.0, 5.0, size, frame='odometer'), "in frame 'odometer'; give it"),
         (marker(Marker.CUBE, math.nan, 5.0, size), 'the pose is not a pose'),
-        (marker(Marker.CUBE, 5.0, 5.0, (0.5, 0.5, -1.0)), "'height' is -1.0; it must be"),
+        (marker(Marker.CUBE, 5.0, 5.0, (0.5, 0.5, -1.0)), 'each side must be from 0.001 to 100 m'),
         (marker(Marker.CYLINDER, 5.0, 5.0, (0.5, 0.4, 1.0)), "'width' is 0.4; it must be the"),
         (marker(Marker.CUBE, 2.1, 2.0, size), 'from the middle of the robot; it must be at least'),
         (marker(Marker.CUBE, 5.0, 5.0, size, action=7), 'its action is 7'),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from itertools import count
+
 import numpy as np
 import pytest
 
@@ -15,7 +18,7 @@ from sensor_msgs.msg import JointState
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot import load_robot
-from quad_common.ros_conversions import grid_message, pose_message
+from quad_common.ros_conversions import grid_message, pose_message, time_from_seconds
 
 pytestmark = pytest.mark.ros
 
@@ -25,6 +28,23 @@ def odometry_at(x: float, y: float) -> Odometry:
     message.header.frame_id = 'odom'
     message.pose.pose = pose_message(Pose2D(x, y, 0.0))
     return message
+
+
+def silent_for(bench: Bench) -> int:
+    """Read for how long the planner says that odometry is silent [s]."""
+    said = re.search(r'for (\d+) s; plans wait', bench.statuses['planner_node'].message)
+    return 0 if said is None else int(said[1])
+
+
+def stamped(message):
+    """Make copies of a message, each a tenth of a second later, as a sensor does."""
+    seconds = count(1)
+
+    def make():
+        message.header.stamp = time_from_seconds(next(seconds) / 10.0)
+        return message
+
+    return make
 
 
 def test_the_planner_says_what_it_waits_for(bench: Bench):
@@ -40,7 +60,7 @@ def test_the_planner_says_what_it_waits_for(bench: Bench):
     bench.wait_for_status('planner_node', "silent odometry: none on 'odom' for", level=WARN)
     # From where the robot was seen last no plan is made any more.
     bench.give_goal(Pose2D(3.0, 1.0, 0.0))
-    bench.wait_for_status('planner_node', 'for 4 s; plans wait', level=WARN)
+    bench.wait_until('the planner still waits', lambda: silent_for(bench) >= 4)
     assert len(bench.plans) == 1
     with bench.publishing('odom', odometry_at(1.0, 1.0)):
         bench.wait_until('the plan that waited', lambda: len(bench.plans) == 2)
@@ -54,11 +74,14 @@ def test_the_gait_node_says_what_it_waits_for(bench: Bench):
     joints = JointState(
         name=list(robot.joint_names), position=robot.initial_joint_angles.reshape(-1).tolist()
     )
-    with bench.publishing('odom', odometry_at(1.0, 1.0)):
+    odometry = odometry_at(1.0, 1.0)
+    with bench.publishing('odom', stamped(odometry)):
         bench.wait_for_status('gait_node', 'no joint states yet', level=WARN)
-        with bench.publishing('joint_states', joints):
+        with bench.publishing('joint_states', stamped(joints)):
             bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
     bench.wait_for_status('gait_node', 'no odometry', level=WARN)
+    with bench.publishing('odom', odometry):
+        bench.wait_for_status('gait_node', 'stale odometry: it comes', level=WARN)
 
 
 def test_without_a_clock_the_nodes_ask_for_one(bench: Bench):
