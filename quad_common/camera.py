@@ -38,8 +38,11 @@ _ROUNDS = 50
 _EXACT = 1e-6
 """How exactly light is traced back [pixels]."""
 
-_OVERSHOT = 0.5
-"""A step that turns the error round and leaves so much of it is made half as long from then on."""
+_SLOW = 0.5
+"""A step that leaves so much of the error is made shorter, or longer, from then on."""
+
+_LOOK_EVERY = 6
+"""Rounds after which a pixel is given up that is hardly nearer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,20 +225,31 @@ class CameraModel:
         none = np.zeros(3)
         left = np.arange(len(given))
         before = np.zeros_like(given)
+        looked = np.full(len(given), np.inf)
         step = np.ones(len(given))
-        for _ in range(_ROUNDS):
-            if not len(left):
-                break
-            rays = np.column_stack((straight[left], np.ones(len(left))))
-            seen, _ = cv2.projectPoints(rays, none, none, self.matrix, self.distortion)
-            missed = given[left] - seen.reshape(-1, 2)
-            # Where a lens spreads directions to more than double, whole steps overshoot for ever.
-            along, size = (missed * before[left]).sum(axis=1), (before[left] ** 2).sum(axis=1)
-            step[left[along < -_OVERSHOT * size]] *= 0.5
-            before[left] = missed
-            is_left = np.abs(missed).max(axis=1) > _EXACT
-            left, missed = left[is_left], missed[is_left]
-            straight[left] += step[left, None] * missed / focal
+        # What a lens shows nowhere may run off to anywhere.
+        with np.errstate(over='ignore', invalid='ignore'):
+            for number in range(_ROUNDS):
+                if not len(left):
+                    break
+                rays = np.column_stack((straight[left], np.ones(len(left))))
+                seen, _ = cv2.projectPoints(rays, none, none, self.matrix, self.distortion)
+                missed = given[left] - seen.reshape(-1, 2)
+                size = (missed**2).sum(axis=1)
+                along = (missed * before[left]).sum(axis=1)
+                bound = _SLOW * (before[left] ** 2).sum(axis=1)
+                # Where a lens spreads directions to more than double, whole steps overshoot
+                # for ever; where it crowds them they are short.
+                step[left[along < -bound]] *= 0.5
+                step[left[along > bound]] *= 1.5
+                before[left] = missed
+                is_left = np.abs(missed).max(axis=1) > _EXACT
+                if number % _LOOK_EVERY == 0:
+                    # Into the corners of a lens that folds the picture over nothing is seen.
+                    is_left &= size < _SLOW * looked[left]
+                    looked[left] = size
+                left, missed = left[is_left], missed[is_left]
+                straight[left] += step[left, None] * missed / focal
         return straight
 
     def without_distortion(self) -> CameraModel:
