@@ -220,6 +220,9 @@ def _check_request(what: str, request: Any) -> None:
             raise InvalidMessage(what, f'its {field} are {len(value)}; {_MOST_ITEMS} are the most')
     if isinstance(request, (SetParameters.Request, SetParametersAtomically.Request)):
         for parameter in request.parameters:
+            if not parameter.name:
+                # rclpy takes it, with any value, and shows it to everybody from then on.
+                raise InvalidMessage(what, 'a parameter in it has no name')
             if parameter.value.type not in _PARAMETER_TYPES:
                 raise InvalidMessage(
                     what,

@@ -126,7 +126,7 @@ def test_whatever_a_callback_raises_the_node_goes_on_and_says_it(make):
 
 
 @pytest.mark.parametrize('kind', [SetParameters, SetParametersAtomically])
-def test_a_parameter_of_no_type_is_refused_in_the_answer(make, kind):
+def test_a_parameter_of_no_type_or_no_name_is_refused_in_the_answer(make, kind):
     node = make('gait_node')
     wrong = ParameterMessage(name='gait', value=ParameterValue(type=99))
     # As the executor would.
@@ -137,6 +137,12 @@ def test_a_parameter_of_no_type_is_refused_in_the_answer(make, kind):
     assert not result.successful
     assert result.reason.endswith("cannot be used: the type of 'gait' is 99; known are 0 to 9")
     assert node.parameters.gait == 'crawl'
+    # rclpy itself would keep it.
+    nameless = ParameterMessage(name='', value=ParameterValue(type=1))
+    answer = service.callback(kind.Request(parameters=[nameless]), kind.Response())
+    [result] = answer.results if kind is SetParameters else [answer.result]
+    assert result.reason.endswith('a parameter in it has no name')
+    assert not node.has_parameter('')
     many = kind.Request(parameters=[wrong] * 1001)
     answer = service.callback(many, kind.Response())
     [result] = answer.results if kind is SetParameters else [answer.result]
