@@ -26,6 +26,9 @@ _SAME_PLACE = 0.02
 _GIVE = 0.1
 """By which a measured joint may be past its range: contacts and bodies are not rigid [rad]."""
 
+_RUNNING = 0.02
+"""Time in which a joint turns as far as a trajectory that runs already may be off [s]."""
+
 _FAST = 1.5
 """A measured joint may be faster than its motor by this factor, when the leg is pushed."""
 
@@ -112,8 +115,9 @@ class TrajectoryChecker:
         start = (trajectory.stamp or now) + float(trajectory.times[0])
         first = trajectory.positions[0]
         apart = np.abs(first - position_at(last, start))
-        # Not on the last one's way: then it has to be reached from there in the time left.
-        reach = self._speed * max(0.0, start - now) + _SAME_PLACE
+        # Not on the last one's way: then it has to be reached from there in the time left. One that
+        # runs already, or was long on its way, may be off as far as gait_node's own gate lets it.
+        reach = self._speed * max(_RUNNING, start - now) + _SAME_PLACE
         far = np.abs(first - position_at(last, now))
         bad = np.flatnonzero((apart > _SAME_PLACE) & (far > reach))
         return [

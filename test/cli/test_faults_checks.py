@@ -96,6 +96,14 @@ def test_a_leap_from_the_last_command_is_noticed():
     assert problems(trajectory(), replace(far, stamp=2.3), now=1.25) == []
 
 
+@pytest.mark.parametrize(('hip', 'is_leap'), [(0.1, False), (0.2, True)])
+def test_a_trajectory_that_runs_already_may_be_off_by_20_ms_of_motion(hip, is_leap):
+    hold = trajectory(hip=(0.0, 0.0))
+    # 6 rad/s turn 0.12 rad in 20 ms, and 0.02 rad are one place.
+    found = problems(hold, trajectory(stamp=2.0, hip=(hip, hip)), now=2.14)
+    assert bool(found) == is_leap
+
+
 def test_a_robot_that_was_put_elsewhere_does_not_leap():
     checker = TrajectoryChecker(ROBOT)
     checker.check(trajectory(), 0.8)
