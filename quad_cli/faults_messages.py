@@ -32,6 +32,11 @@ MESSAGES = 2000
 
 QUICK_MESSAGES = 60
 
+LENGTH = 1.0
+"""Longest way to the good goal after an attack [m]."""
+
+QUICK_LENGTH = 0.4
+
 QUICK_NONSENSE = 8
 """Messages that must be refused, to each node."""
 
@@ -81,7 +86,13 @@ def attack_messages(
         with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
             scene.start(stage)
             for state, node in itertools.product(scene.states, scene.targets):
-                attack = MessageAttack(stage, Report(node, state), seed, scene.clearance)
+                attack = MessageAttack(
+                    stage,
+                    Report(node, state),
+                    seed,
+                    scene.clearance,
+                    QUICK_LENGTH if quick else LENGTH,
+                )
                 if scene.has_nonsense and state == scene.states[0]:
                     attack.try_nonsense(QUICK_NONSENSE if quick else None)
                 attack.run(count)
@@ -114,10 +125,20 @@ class MessageAttack:
         Of goals and messages.
     clearance : float
         Distance that goals keep beyond the planner's own [m].
+    longest : float
+        Longest way to the good goal after the attack [m].
     """
 
-    def __init__(self, stage: Stage, report: Report, seed: int, clearance: float = 0.0) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        report: Report,
+        seed: int,
+        clearance: float = 0.0,
+        longest: float = 1.0,
+    ) -> None:
         self.report = report
+        self._longest = longest
         self._stage = stage
         self._goals = GoalDrawer(load_robot(_ROBOT), sample_map(MAP), seed, clearance=clearance)
         self._rng = np.random.default_rng(seed)
@@ -233,7 +254,7 @@ class MessageAttack:
             self._release()
             pose = stage.pose
             assert pose is not None
-            stage.walk_to(self._goals.draw(pose, 0.3, 1.0))
+            stage.walk_to(self._goals.draw(pose, 0.2 * self._longest, self._longest))
             report.has_reached_goal = True
         except (NotSeen, NodeDied) as error:
             report.problem = str(error)
