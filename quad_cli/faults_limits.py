@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import Robot
+from quad_common.trajectory_gate import VELOCITY_TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -91,6 +92,7 @@ class TrajectoryChecker:
 
     def _outside(self, trajectory: JointTrajectory) -> list[str]:
         low, high, fast = extremes(trajectory)
+        at_points = np.abs(trajectory.velocities).max(axis=0)
         problems = []
         for joint, name in enumerate(trajectory.joint_names):
             if low[joint] < self._lower[joint] - _ROUNDING:
@@ -101,7 +103,8 @@ class TrajectoryChecker:
                 problems.append(
                     f'{name} goes to {high[joint]:.4g} rad, above {self._upper[joint]:.4g}'
                 )
-            if fast[joint] > self._speed[joint] + _ROUNDING:
+            most = self._speed[joint] + _ROUNDING
+            if at_points[joint] > most or fast[joint] > (1.0 + VELOCITY_TOLERANCE) * most:
                 problems.append(
                     f'{name} moves at {fast[joint]:.4g} rad/s, faster than {self._speed[joint]:.4g}'
                 )

@@ -21,13 +21,6 @@ Array = NDArray[np.float64]
 _ALIKE = 5e-3
 """Samples are as good a match as the best one if no joint is off by so much more [rad]."""
 
-_BRAKING = 1.5
-"""Number of times a sample's period that the last interval of what is given out takes."""
-
-_SLOWING = 0.6
-"""Mean speed of the last interval as a fraction of that at its beginning, at most, of a motion
-that comes to rest by itself."""
-
 _PATIENCE = 1.0
 """After so long past its end a motion is taken to be over, wherever the joints are [s]."""
 
@@ -44,6 +37,8 @@ class JointMotion:
     """Shape (n, 4, 3) [rad]."""
     velocities: Array
     """Shape (n, 4, 3) [rad/s]."""
+    fastest: Array
+    """Largest speeds of the joints, shape (12,) [rad/s]."""
     start: float
     """When its first sample is reached, if it is heard of at once [s]."""
     given: int
@@ -141,14 +136,11 @@ class JointMotion:
         joints = len(self.joint_names)
         velocities = self.velocities[part].reshape(-1, joints).copy()
         times = reaction_time + self.times[part] - self.times[self.since]
-        if len(times) > 1:
-            period = times[-1] - times[-2]
-            pace = np.abs(self.positions[self.given] - self.positions[self.given - 1]) / period
-            if pace.max() > _SLOWING * np.abs(velocities[-2]).max():
-                # Cut short in mid-motion: a cubic that comes to rest in so much longer is hardly
-                # faster than where it begins.
-                times[-1] += (_BRAKING - 1.0) * period
         velocities[-1] = 0.0
+        if len(times) > 1:
+            way = self.positions[self.given] - self.positions[self.given - 1]
+            least = braking_time(way.reshape(-1), velocities[-2], self.fastest)
+            times[-1] = max(times[-1], times[-2] + least)
         return JointTrajectory(
             joint_names=self.joint_names,
             stamp=0.0,
@@ -156,3 +148,27 @@ class JointMotion:
             positions=self.positions[part].reshape(-1, joints),
             velocities=velocities,
         )
+
+
+def braking_time(way: Array, velocity: Array, fastest: Array) -> float:
+    """
+    Return the shortest time in which joints come to rest after a way, not exceeding their speed.
+
+    Parameters
+    ----------
+    way : ndarray, shape (n,)
+        To go [rad].
+    velocity : ndarray, shape (n,)
+        With which it begins [rad/s].
+    fastest : ndarray, shape (n,)
+        Largest speeds [rad/s].
+
+    Returns
+    -------
+    float
+        For cubics [s]. Their velocity, v0 (1-s)^2 + 2 m s (1-s) with m = 3 way / T - v0, has its
+        largest value m^2 / (2 m - v0), which is the limit L for m = L + sqrt(L (L - v0)).
+    """
+    ahead = np.clip(velocity * np.sign(way), -fastest, fastest)
+    most = fastest + np.sqrt(fastest * (fastest - ahead))
+    return float(np.max(3.0 * np.abs(way) / (most + ahead)))

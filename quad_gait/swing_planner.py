@@ -415,6 +415,7 @@ class SwingPlanner:
             times,
             joints,
             velocities,
+            np.broadcast_to(robot.velocity, (4, 3)).reshape(-1),
             start=now.time + self._options.reaction_time,
             given=last if given is None else min(given, last),
         )

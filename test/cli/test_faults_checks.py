@@ -13,6 +13,7 @@ from quad_cli.faults_limits import JointChecker, TrajectoryChecker, extremes, po
 from quad_cli.faults_state import growth, traceback_ends
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import load_robot
+from quad_common.trajectory_gate import VELOCITY_TOLERANCE
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -59,7 +60,8 @@ def test_a_position_outside_the_range_is_noticed(angle):
 
 def test_a_speed_between_the_points_is_noticed():
     # At rest at both ends: half as fast again in the middle as on the average.
-    just, beyond = 0.99 * 6.0 / 1.5 * 0.1, 1.01 * 6.0 / 1.5 * 0.1
+    most = 6.0 * (1.0 + VELOCITY_TOLERANCE) / 1.5 * 0.1
+    just, beyond = 0.99 * most, 1.01 * most
     assert problems(trajectory(hip=(0.0, just))) == []
     assert 'faster' in problems(trajectory(hip=(0.0, beyond)))[0]
 
