@@ -7,7 +7,8 @@ points they follow cubics in position and velocity; after the last they hold it.
 
 One thing is smoother. A trajectory may arrive so late that its first point cannot be reached
 any more in its time, or lies in the past while the joints are commanded elsewhere. Then the
-difference between the two commands fades out, as fast as the joints turn, instead of a jump.
+difference between the two commands fades out, as fast as the joints turn, instead of a jump; one
+that starts on arrival starts that much later.
 """
 
 from __future__ import annotations
@@ -148,9 +149,14 @@ class TrajectoryExecutor:
         fits = not is_ahead or self._reaches(
             times[0] - now, position, velocity, positions[0], velocities[0]
         )
+        if is_ahead and not fits and trajectory.stamp <= 0.0:
+            # It has no time of its own: it begins as soon as its first point can be reached.
+            times = times + self._extra_time(times[0] - now, position, velocity, positions[0])
+            velocities[0] = 0.0
         if is_ahead:
             # One that comes too late to be reached waits in its first point.
-            first = (position, velocity) if fits else (positions[0], self._still)
+            joins = fits or trajectory.stamp <= 0.0
+            first = (position, velocity) if joins else (positions[0], self._still)
             times = np.concatenate([[now], times])
             positions = np.vstack([first[0], positions])
             velocities = np.vstack([first[1], velocities])
@@ -160,8 +166,8 @@ class TrajectoryExecutor:
         self._segment = 0
         self._fading = None
         limits = self._velocity_limits
-        if limits is None or (is_ahead and fits):
-            return True
+        if limits is None or (is_ahead and joins):
+            return fits
         after, _ = self.command(now)
         if _is_same(after, followed):
             # It goes on with what runs, and so does what is fading out.
@@ -206,6 +212,13 @@ class TrajectoryExecutor:
         a, b, c, d = self._coefficients[self._segment]
         s = time - self._times[self._segment]
         return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
+
+    def _extra_time(self, h: float, p0: Array, v0: Array, p1: Array) -> float:
+        """Return how much later joints come to rest at a point than they were to [s]."""
+        assert self._velocity_limits is not None
+        limits = self._velocity_limits
+        room = np.maximum(limits - np.abs(v0), _LEAST_ROOM * limits)
+        return max(0.0, float(np.max(3.0 * np.abs(p1 - p0) / room)) - h)
 
     def _reaches(self, h: float, p0: Array, v0: Array, p1: Array, v1: Array) -> bool:
         """Return whether the joints get from one state to another in a time [s]."""

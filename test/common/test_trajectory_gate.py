@@ -144,6 +144,19 @@ def test_a_first_point_that_is_too_near_in_time_is_reached_later_and_not_by_a_ju
     assert positions[-1] == pytest.approx(there)
 
 
+def test_a_trajectory_without_a_time_of_its_own_begins_when_it_can_be_reached():
+    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
+    there = MIDDLE + [0.8, 0.0, 0.0]
+    sudden = trajectory([there, there - 0.1], times=np.array([0.02, 1.0]), stamp=0.0)
+    assert not executor.accept(sudden, 10.0)
+    _, positions, velocities = follow(executor, 10.0, 13.0)
+    assert np.abs(velocities[:, 0]).max() <= 1.01 * LIMITS.velocity[0]
+    assert positions[-1] == pytest.approx(there - 0.1)
+    # Its own way is the same, a while later.
+    reached = int(np.argmin(np.abs(positions[:, 0] - there[0])))
+    assert positions[reached] == pytest.approx(there, abs=1e-4)
+
+
 def test_what_goes_on_with_a_late_trajectory_lets_the_difference_fade_out_as_it_was():
     executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
     late = trajectory([MIDDLE + 0.3, MIDDLE + 0.1], times=np.array([0.0, 3.0]), stamp=10.0)
