@@ -20,6 +20,7 @@ from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import Robot, available_robots, load_robot
 from quad_common.trajectory_gate import (
     CONTROL_PERIOD,
+    OVERSHOOT,
     POSITION_TOLERANCE,
     VELOCITY_TOLERANCE,
     JointLimits,
@@ -176,7 +177,8 @@ def _beyond(limits: JointLimits, trajectory: JointTrajectory, now: float, comman
             tolerance = VELOCITY_TOLERANCE if 0.0 < s < 1.0 else 0.0
             most = limits.velocity * (1.0 + tolerance)
             span = limits.upper - limits.lower
-            off = np.maximum(limits.lower - place, place - limits.upper) - POSITION_TOLERANCE
+            overshoot = OVERSHOOT if 0.0 < s < 1.0 else POSITION_TOLERANCE
+            off = np.maximum(limits.lower - place, place - limits.upper) - overshoot
             excess = np.maximum(off / span, np.abs(rate) / most - 1.0)
             worst.append(float(np.nan_to_num(excess, nan=np.inf).max()))
     return max(worst)

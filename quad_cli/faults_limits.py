@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import Robot
-from quad_common.trajectory_gate import VELOCITY_TOLERANCE
+from quad_common.trajectory_gate import OVERSHOOT, VELOCITY_TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -93,6 +93,9 @@ class TrajectoryChecker:
     def _outside(self, trajectory: JointTrajectory) -> list[str]:
         low, high, fast = extremes(trajectory)
         at_points = np.abs(trajectory.velocities).max(axis=0)
+        # Between points as much as the gate allows; at the points nothing.
+        low = np.minimum(low + OVERSHOOT, trajectory.positions.min(axis=0))
+        high = np.maximum(high - OVERSHOOT, trajectory.positions.max(axis=0))
         problems = []
         for joint, name in enumerate(trajectory.joint_names):
             if low[joint] < self._lower[joint] - _ROUNDING:

@@ -27,6 +27,9 @@ POSITION_TOLERANCE = 1e-6
 _VELOCITY_ROUNDING = 1e-6
 """Rounding error of velocities that passes [rad/s]."""
 
+OVERSHOOT = 0.005
+"""Angle by which a joint may leave its range between two points [rad]; at the points it may not."""
+
 CONTROL_PERIOD = 0.02
 """Time in which a command may get where another trajectory, which already runs, is [s]."""
 
@@ -104,6 +107,7 @@ class JointLimits:
         p0, p1, v0, v1 = positions[:-1], positions[1:], velocities[:-1], velocities[1:]
         near = np.concatenate([p0 + v0 * (h / 3.0), p1 - v1 * (h / 3.0)])
         middle = 3.0 * (p1 - p0) / h - v0 - v1
+        lower, upper = lower - OVERSHOOT, upper + OVERSHOOT
         if np.any(near < lower) or np.any(near > upper):
             extremes = _position_extrema(h, p0, v0, v1, middle)
             self._compare('position', 'rad', extremes, lower, upper)
