@@ -196,6 +196,7 @@ class LameStop:
         self._end = -np.inf
         self._motion = (-np.inf, commanded, commanded)
         self._has_fallen = False
+        self._is_held = False
         self.prediction = ''
         """What would have become of the stance, as a sentence."""
         self.margin = np.nan
@@ -222,12 +223,19 @@ class LameStop:
         """Say what the robot does, or has done."""
         if self._has_fallen:
             return 'the robot has fallen'
+        if self._is_held:
+            return 'all joints were held by the emergency stop'
         if self._stage is not _Stage.OVER:
             return 'the robot is being brought to a standstill'
         if self.sits:
             return 'the robot sits on the ground'
         feet = 'four feet' if self.bears else 'three legs'
         return f'the robot stands on {feet} with a margin of {1e3 * self.margin:.0f} mm'
+
+    def hold(self) -> None:
+        """Do nothing more: an emergency stop holds all joints."""
+        self._stage = _Stage.OVER
+        self._is_held = True
 
     def give_up(self) -> None:
         """Do nothing more: the robot has fallen."""

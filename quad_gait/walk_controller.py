@@ -269,7 +269,8 @@ class WalkController:
         self._follower.follow(None, Pose2D(0.0, 0.0, 0.0))
         self._forget_schedule()
         self._is_frozen = True
-        self._lameness = None
+        if self._lameness is not None:
+            self._lameness.stop.hold()
         self._waits_for_stand = 'the emergency stop was released; it waits for stand'
         self.limit = ''
         self._set_activity(Activity.EMERGENCY_STOP, 'all joints hold until it is released')
@@ -363,6 +364,9 @@ class WalkController:
         fault = self._watched(now)
         if now.tilt > options.largest_tilt:
             return self._given(self._fall(now), now)
+        if self._waits_for_stand:
+            # Not even a joint that fails is a reason to move.
+            return self._given(self._walk_on(now), now)
         if fault is not None and self._lameness is None and not self._has_fallen:
             self._go_lame(fault, now)
         if self._lameness is not None:

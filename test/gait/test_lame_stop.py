@@ -121,6 +121,23 @@ def test_a_lame_robot_refuses_plans_and_steering_and_says_so(lame_walk):
         assert walk.walk.simulation.observe().pose.distance_to(pose) < 2e-3
 
 
+def test_an_emergency_stop_does_not_make_a_lame_robot_forget_its_joint(lame_walk):
+    walk = lame_walk('rf_knee_pitch_joint', 'stuck', 4.5)
+    controller, simulation = walk.controller, walk.walk.simulation
+    hold = controller.freeze()
+    if hold is not None:
+        simulation.accept(hold)
+    controller.release()
+    walk.walk.run(1.0)
+    before = simulation.observe().joint_positions
+    walk.walk.run(3.0)
+    assert simulation.observe().joint_positions == pytest.approx(before, abs=0.01)
+    assert 'is tried first' in controller.stand()
+    walk.walk.run(3.0)
+    assert controller.activity is Activity.LAME
+    assert 'tried again, it still does not answer' in controller.reason
+
+
 def test_stand_tries_the_joint_first_and_stands_up_only_if_it_answers(lame_walk):
     walk = lame_walk('lh_hip_pitch_joint', 'free', 4.2)
     controller = walk.controller
