@@ -151,8 +151,9 @@ BAD_TWISTS = [
 
 def test_a_velocity_that_makes_no_sense_is_refused_and_the_robot_keeps_to_its_plan(bench: Bench):
     start_steered(bench, {})
-    start = bench.pose
-    goal = start @ Pose2D(0.5, 0.0, 0.0)
+    # Long enough that it is still walking when the last message has been answered: at twenty
+    # times real time half a metre takes a second.
+    goal = bench.pose @ Pose2D(2.0, 0.0, 0.0)
     give_plan(bench, goal)
     bench.wait_for_walking(0.05)
     for message, words in BAD_TWISTS:
