@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_camera_walks import walk_bars
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_common.camera import CameraModel
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot import Robot, load_robot

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.camera_walk import CameraWalk, CameraWalkOptions
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.workers import worker_pool
 from quad_common.errors import PlannerError
 from quad_common.planar_pose import Pose2D

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from rich.console import Console
 
-from quad_cli.bench import Bar
+from quad_cli.criterion import Bar
 
 PARTS = {
     'messages': 'quad_cli.faults_messages.attack_messages',

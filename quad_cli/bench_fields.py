@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_cli.bench import Bar, at_least, figure
+from quad_cli.criterion import Bar, at_least, figure
 from quad_common.errors import NoPathFound
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D

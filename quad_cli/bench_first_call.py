@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.bench import Bar, at_most, figure
+from quad_cli.criterion import Bar, at_most, figure
 from quad_cli.workers import end_with_parent
 from quad_common.temporary_folder import temporary_folder
 

@@ -13,8 +13,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.bench import Bar, at_least, at_most, figure
-from quad_cli.calibrate import calibrate_motion, measure_motion
+from quad_cli.calibration import calibrate_motion, measure_motion
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.gait_measures import (
     CircleWalk,
     SteadyWalk,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.direct_walk import DirectWalk
 from quad_cli.terrain_walk import make_course
 from quad_cli.workers import worker_pool

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_walk import draw_pairs
 from quad_cli.benchmark_maps import benchmark_maps
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.localised_walk import LocalisedRecord, LocalisedWalk
 from quad_cli.walk import WalkOptions, walk
 from quad_cli.walk_record import WalkResult

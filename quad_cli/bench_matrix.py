@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.faults_goals import GoalDrawer
 from quad_cli.faults_stage import NotSeen, Stage
 from quad_cli.faults_violations import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE

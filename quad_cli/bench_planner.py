@@ -18,11 +18,11 @@ from rich.console import Console
 from rich.table import Table
 from scipy.ndimage import distance_transform_edt
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.bench_fields import field_bars
 from quad_cli.bench_first_call import first_call_times
 from quad_cli.bench_quickest import walking_bars
 from quad_cli.bench_searches import scenario_bars, search_bars
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.planner_peers import available_peers
 from quad_cli.workers import end_with_parent
 from quad_common.errors import PlannerError

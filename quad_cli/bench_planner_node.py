@@ -16,7 +16,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 
-from quad_cli.bench import Bar, at_most
+from quad_cli.criterion import Bar, at_most
 from quad_cli.node_processes import NodeProcess, NodeProcesses, isolated_domain
 from quad_common.occupancy_grid import OccupancyGrid as Grid
 from quad_common.planar_pose import Pose2D

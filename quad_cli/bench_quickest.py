@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.benchmark_maps import benchmark_maps
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.gait_measures import plan_walk
 from quad_cli.workers import worker_pool
 from quad_common.errors import PlannerError

@@ -12,8 +12,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.benchmark_maps import load_scenario, scenario_files
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_common.pace import load_pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D

@@ -12,9 +12,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.bench import Bar, at_least, at_most
 from quad_cli.bench_active_pair import active_pair_bars
 from quad_cli.bench_joint_failure import joint_failure_bars
+from quad_cli.criterion import Bar, at_least, at_most
 from quad_cli.terrain_walk import COURSES, TerrainOutcome, make_course, walk_course
 from quad_cli.workers import worker_pool
 from quad_common.robot import load_robot

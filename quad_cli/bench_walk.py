@@ -12,8 +12,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from quad_cli.bench import Bar, at_least, at_most, figure
 from quad_cli.benchmark_maps import OTHERS_MAPS, benchmark_maps
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.walk import WalkOptions, walk
 from quad_cli.walk_record import WalkRecord, WalkResult
 from quad_common.errors import PlannerError

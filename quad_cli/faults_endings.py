@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.criterion import Bar, at_least, at_most, figure
 
 LONGEST_END = 5.0
 """From a signal until a process and all that it started have ended [s]."""

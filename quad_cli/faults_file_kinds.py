@@ -17,7 +17,6 @@ from PIL import Image
 from quad_cli.faults_hostile import Key
 from quad_cli.picture_files import read_pictures
 from quad_cli.points_file import read_points
-from quad_cli.robot import derived_figures
 from quad_common import camera, height_map_file, map_file, pace, quantity, robot_numbers
 from quad_common.bounded_file import read_text
 from quad_common.camera_file import load_camera, save_camera
@@ -26,6 +25,7 @@ from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
 from quad_common.robot import ROBOTS_FOLDER, load_robot
+from quad_common.robot_figures import derived_figures
 from quad_common.urdf import urdf_from_robot
 from quad_common.yaml_document import read_yaml
 from quad_gait import gait_document, slip_compensation

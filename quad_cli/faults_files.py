@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_most, figure
+from quad_cli.criterion import Bar, at_most, figure
 from quad_cli.faults_arguments import wrong_end
 from quad_cli.faults_file_cases import (
     ARGUMENTS,

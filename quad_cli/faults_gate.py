@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_most, figure
+from quad_cli.criterion import Bar, at_most, figure
 from quad_common.errors import GaitError, TrajectoryError
 from quad_common.joint_trajectory import JointTrajectory
 from quad_common.robot import Robot, available_robots, load_robot

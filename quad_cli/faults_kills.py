@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most
+from quad_cli.criterion import Bar, at_least, at_most
 from quad_cli.faults_goals import GoalDrawer
 from quad_cli.faults_reasons import reason_for_standing
 from quad_cli.faults_stage import NotSeen, Stage

@@ -7,9 +7,9 @@ from __future__ import annotations
 from rich.console import Console
 
 from quad_cli import bench_localisation
-from quad_cli.bench import Bar
 from quad_cli.bench_walk import draw_pairs
 from quad_cli.benchmark_maps import benchmark_maps
+from quad_cli.criterion import Bar
 from quad_common.robot import load_robot
 
 QUICK_LENGTH = 0.7

@@ -15,7 +15,7 @@ from rich.console import Console
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_cli.bench import Bar
+from quad_cli.criterion import Bar
 from quad_cli.faults_attacker import Attacker
 from quad_cli.faults_goals import GoalDrawer
 from quad_cli.faults_nonsense import accepted_nonsense

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from quad_cli.bench import Bar
+from quad_cli.criterion import Bar
 from quad_cli.faults_endings import Ending, ending_bars, is_bad
 from quad_cli.faults_traces import Traces
 from quad_cli.node_processes import NODES, NodeProcess, isolated_domain

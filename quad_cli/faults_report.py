@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.faults_violations import (
     JOINTS_OUTSIDE,
     NOT_FINITE,

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most
+from quad_cli.criterion import Bar, at_least, at_most
 from quad_cli.direct_walk import DirectWalk
 from quad_cli.workers import worker_pool
 from quad_common.errors import QuadError

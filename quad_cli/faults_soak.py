@@ -8,7 +8,7 @@ import time
 
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_least, at_most, figure
+from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.faults_goals import GoalDrawer
 from quad_cli.faults_stage import NotSeen, Stage
 from quad_cli.faults_state import growth

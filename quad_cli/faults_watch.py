@@ -15,7 +15,7 @@ from itertools import count, islice
 import numpy as np
 from rich.console import Console
 
-from quad_cli.bench import Bar, at_most, figure
+from quad_cli.criterion import Bar, at_most, figure
 from quad_cli.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 from quad_cli.terrain_walk import COURSES, make_course
 from quad_cli.workers import worker_pool

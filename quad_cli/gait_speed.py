@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_cli.bench import Bar, at_most, figure
+from quad_cli.criterion import Bar, at_most, figure
 from quad_common.robot import Robot, load_robot
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait

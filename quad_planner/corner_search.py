@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.pace import LENGTH_SLACK, Pace
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask, Bits
 from quad_planner.bucket_queue import (
     BucketQueue,
@@ -33,6 +32,7 @@ from quad_planner.bucket_queue import (
 )
 from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Mask, Points
+from quad_planner.line_of_sight import sees
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

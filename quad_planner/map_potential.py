@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask, Bits
 from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
+from quad_planner.line_of_sight import sees
 from quad_planner.potential_field import critical_point
 
 Floats = NDArray[np.float64]

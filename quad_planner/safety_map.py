@@ -22,9 +22,9 @@ from quad_common.errors import (
 )
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask
 from quad_planner.inflation import Mask, Points, blocked_cells, grown, grown_anew, segment_clearance
+from quad_planner.line_of_sight import sees
 
 SAME_PLACE = 1e-3
 """Start and goal nearer than this are one place: the robot only turns [m]."""

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask, Bits
 from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
+from quad_planner.line_of_sight import sees
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -12,7 +12,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitGrid, BitMask, Bits, is_set
 from quad_planner.bucket_queue import (
     BucketQueue,
@@ -27,6 +26,7 @@ from quad_planner.bucket_queue import (
 from quad_planner.compiled import compiled, compiled_part
 from quad_planner.inflation import Points
 from quad_planner.jump_points import DIAGONAL, STRAIGHT, without_straights
+from quad_planner.line_of_sight import sees
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

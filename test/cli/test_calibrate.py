@@ -9,10 +9,10 @@ pytest.importorskip('rich')
 
 from dataclasses import replace
 
-from quad_cli.calibrate import (
+from quad_cli.calibrate import _motion
+from quad_cli.calibration import (
     DIRECTIONS,
     SHARES,
-    _motion,
     calibrate_motion,
     default_motions,
     measure_motion,

@@ -16,7 +16,7 @@ pytest.importorskip('rich')
 import itertools
 
 from quad_cli.arguments import map_argument, pose_argument
-from quad_cli.bench import at_least, at_most, figure
+from quad_cli.criterion import at_least, at_most, figure
 from quad_cli.main import COMMANDS, main
 from quad_cli.parameters import TABLES
 from quad_common.height_map import HeightMap

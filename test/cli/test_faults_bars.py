@@ -9,10 +9,10 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from quad_cli.bench import Bar
 from quad_cli.bench_faults import PARTS
 from quad_cli.bench_matrix import GOALS, METHODS, ROBOTS, Combination, Outcome, combinations
 from quad_cli.bench_matrix import bars_of as matrix_bars
+from quad_cli.criterion import Bar
 from quad_cli.faults_kills import KilledWalk
 from quad_cli.faults_kills import bars_of as kill_bars
 from quad_cli.faults_reasons import reason_for_standing

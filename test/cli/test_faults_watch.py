@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip('pybullet')
 
-from quad_cli.bench import Bar
+from quad_cli.criterion import Bar
 from quad_cli.faults_watch import QUICK_WALK, drawn_walks, walk_watched, watch_bars
 from quad_common.robot import available_robots
 

@@ -11,10 +11,11 @@ from test_lattice_search import CRAWL, RESOLUTION, random_requests
 from quad_common.pace import LENGTH_SLACK, Pace
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_planner.any_angle import convex_corners, sees
+from quad_planner.any_angle import convex_corners
 from quad_planner.bit_grid import BitGrid, BitMask
 from quad_planner.corner_search import quickest_corners
 from quad_planner.lattice_search import quickest_path
+from quad_planner.line_of_sight import sees
 
 
 def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):

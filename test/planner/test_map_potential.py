@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask
+from quad_planner.line_of_sight import sees
 from quad_planner.map_potential import Gains, MapPotential, boundary_distances
 from quad_planner.potential_field import PotentialField, RoundObstacle
 

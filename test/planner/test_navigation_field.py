@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask
 from quad_planner.distance_field import NOT_REACHED, distance_field
+from quad_planner.line_of_sight import sees
 from quad_planner.navigation_field import descend_times, slowness_near_obstacles, travel_times
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_planner.any_angle import sees
 from quad_planner.bit_grid import BitMask
+from quad_planner.line_of_sight import sees
 from quad_planner.simplification import all_seen, fewest_corners
 
 OPEN = BitMask.of(np.zeros((200, 200), dtype=bool))
