@@ -16,7 +16,7 @@ from quad_cli.benchmark_maps import OTHERS_MAPS, benchmark_maps
 from quad_cli.criterion import Bar, at_least, at_most, figure
 from quad_cli.walk import WalkOptions, walk
 from quad_cli.walk_record import WalkRecord, WalkResult
-from quad_common.errors import PlannerError
+from quad_common.errors import ParameterError, PlannerError
 from quad_common.map_file import load_map
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -30,10 +30,15 @@ PAIRS = 30
 QUICK_PAIRS = 4
 QUICK_LENGTH = 1.5
 """Longest path of the quick sample [m]."""
+SHORTEST = 0.5
+"""Shortest path that is worth a walk [m]."""
 QUICK_BUDGET = 28.0
 """The quick sample begins no further walk after so long [s]."""
 
 _ROBOT = 'titan_viii'
+
+_MOST_DRAWS = 20_000
+"""So many pairs in a row that have no plan of such a length mean that there is none."""
 
 
 def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
@@ -101,7 +106,7 @@ def draw_pairs(
     count : int
         How many pairs.
     longest : float
-        Longest plan [m].
+        Longest plan [m]; more than :data:`SHORTEST`.
     seed : int
         Of the drawing.
 
@@ -109,7 +114,18 @@ def draw_pairs(
     -------
     list of (Path, Pose2D, Pose2D)
         Map, start and goal.
+
+    Raises
+    ------
+    ParameterError
+        If no plan can be so short, or there is no map.
+    PlannerError
+        If none is found on a map.
     """
+    if not longest > SHORTEST:
+        raise ParameterError('longest', longest, f'more than {SHORTEST:g} m')
+    if not maps:
+        raise ParameterError('maps', maps, 'one map at least')
     rng = np.random.default_rng(seed)
     loaded = []
     for path in maps:
@@ -124,9 +140,16 @@ def draw_pairs(
     pairs: list[tuple[Path, Pose2D, Pose2D]] = []
     while len(pairs) < count:
         path, grid, planner = loaded[len(pairs) % len(loaded)]
-        start, goal = (_random_pose(grid, rng) for _ in range(2))
-        if 0.5 < _plan_length(planner, start, goal) <= longest:
-            pairs.append((path, start, goal))
+        for _ in range(_MOST_DRAWS):
+            start, goal = (_random_pose(grid, rng) for _ in range(2))
+            if SHORTEST < _plan_length(planner, start, goal) <= longest:
+                pairs.append((path, start, goal))
+                break
+        else:
+            raise PlannerError(
+                f'of {_MOST_DRAWS} random pairs of poses on {path.name} none has a plan '
+                f'of {SHORTEST:g} to {longest:g} m'
+            )
     return pairs
 
 
