@@ -225,12 +225,6 @@ def unit_quaternion(q: Quaternion, what: str) -> tuple[float, float, float, floa
     return (q.x / length, q.y / length, q.z / length, q.w / length)
 
 
-def tilt_from_odometry(message: Odometry) -> float:
-    """Return the angle between the body's z axis and the vertical [rad]; or InvalidPose."""
-    x, y, _, _ = unit_quaternion(message.pose.pose.orientation, 'odometry')
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x**2 + y**2))))
-
-
 def orientation_from_odometry(message: Odometry) -> NDArray[np.float64]:
     """Return the body's orientation, a unit quaternion xyzw, shape (4,); or InvalidPose."""
     return np.array(unit_quaternion(message.pose.pose.orientation, 'odometry'))

@@ -48,7 +48,6 @@ from quad_common.ros_conversions import (
     pose_from_message,
     pose_message,
     seconds_from_time,
-    tilt_from_odometry,
 )
 from quad_gait.ros_conversions import (
     imu_from_message,
@@ -151,7 +150,6 @@ def support_polygon(message: Odometry) -> Any:
 CONVERSIONS: dict[str, tuple[Callable[[], Any], Callable[[Any], Any]]] = {
     'goal': (lambda: plan().poses[0], lambda m: pose_from_message(m.pose, 'goal')),
     'odometry pose': (odometry, lambda m: pose_from_message(m.pose.pose)),
-    'odometry tilt': (odometry, tilt_from_odometry),
     'odometry orientation': (odometry, orientation_from_odometry),
     'odometry stamp': (odometry, lambda m: seconds_from_time(m.header.stamp)),
     'base transform': (odometry, base_transform),

@@ -31,9 +31,9 @@ from quad_common.ros_conversions import (
     camera_transform,
     footprint_transform,
     grid_message,
+    orientation_from_odometry,
     pose_from_message,
     pose_message,
-    tilt_from_odometry,
 )
 from quad_gait.body_motion import BodyMotion
 from quad_gait.gait import load_gait
@@ -49,6 +49,7 @@ from quad_sim.ros_conversions import (
     trajectory_from_message,
 )
 from quad_sim.simulation import ObstacleChange
+from quad_sim.simulator import tilt_of
 
 ROBOT = load_robot('titan_viii')
 STAMP = Time(sec=12, nanosec=345)
@@ -95,7 +96,7 @@ def test_without_noise_odometry_is_the_truth():
     assert message.pose.pose.position.z == pytest.approx(ROBOT.standing_height)
     assert (message.header.frame_id, message.child_frame_id) == ('odom', 'base_link')
     assert message.header.stamp == STAMP
-    assert tilt_from_odometry(message) == pytest.approx(0.0, abs=1e-7)
+    assert tilt_of(orientation_from_odometry(message)) == pytest.approx(0.0, abs=1e-7)
 
 
 @pytest.mark.parametrize('tilted', [False, True])
