@@ -106,7 +106,15 @@ class GaitNode(QuadNode[GaitParameters]):
         self._is_uneven = p.ground == 'uneven'
         self._odometry = LegOdometry(self._robot)
         self._is_placed = p.odom_topic == 'odom/legs' or p.leg_odometry_start == 'origin'
-        self._inputs = SensorInputs(self._robot, InputOptions(p.joint_timeout, p.imu_timeout))
+        self._inputs = SensorInputs(
+            self._robot,
+            InputOptions(
+                p.joint_timeout,
+                p.imu_timeout,
+                odometry_has_attitude=p.odom_topic != 'odom/legs',
+                needs_attitude=self._is_uneven,
+            ),
+        )
         self._odometry_received_at: float | None = None
         self._is_time_still = False
         self._planner_alive_at: float | None = None
@@ -174,7 +182,10 @@ class GaitNode(QuadNode[GaitParameters]):
             controller = self._controller
             activity, cycle = controller.activity, controller.cycle
             level = _LEVELS.get(activity, OK)
-            notes = [note for note in (controller.limit, self._map.problem()) if note]
+            said = f'{controller.reason}; {controller.limit}'
+            silent_imu = self._inputs.imu_problem
+            missing = silent_imu if silent_imu not in said else ''
+            notes = [note for note in (controller.limit, missing, self._map.problem()) if note]
             self.report(
                 max(level, WARN) if notes else level,
                 '; '.join([f'{activity.value}: {controller.reason}', *notes]),
@@ -230,7 +241,7 @@ class GaitNode(QuadNode[GaitParameters]):
             now = seconds_from_time(stamp)
             # Level feet stand, on flat ground; elsewhere those that do not swing.
             standing = self._controller.in_contact_at(now) if self._is_uneven else None
-            odometry.update(now, readings.positions, standing, *self._inputs.imu)
+            odometry.update(now, readings.positions, standing, *self._inputs.imu_at(now))
             if self._leg_odometry.get_subscription_count() > 0:
                 is_own = self.parameters.leg_odometry_start == 'origin'
                 frame = 'odom' if is_own else self._frame
@@ -240,6 +251,7 @@ class GaitNode(QuadNode[GaitParameters]):
         stamp = message.header.stamp
         pose = pose_from_message(message.pose.pose, 'odometry')
         orientation = orientation_from_odometry(message)
+        was_silent = bool(self._inputs.imu_problem)
         now = self._inputs.take_odometry(seconds_from_time(stamp), pose, orientation)
         self._is_time_still = now is None
         if now is None:
@@ -267,7 +279,8 @@ class GaitNode(QuadNode[GaitParameters]):
                 self._footholds.publish(foothold_markers(footholds, frame, stamp))
         self._publish_stability(now, frame, stamp)
         self._say_what_is_followed()
-        if (controller.reason, controller.limit) != said:
+        is_silent = bool(self._inputs.imu_problem)
+        if (controller.reason, controller.limit, is_silent) != (*said, was_silent):
             self._distance_left = controller.distance_left(pose)
             self.update_status()
 

@@ -29,7 +29,7 @@ RANGE_MARGIN = 0.25
 """Angle by which a measured joint may be beyond its range, for errors of its encoder [rad]."""
 
 LEAST_MISSED = 4
-"""Number of readings of the odometry without joint states in between that make them missing."""
+"""Number of readings of the odometry without joint states, or imu, that make those missing."""
 
 _OVERSPEED = 4.0
 """Number of times its largest speed that a joint may turn, as when the robot falls."""
@@ -55,6 +55,10 @@ class InputOptions:
     """Age of joint states at which they are missing [s]."""
     imu_timeout: float = 0.2
     """Age of the imu's readings at which the odometry's attitude takes their place [s]."""
+    odometry_has_attitude: bool = True
+    """Whether odometry tells roll and pitch; odometry by legs does not."""
+    needs_attitude: bool = False
+    """Whether the robot is not to walk without an imu that it had, where only that tells them."""
 
 
 class JointReadings(NamedTuple):
@@ -94,13 +98,29 @@ class SensorInputs:
         self._imu_time: float | None = None
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
-        # Odometry that has come since the last joint states.
-        self._without_joints = 0
+        # Odometry that has come since the last joint states, and since the last of the imu.
+        self._without_joints = self._without_imu = 0
+        self.imu_problem = ''
+        """That the imu has fallen silent, as a sentence; empty while it has not."""
         self._was_moved = False
 
-    @property
-    def imu(self) -> tuple[Array | None, float | None]:
-        """Orientation, quaternion xyzw of shape (4,), and yaw rate [rad/s], as last accepted."""
+    def imu_at(self, time: float) -> tuple[Array | None, float | None]:
+        """
+        Return what the imu says, unless that is old.
+
+        Parameters
+        ----------
+        time : float
+            Now [s].
+
+        Returns
+        -------
+        tuple of ndarray (4,) or None, and float or None
+            Orientation, quaternion xyzw, and yaw rate [rad/s].
+        """
+        since = self._imu_time
+        if since is None or time - since > self._options.imu_timeout:
+            return None, None
         return self._imu
 
     def take_joints(self, readings: JointReadings) -> bool:
@@ -160,6 +180,7 @@ class SensorInputs:
                 'imu', f'its yaw rate is {yaw_rate:.4g} rad/s; {_TURN_SPEED:g} are the most'
             )
         self._imu = (orientation, yaw_rate)
+        self._without_imu = 0
         self._imu_time = self._pose_check.time if time is None else time
 
     def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
@@ -191,7 +212,9 @@ class SensorInputs:
         was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._was_moved = False
         self._without_joints += 1
-        joints, imu = self._joints, self._recent_imu(time)
+        self._without_imu += 1
+        self.imu_problem = self._silence_of_imu(time)
+        joints, imu = self._joints, self.imu_at(time)[0]
         return Measurement(
             time=time,
             pose=pose,
@@ -205,15 +228,31 @@ class SensorInputs:
             was_moved=was_moved,
         )
 
-    def _recent_imu(self, time: float) -> Array | None:
-        """Return the imu's orientation unless it is old, or there is none."""
-        orientation, since = self._imu[0], self._imu_time
-        if orientation is None or since is None or time - since > self._options.imu_timeout:
-            return None
-        return orientation
+    def _silence_of_imu(self, time: float) -> str:
+        """Say that an imu that was heard is not heard any more; empty if it is."""
+        options, since = self._options, self._imu_time
+        if since is None or time - since <= options.imu_timeout:
+            return ''
+        # After a pause of the machine odometry may be the first to come.
+        if self._without_imu < LEAST_MISSED:
+            return ''
+        silence = f'no imu for {time - since:.1f} s'
+        if options.odometry_has_attitude:
+            return f"{silence}: odometry's attitude takes its place"
+        if options.needs_attitude:
+            return f'{silence}, and odometry by legs does not tell roll and pitch'
+        return f'{silence}: the body is taken to be level'
 
     def _problem(self, time: float) -> str:
         """Say what is missing for a walk; empty if nothing is."""
+        problem = self._silence_of_joints(time)
+        options = self._options
+        if not problem and options.needs_attitude and not options.odometry_has_attitude:
+            return self.imu_problem
+        return problem
+
+    def _silence_of_joints(self, time: float) -> str:
+        """Say that joint states are missing; empty if they are not."""
         if self._joints is None:
             return self._joint_refusal or 'no joint states yet'
         since = self._joints.time

@@ -112,6 +112,50 @@ def test_an_imu_that_falls_silent_gives_way_to_the_odometry():
     assert np.array_equal(late.orientation, LEVEL)
 
 
+ATTITUDE, NONE = "odometry's attitude takes its place", 'the body is taken to be level'
+
+
+@pytest.mark.parametrize(
+    ('options', 'words', 'problem'),
+    [
+        ({}, ATTITUDE, ''),
+        ({'needs_attitude': True}, ATTITUDE, ''),
+        ({'odometry_has_attitude': False}, NONE, ''),
+        (
+            {'odometry_has_attitude': False, 'needs_attitude': True},
+            'odometry by legs does not tell roll and pitch',
+            'no imu for 0.',
+        ),
+    ],
+)
+def test_a_silent_imu_is_said_and_stops_only_a_robot_that_needs_it(options, words, problem):
+    inputs = standing_inputs(**options)
+    said = []
+    for time in np.arange(1.02, 2.0, 0.02):
+        inputs.take_joints(readings(time))
+        if time < 1.2:
+            inputs.take_imu(time, LEVEL, 0.5)
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+        said.append(inputs.imu_problem)
+        assert bool(now.problem) == (bool(problem) and bool(inputs.imu_problem))
+    assert [bool(sentence) for sentence in said].index(True) == pytest.approx(19, abs=1)
+    assert said[-1].startswith('no imu for 0.8 s')
+    assert words in said[-1]
+    assert now.problem.startswith(problem)
+    assert inputs.imu_at(1.98) == (None, None)
+    inputs.take_imu(2.0, LEVEL, 0.5)
+    assert inputs.take_odometry(2.0, ORIGIN, LEVEL).problem == inputs.imu_problem == ''
+    assert inputs.imu_at(2.0)[1] == 0.5
+
+
+def test_an_imu_that_never_spoke_is_not_missed():
+    inputs = standing_inputs(odometry_has_attitude=False, needs_attitude=True)
+    for time in np.arange(1.02, 2.0, 0.02):
+        inputs.take_joints(readings(time))
+        assert inputs.take_odometry(time, ORIGIN, LEVEL).problem == ''
+    assert inputs.imu_problem == ''
+
+
 @pytest.mark.parametrize(
     ('pose', 'attitude', 'words'),
     [
