@@ -94,6 +94,8 @@ class SensorInputs:
         self._imu_check = SeriesCheck[Array]('imu', _attitude_step)
         self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', _pose_step)
         self._joints: JointReadings | None = None
+        # When they were measured or, without a stamp, came.
+        self._joints_time: float | None = None
         self._imu: tuple[Array | None, float | None] = (None, None)
         self._imu_time: float | None = None
         # Why the last joint states were refused; empty if they were not.
@@ -151,6 +153,7 @@ class SensorInputs:
         self._joint_refusal = ''
         self._without_joints = 0
         self._joints = readings
+        self._joints_time = self._pose_check.time if readings.time is None else readings.time
         return True
 
     def take_imu(
@@ -255,10 +258,13 @@ class SensorInputs:
         """Say that joint states are missing; empty if they are not."""
         if self._joints is None:
             return self._joint_refusal or 'no joint states yet'
-        since = self._joints.time
-        is_old = since is not None and time - since > self._options.joint_timeout
+        if self._joints_time is None:
+            # They came before anything told the time.
+            self._joints_time = time
+        since = self._joints_time
+        is_old = time - since > self._options.joint_timeout
         # After a pause of the machine odometry may be the first to come.
-        if since is None or not is_old or self._without_joints < LEAST_MISSED:
+        if not is_old or self._without_joints < LEAST_MISSED:
             return ''
         # What is refused comes, and still nothing is known of the joints.
         return self._joint_refusal or f'no joint states for {time - since:.1f} s'

@@ -37,6 +37,7 @@ from quad_gait.path_follower import FollowerOptions, PathFollower, Step
 from quad_gait.posture import crouching_joint_angles, posture_trajectory
 from quad_gait.progress import Progress
 from quad_gait.reference_path import Piece
+from quad_gait.rest_check import RestCheck
 from quad_gait.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.stability import stability_margin, support_polygon
 from quad_gait.stance import Stance
@@ -49,6 +50,11 @@ Array = NDArray[np.float64]
 
 _PATIENCE = 1.0
 """For the joints to come to rest after a cycle [s]."""
+
+_STILL_MOVING = 'the joints are still moving'
+
+_LONGEST_UNREST = 8.0
+"""Joints that have not come to rest for so long after it never will: the robot gives up [s]."""
 
 _UNFOLLOWED = 0.1
 """Joints that have not followed for so long say nothing of what is in the robot's way [s]."""
@@ -139,6 +145,7 @@ class WalkController:
         self._gate = CommandGate(robot)
         self._watch = JointWatch(robot)
         self._execution = ExecutionCheck()
+        self._rest = RestCheck(robot, options.rest_speed)
         # What was given out to see whether joints follow again.
         self._tried: JointTrajectory | None = None
         self._lameness: Lameness | None = None
@@ -173,6 +180,7 @@ class WalkController:
         # When the cycle began whose successor was decided on last.
         self._decided_after = -math.inf
         self._still_since = math.inf
+        self._moving_since = math.inf
         self.activity = Activity.WAITING
         """What the robot is doing."""
         self.reason = 'no plan yet'
@@ -359,6 +367,9 @@ class WalkController:
             self._forget_schedule()
             self._forget_commands()
         self._last, self._last_time = now, now.time
+        if now.joint_positions is not None:
+            measured_at = now.time if now.joint_time is None else now.joint_time
+            self._rest.take(measured_at, now.joint_positions)
         if self._is_frozen:
             return None
         fault = self._watched(now)
@@ -371,6 +382,9 @@ class WalkController:
             self._go_lame(fault, now)
         if self._lameness is not None:
             return self._given(self._be_lame(self._lameness, now), now)
+        if now.problem:
+            # Joints that are not heard of say nothing of who moves them.
+            return self._given(self._walk_on(now), now)
         self._execution.update(now.time, self._watch.unfollowed)
         if self._execution.is_wrong:
             return self._given(self._try_to_go_on(now), now)
@@ -489,12 +503,10 @@ class WalkController:
         if now.joint_positions is None:
             self._set_activity(Activity.WAITING, now.problem or 'no joint states yet')
             return None
-        if not self._is_at_rest(now):
-            self._still_since = math.inf
-            # A robot may swing a little after a cycle: worth a word only if it lasts.
-            if now.time > self._busy_until + self._options.settle_time + _PATIENCE:
-                self._set_activity(Activity.WAITING, 'the joints are still moving')
+        if not self._rest.is_at_rest(now.joint_velocities):
+            self._wait_for_rest(now)
             return None
+        self._moving_since = math.inf
         self._still_since = min(self._still_since, now.time)
         posture = self._crouching if self._is_to_sit else self._stance
         if not self._is_in_posture(now.joint_positions, posture):
@@ -520,6 +532,26 @@ class WalkController:
         except GaitError as error:
             self._set_activity(Activity.STOPPED, str(error))
             return None
+
+    def _wait_for_rest(self, now: Measurement) -> None:
+        """Begin nothing while the joints move; give up what never comes to rest."""
+        self._still_since = math.inf
+        begun = self._moving_since = min(self._moving_since, now.time)
+        is_wished_for = self._follower.plan is not None or bool(self._steering)
+        if is_wished_for and now.time > begun + _LONGEST_UNREST:
+            self._give_up(
+                Activity.STOPPED,
+                f'the joints have not come to rest for {_LONGEST_UNREST:g} s: '
+                f'{self._rest.what_moves(now.joint_velocities)}; is something else moving '
+                'them, or has a drive failed?',
+            )
+        # A robot may swing a little after a cycle: worth a word only if it lasts.
+        elif now.time > self._busy_until + self._options.settle_time + _PATIENCE:
+            is_said = self.activity is Activity.WAITING and self.reason.startswith(_STILL_MOVING)
+            # Once, and not again with every measurement's numbers.
+            if self.activity is not Activity.STOPPED and not is_said:
+                what = self._rest.what_moves(now.joint_velocities)
+                self._set_activity(Activity.WAITING, f'{_STILL_MOVING}: {what}')
 
     def _go_on(self, now: Measurement, current: ScheduledCycle) -> JointTrajectory | None:
         """Decide for a robot in motion, shortly before its cycle ends."""
@@ -690,10 +722,11 @@ class WalkController:
         """Know nothing of what the joints are commanded."""
         self._gate.forget()
         self._watch.forget()
+        self._rest.forget()
 
     def _watched(self, now: Measurement) -> JointFault | None:
         """Compare the joints with their commands; return the one that has failed."""
-        if now.joint_positions is None or not self._options.watches_joints:
+        if now.joint_positions is None or now.problem or not self._options.watches_joints:
             return None
         time = now.time if now.joint_time is None else now.joint_time
         return self._watch.update(time, now.joint_positions, now.joint_efforts)
@@ -741,7 +774,11 @@ class WalkController:
     def _be_lame(self, lameness: Lameness, now: Measurement) -> JointTrajectory | None:
         """Come to a standstill, and stay so until the joint answers again."""
         if now.joint_positions is None or now.problem:
+            self.limit = now.problem
+            self._lacks_sensors = True
             return None
+        if self._lacks_sensors:
+            self._lacks_sensors, self.limit = False, ''
         commanded, _ = self._gate.command(now.time, now.joint_positions)
         trajectory = lameness.update(self._stance_at(now), commanded.reshape(4, 3))
         self._busy_until = lameness.stop.end
@@ -842,7 +879,7 @@ class WalkController:
 
     def _forget_schedule(self) -> None:
         self._busy_until = -math.inf
-        self._still_since = math.inf
+        self._still_since = self._moving_since = math.inf
         self._stride = None
         self._sequence.clear()
         self._progress.forget()
@@ -897,10 +934,6 @@ class WalkController:
     def _set_activity(self, activity: Activity, reason: str) -> None:
         self.activity = activity
         self.reason = reason
-
-    def _is_at_rest(self, now: Measurement) -> bool:
-        speeds = now.joint_velocities
-        return speeds is None or bool(np.all(np.abs(speeds) < self._options.rest_speed))
 
     def _is_in_posture(self, joint_positions: Array, posture: Array) -> bool:
         off = np.abs(joint_positions - posture.reshape(-1))

@@ -95,6 +95,18 @@ def test_without_joint_states_a_measurement_says_since_when():
     assert SensorInputs(ROBOT).take_odometry(0.0, ORIGIN, LEVEL).problem == 'no joint states yet'
 
 
+def test_joint_states_without_a_stamp_are_missed_as_well():
+    inputs = SensorInputs(ROBOT)
+    for time in np.arange(0.0, 1.01, 0.02):
+        inputs.take_joints(readings(None))
+        assert inputs.take_odometry(time, ORIGIN, LEVEL).problem == ''
+    for time in np.arange(1.02, 2.0, 0.02):
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert now.problem == 'no joint states for 1.0 s'
+    inputs.take_joints(readings(None))
+    assert inputs.take_odometry(2.0, ORIGIN, LEVEL).problem == ''
+
+
 def test_odometry_that_is_the_first_to_come_after_a_pause_does_not_make_joints_missing():
     inputs = standing_inputs()
     for time in (2.0, 2.02):

@@ -276,8 +276,81 @@ def test_while_the_joints_move_the_robot_waits():
     speeds = np.zeros(12)
     speeds[5] = 0.3
     assert controller.update(standing(1.0, joint_velocities=speeds)) is None
-    assert controller.reason == 'the joints are still moving'
+    assert controller.reason.startswith('the joints are still moving: rf_knee_pitch_joint by 0.000')
     assert controller.update(standing(1.1)) is not None
+
+
+def moving(time, joint=5, way=0.1, speed=0.5, **changes):
+    """A measurement of a joint that goes to and fro at 2 Hz."""
+    joints, speeds = POSTURE.copy(), np.zeros(12)
+    joints[joint] += way / 2.0 * math.sin(4.0 * math.pi * time)
+    speeds[joint] = speed
+    return standing(time, joint_positions=joints, joint_velocities=speeds, **changes)
+
+
+def test_a_joint_that_trembles_where_it_is_does_not_keep_the_robot_waiting():
+    controller = make_controller()
+    controller.set_plan(AHEAD)
+    begun = None
+    for time in np.arange(1.0, 3.0, 0.02):
+        if begun is None and controller.update(moving(time, way=0.02)) is not None:
+            begun = time
+    assert begun == pytest.approx(1.3, abs=0.03)
+    assert controller.activity is Activity.WALKING
+
+
+def test_joints_that_never_come_to_rest_are_given_up_with_the_reason():
+    controller = make_controller()
+    controller.set_plan(AHEAD)
+    said = {}
+    for time in np.arange(1.0, 12.0, 0.02):
+        assert controller.update(moving(time)) is None
+        said.setdefault(controller.activity, (time, controller.reason))
+    assert said[Activity.WAITING][0] == 1.0
+    time, reason = said[Activity.STOPPED]
+    assert time == pytest.approx(9.0, abs=0.1)
+    assert reason.startswith('the joints have not come to rest for 8 s: rf_knee_pitch_joint by 0.')
+    assert 'has a drive failed?' in reason
+    # At rest again it waits for a new wish.
+    for time in np.arange(12.0, 13.0, 0.02):
+        assert controller.update(standing(time)) is None
+    assert (controller.activity, controller.reason) == (Activity.STOPPED, reason)
+    controller.set_plan(BACK)
+    assert controller.update(standing(13.0)) is not None
+
+
+def test_without_a_wish_joints_may_be_moved_for_as_long_as_one_likes():
+    controller = make_controller()
+    for time in np.arange(1.0, 12.0, 0.02):
+        assert controller.update(moving(time)) is None
+        assert controller.activity is Activity.WAITING
+    assert controller.update(standing(12.02)) is None
+    assert controller.activity is Activity.STANDING
+
+
+@pytest.mark.parametrize('until', [4.0, 10.5])
+def test_absent_joint_states_are_said_whatever_was_said_of_the_joints(until):
+    controller = make_controller()
+    controller.set_plan(AHEAD)
+    for time in np.arange(1.0, until, 0.02):
+        controller.update(moving(time))
+    words = 'no joint states for 0.3 s'
+    controller.update(moving(until, joint_time=until - 0.3, problem=words))
+    assert (controller.activity, controller.reason) == (Activity.WAITING, words)
+
+
+def test_absent_joint_states_are_said_though_nobody_executes_the_trajectories():
+    controller = make_controller()
+    for time in np.arange(1.0, 30.0, 0.02):
+        controller.set_twist(Twist2D(0.05))
+        controller.update(standing(time))
+        if controller.activity is Activity.NOT_EXECUTED:
+            break
+    assert controller.activity is Activity.NOT_EXECUTED
+    words = 'no joint states for 0.3 s'
+    controller.set_twist(Twist2D(0.0))
+    controller.update(standing(time + 12.0, joint_time=time, problem=words))
+    assert (controller.activity, controller.reason) == (Activity.WAITING, words)
 
 
 @pytest.mark.parametrize('tilt', [0.6, math.pi / 2])
