@@ -387,6 +387,23 @@ class Robot:
             float(self.upper.flat[joint]),
         )
 
+    def within_joint_limits(self, joint_angles: Array) -> NDArray[np.bool_]:
+        """
+        Say which postures are within all joints' ranges.
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 4, 3)
+            [rad].
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+            As :meth:`check_joint_limits` judges them.
+        """
+        outside = np.maximum(self.lower - joint_angles, joint_angles - self.upper)
+        return np.asarray((outside <= 1e-9).all(axis=(-2, -1)))
+
     def joint_index(self, name: str) -> int:
         """Return the place of a joint in :attr:`joint_names`; raise JointNotFound."""
         try:

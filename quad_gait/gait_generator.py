@@ -11,7 +11,7 @@ a cycle begins with the feet and the speed that the last one ended with.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,14 @@ from quad_common.robot import LEGS, Robot
 from quad_gait.body_motion import BodyMotion, smooth_progress
 from quad_gait.gait import Gait
 from quad_gait.part_check import check_own_parts
-from quad_gait.schedule import Schedule, mid_swing_progress, schedule_of, setback
+from quad_gait.schedule import (
+    Schedule,
+    legs_in_order,
+    mid_swing_progress,
+    schedule_of,
+    schedule_of_orders,
+    setback,
+)
 from quad_gait.stability import stability_margin
 
 Array = NDArray[np.float64]
@@ -34,6 +41,9 @@ _ROLLING_SAMPLES = 50
 
 _ROLLING_PASSES = 2
 """Rolling changes how the calves turn, and that changes the rolling, a tenth as much."""
+
+_OTHERS = np.array([[k for k in range(4) if k != leg] for leg in range(4)])
+"""The three other legs, of each."""
 
 FootTracking = Callable[[Robot, Array, Array, Array], tuple[Array, Array]]
 """Robot, times (n,), feet and their velocities in the body frame (n, 4, 3), to joint
@@ -176,7 +186,8 @@ def generate_cycle(
     start = (robot.neutral_feet if start_feet is None else start_feet) + to_ground
     target = _footholds(robot, gait, motion, entry, exit) + to_ground
 
-    body, body_velocity = _body(gait, schedule, motion, entry, exit, start, target)
+    legs = legs_in_order(gait)
+    body, body_velocity = _body(gait, legs, schedule, motion, entry, exit, start, target)
     rolling = _rolling(robot, schedule, start, target, body, body_velocity)
     in_body, velocities_in_body, feet = _feet_in_body(
         schedule, robot.standing_height, start, target, body, body_velocity, rolling
@@ -191,11 +202,7 @@ def generate_cycle(
     chain = robot.stacked_legs.chain(positions)
     check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
 
-    center = robot.center_of_mass_of(chain)
-    cos, sin = np.cos(body[:, 2]), np.sin(body[:, 2])
-    center_of_mass = body[:, :2] + np.stack(
-        [cos * center[:, 0] - sin * center[:, 1], sin * center[:, 0] + cos * center[:, 1]], axis=1
-    )
+    center_of_mass = _center_of_mass(robot, chain, body)
     margin = stability_margin(center_of_mass, feet[..., :2], schedule.in_contact)
     cycle = Cycle(
         gait=gait,
@@ -267,6 +274,63 @@ def steady_feet(robot: Robot, gait: Gait, motion: BodyMotion) -> Array:
     """
     speed = motion.rate(gait.cycle_period) if gait.is_steady else STILL
     return motion.end.inverse().transform(_footholds(robot, gait, motion, speed, speed))
+
+
+def margins_of_orders(
+    robot: Robot, orders: Sequence[Gait], motion: BodyMotion, sample_period: float
+) -> Array:
+    """
+    Find the least margins of steady cycles that differ in the order of their legs only.
+
+    All at once, as arrays with an axis for the orders: 24 of them take little longer than two
+    of :func:`generate_steady_cycle`.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    orders : sequence of Gait
+        A gait with its legs exchanged.
+    motion : BodyMotion
+        Of the body in a cycle.
+    sample_period : float
+        Longest time between samples [s].
+
+    Returns
+    -------
+    ndarray, shape (len(orders),)
+        Stability margins [m]; minus infinity where a joint would leave its range. Neither
+        joints' speeds nor parts too near to one another are looked at.
+
+    Raises
+    ------
+    FootTargetUnreachable, SingularPosture
+        If one of the orders is too much for the legs.
+    """
+    gait = orders[0]
+    schedule = schedule_of_orders(tuple(orders), sample_period)
+    legs = np.stack([legs_in_order(order) for order in orders])
+    speed = motion.rate(gait.cycle_period) if gait.is_steady else STILL
+    stances = _stances(gait, motion, speed, speed)
+    if stances is None:
+        footholds = motion.end.transform(robot.neutral_feet)
+        footholds = np.broadcast_to(footholds, (len(orders), *footholds.shape))
+    else:
+        # By turn and leg; each order picks which leg has which turn.
+        by_turn = np.stack([stance.transform(robot.neutral_feet) for stance in stances])
+        footholds = by_turn[np.argsort(legs, axis=1), np.arange(len(LEGS))]
+    to_ground = np.array([0.0, 0.0, robot.standing_height])
+    start, target = motion.end.inverse().transform(footholds) + to_ground, footholds + to_ground
+    body, body_velocity = _body(gait, legs, schedule, motion, speed, speed, start, target)
+    rolling = _rolling(robot, schedule, start, target, body, body_velocity)
+    in_body, _, feet = _feet_in_body(
+        schedule, robot.standing_height, start, target, body, body_velocity, rolling
+    )
+    positions = robot.stacked_legs.inverse(in_body)
+    center_of_mass = _center_of_mass(robot, robot.stacked_legs.chain(positions), body)
+    margin = stability_margin(center_of_mass, feet[..., :2], schedule.in_contact)
+    result: Array = np.where(robot.within_joint_limits(positions), margin, -np.inf).min(axis=1)
+    return result
 
 
 def generate_largest_cycle(
@@ -342,17 +406,31 @@ def _footholds(
     working range evenly, whatever the motion (S4 eq. 5 for straight walking). A pendulum
     that is to gain speed stands farther back.
     """
-    if gait.footholds == 'initial_posture' or not exit:
+    stances = _stances(gait, motion, entry, exit)
+    if stances is None:
         return motion.end.transform(robot.neutral_feet)
+    footholds = np.empty((len(LEGS), 3))
+    for leg, stance in zip(legs_in_order(gait), stances):
+        footholds[leg] = stance.transform(robot.neutral_feet[leg])
+    return footholds
+
+
+def _stances(gait: Gait, motion: BodyMotion, entry: Twist2D, exit: Twist2D) -> list[Pose2D] | None:
+    """
+    Say where the body is in mid-stance of each foot's next stand, in the order of swings.
+
+    None if all feet are to stand under the body's end pose.
+    """
+    if gait.footholds == 'initial_posture' or not exit:
+        return None
     period = gait.cycle_period
     onward = BodyMotion.during(exit, period)
     gain = exit.minus(entry)
     gathered = BodyMotion.during(gain, gait.gathering * period)
     before = motion.minus(gathered) if gait.pendulum_rate > 0.0 else motion
     set_back = BodyMotion.during(gain, -setback(gait)).end
-    footholds = np.empty((len(LEGS), 3))
-    for k, leg in enumerate(LEGS):
-        swing = gait.swing(leg)
+    stances = []
+    for swing in gait.swings:
         middle = (swing.touchdown + period + swing.liftoff) / 2.0
         if middle <= period:
             share = middle / period
@@ -361,8 +439,8 @@ def _footholds(
             body = _pose(before, share) @ set_back
         else:
             body = motion.end @ _pose(onward, middle / period - 1.0)
-        footholds[k] = body.transform(robot.neutral_feet[k])
-    return footholds
+        stances.append(body)
+    return stances
 
 
 def _pose(motion: BodyMotion, share: float) -> Pose2D:
@@ -375,9 +453,9 @@ class _Rolling:
     """How the balls of the standing feet roll over the ground."""
 
     displacement: Array
-    """Of their centres since the start of the cycle, shape (n, 4, 2) [m]."""
+    """Of their centres since the start of the cycle, shape (..., n, 4, 2) [m]."""
     velocity: Array
-    """Shape (n, 4, 2) [m/s]."""
+    """Shape (..., n, 4, 2) [m/s]."""
 
 
 def _rolling(
@@ -400,7 +478,7 @@ def _rolling(
         return None
     stride = max(1, (len(schedule.times) - 1) // _ROLLING_SAMPLES)
     coarse = schedule.thinned(stride)
-    poses, velocities = body[::stride], body_velocity[::stride]
+    poses, velocities = body[..., ::stride, :], body_velocity[..., ::stride, :]
     rolling = None
     for _ in range(_ROLLING_PASSES):
         arms, arm_velocities, _ = _feet_in_body(
@@ -409,7 +487,7 @@ def _rolling(
         joints = robot.stacked_legs.inverse(arms)
         joint_velocities = robot.joint_velocities(joints, arm_velocities)
         spin = robot.calf_angular_velocities(joints, joint_velocities)
-        cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+        cos, sin = np.cos(poses[..., 2])[..., None], np.sin(poses[..., 2])[..., None]
         x, y = spin[..., 0], spin[..., 1]
         speed = radius * np.stack([sin * x + cos * y, sin * y - cos * x], axis=-1)
         rolling = _rolled(coarse, speed)
@@ -421,16 +499,18 @@ def _rolled(schedule: Schedule, speed: Array) -> _Rolling:
     velocity = np.where(schedule.in_contact[..., None], speed, 0.0)
     displacement = np.zeros_like(velocity)
     step = schedule.times[1]
-    np.cumsum((velocity[1:] + velocity[:-1]) * (step / 2.0), axis=0, out=displacement[1:])
+    both = velocity[..., 1:, :, :] + velocity[..., :-1, :, :]
+    np.cumsum(both * (step / 2.0), axis=-3, out=displacement[..., 1:, :, :])
     return _Rolling(displacement, velocity)
 
 
 def _interpolated(times: Array, known_times: Array, values: Array) -> Array:
-    """Interpolate linearly along the first axis, between evenly spaced times."""
+    """Interpolate samples (..., n, 4, 2) linearly, between evenly spaced times."""
     place = times / known_times[1]
     index = np.minimum(place.astype(int), len(known_times) - 2)
-    share = (place - index).reshape(-1, *([1] * (values.ndim - 1)))
-    result: Array = values[index] * (1.0 - share) + values[index + 1] * share
+    share = (place - index)[:, None, None]
+    before, after = values[..., index, :, :], values[..., index + 1, :, :]
+    result: Array = before * (1.0 - share) + after * share
     return result
 
 
@@ -447,17 +527,18 @@ def _feet_in_body(
     Move each foot from its start to its target while it swings.
 
     Returns the feet in the body frame, their velocities there, and the feet in the ground
-    frame, each of shape (n, 4, 3).
+    frame, each of shape (..., n, 4, 3), for starts and targets of shape (..., 4, 3).
     """
     step = target - start
-    feet = np.empty((len(schedule.times), len(LEGS), 3))
-    feet[:] = start
+    feet = np.empty((*step.shape[:-2], len(schedule.times), len(LEGS), 3))
+    feet[:] = start[..., None, :, :]
     velocities = np.zeros_like(feet)
     if rolling is not None:
         feet[..., :2] += rolling.displacement
         velocities[..., :2] += rolling.velocity
         step = step.copy()
-        step[:, :2] -= rolling.displacement[-1]
+        step[..., :2] -= rolling.displacement[..., -1, :, :]
+    step = step[..., None, :, :]
     feet += schedule.step[..., None] * step
     velocities += schedule.step_rate[..., None] * step
     feet[..., 2] += schedule.lift
@@ -467,6 +548,7 @@ def _feet_in_body(
 
 def _body(
     gait: Gait,
+    legs: NDArray[np.intp],
     schedule: Schedule,
     motion: BodyMotion,
     entry: Twist2D,
@@ -498,9 +580,11 @@ def _body(
             body += curve[:, None] * change
             velocity += rate[:, None] * change
     if gait.sways:
-        moves = _sway(gait, motion, start, target)
-        body[:, :2] += schedule.sway @ moves
-        velocity[:, :2] += schedule.sway_rate @ moves
+        moves = _sway(gait, legs, motion, start, target)
+        shape = (*moves.shape[:-2], *body.shape)
+        body, velocity = (np.broadcast_to(a, shape).copy() for a in (body, velocity))
+        body[..., :2] += schedule.sway @ moves
+        velocity[..., :2] += schedule.sway_rate @ moves
     return body, velocity
 
 
@@ -516,27 +600,34 @@ def _velocity(twist: Twist2D, heading: float) -> Array:
     )
 
 
-def _sway(gait: Gait, motion: BodyMotion, start: Array, target: Array) -> Array:
+def _sway(
+    gait: Gait, legs: NDArray[np.intp], motion: BodyMotion, start: Array, target: Array
+) -> Array:
     """
-    List the body's sideways moves, ground frame, shape (5, 2) [m].
+    List the body's sideways moves, ground frame, shape (..., 5, 2) [m].
 
     In each interval with all feet down the body moves towards the centroid of the next
-    support triangle, weighted by mu (S4 eq. 4), and back to its arc at the end.
+    support triangle, weighted by mu (S4 eq. 4), and back to its arc at the end. The legs
+    are those that swing, one after the other, shape (..., 4).
     """
-    feet = start[:, :2].copy()
-    offsets = [np.zeros(2)]
+    shape = (*legs.shape, 2)
+    feet = np.broadcast_to(start[..., :2], shape).copy()
+    target = np.broadcast_to(target[..., :2], shape)
+    course = np.zeros((*legs.shape[:-1], 6, 2))
     on_arc = motion.pose_at(mid_swing_progress(gait))
     forward, left = gait.sway_weight
-    for swing, body in zip(gait.swings, on_arc):
-        leg = LEGS.index(swing.leg)
-        off = np.delete(feet, leg, axis=0).mean(axis=0) - body[:2]
+    for k, body in enumerate(on_arc):
+        leg = legs[..., k, None]
+        triangle = np.take_along_axis(feet, _OTHERS[legs[..., k]][..., None], axis=-2)
+        off = triangle.mean(axis=-2) - body[:2]
         cos, sin = np.cos(body[2]), np.sin(body[2])
-        ahead = forward * (cos * off[0] + sin * off[1])
-        aside = left * (cos * off[1] - sin * off[0])
-        offsets.append(np.array([cos * ahead - sin * aside, sin * ahead + cos * aside]))
-        feet[leg] = target[leg, :2]
-    offsets.append(np.zeros(2))
-    return np.diff(np.array(offsets), axis=0)
+        ahead = forward * (cos * off[..., 0] + sin * off[..., 1])
+        aside = left * (cos * off[..., 1] - sin * off[..., 0])
+        course[..., k + 1, 0] = cos * ahead - sin * aside
+        course[..., k + 1, 1] = sin * ahead + cos * aside
+        swung = np.take_along_axis(target, leg[..., None], axis=-2)
+        np.put_along_axis(feet, leg[..., None], swung, axis=-2)
+    return np.diff(course, axis=-2)
 
 
 def _in_body(
@@ -547,22 +638,31 @@ def _in_body(
     body: Array,
     body_velocity: Array,
 ) -> tuple[Array, Array]:
-    """Bring feet (n, 4, 3) and their velocities from the ground frame into the body's."""
-    cos, sin = np.cos(body[:, 2, None]), np.sin(body[:, 2, None])
-    yaw_rate = body_velocity[:, 2, None]
-    x, y = feet[..., 0] - body[:, 0, None], feet[..., 1] - body[:, 1, None]
+    """Bring feet (..., n, 4, 3) and their velocities from the ground frame into the body's."""
+    cos, sin = np.cos(body[..., 2, None]), np.sin(body[..., 2, None])
+    yaw_rate = body_velocity[..., 2, None]
+    x, y = feet[..., 0] - body[..., 0, None], feet[..., 1] - body[..., 1, None]
     arms = np.empty_like(feet)
     arms[..., 0] = cos * x + sin * y
     arms[..., 1] = cos * y - sin * x
     arms[..., 2] = feet[..., 2] - (standing_height + schedule.body_lift[:, None])
-    x = foot_velocities[..., 0] - body_velocity[:, 0, None]
-    y = foot_velocities[..., 1] - body_velocity[:, 1, None]
+    x = foot_velocities[..., 0] - body_velocity[..., 0, None]
+    y = foot_velocities[..., 1] - body_velocity[..., 1, None]
     velocities = np.empty_like(feet)
     # The body's own turning carries the feet the other way round.
     velocities[..., 0] = cos * x + sin * y + yaw_rate * arms[..., 1]
     velocities[..., 1] = cos * y - sin * x - yaw_rate * arms[..., 0]
     velocities[..., 2] = foot_velocities[..., 2] - schedule.body_lift_rate[:, None]
     return arms, velocities
+
+
+def _center_of_mass(robot: Robot, chain: tuple[Array, Array, Array], body: Array) -> Array:
+    """Project the centre of mass to the ground, ground frame, shape (..., n, 2) [m]."""
+    center = robot.center_of_mass_of(chain)
+    cos, sin = np.cos(body[..., 2]), np.sin(body[..., 2])
+    x, y = center[..., 0], center[..., 1]
+    result: Array = body[..., :2] + np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    return result
 
 
 def _check_joint_speeds(robot: Robot, velocities: Array) -> None:

@@ -5,8 +5,13 @@ How much of a motion one cycle of a gait can do: derived from legs, joints and m
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import permutations
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
 from quad_common.planar_pose import STILL, Twist2D
@@ -14,7 +19,7 @@ from quad_common.robot import LEGS, Robot
 from quad_gait.body_motion import BodyMotion
 from quad_gait.foot_spacing import crossing_feet
 from quad_gait.gait import Gait
-from quad_gait.gait_generator import generate_cycle, generate_steady_cycle
+from quad_gait.gait_generator import generate_cycle, generate_steady_cycle, margins_of_orders
 
 _SAMPLES = 80
 """Per trial cycle: limits are met between samples to a fraction of a percent."""
@@ -34,8 +39,19 @@ _MIDDLING = 0.4
 _GOOD = 0.9
 """A gait keeps its own order if its margin is at least this share of the best order's."""
 
+_KEPT = 4096
+"""Directions whose limits and orders are kept: joysticks and corrections bring ever new ones."""
+
 _RESERVE = 0.95
 """Of the largest motion: what is left over corrects errors."""
+
+
+Array = NDArray[np.float64]
+
+_Direction = tuple[float, float, float]
+"""Forward, left and turn of a motion of size 1, rounded."""
+
+_Found = TypeVar('_Found')
 
 
 class MotionLimits:
@@ -60,7 +76,8 @@ class MotionLimits:
         self._robot = robot
         self._gait = gait
         self._reserve = reserve
-        self._known: dict[tuple[float, float, float], _Limit] = {}
+        self._limits: dict[_Direction, _Limit] = {}
+        self._orders: dict[_Direction, Gait] = {}
         center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
         self.least_margin = least_margin if gait.is_static else -_BESIDE * float(center)
         """What cycles must keep; negative for a dynamic gait [m]."""
@@ -124,7 +141,7 @@ class MotionLimits:
         """
         if len(self._variants) == 1 or self.size(motion) == 0.0:
             return self._gait
-        return self._limit(motion).gait
+        return self._order(self._direction(motion))
 
     def limited(self, twist: Twist2D) -> tuple[Twist2D, str]:
         """
@@ -145,31 +162,34 @@ class MotionLimits:
         return (twist, '') if share >= 1.0 else (twist.scaled(share), self.reason(motion))
 
     def _limit(self, motion: BodyMotion) -> _Limit:
+        return _remembered(self._limits, self._direction(motion), self._search)
+
+    def _order(self, direction: _Direction) -> Gait:
+        return _remembered(self._orders, direction, self._best_variant)
+
+    def _direction(self, motion: BodyMotion) -> _Direction:
         size = self.size(motion)
-        direction = (
+        return (
             round(motion.forward / size, 2),
             round(motion.left / size, 2),
             round(motion.turn / size, 2),
         )
-        if direction not in self._known:
-            self._known[direction] = self._search(BodyMotion(*direction))
-        return self._known[direction]
 
     def size(self, motion: BodyMotion) -> float:
         """How far the motion carries the outermost foot, at most [m]."""
         radius = self._robot.footprint_radius
         return math.hypot(motion.forward, motion.left) + radius * abs(motion.turn)
 
-    def _search(self, direction: BodyMotion) -> _Limit:
+    def _search(self, towards: _Direction) -> _Limit:
         """Bisect between what is possible and what is not, up to four lengths of a leg."""
-        gait = self._best_variant(direction)
+        gait, direction = self._order(towards), BodyMotion(*towards)
         low, high = 0.0, 4.0 * max(float(leg.reach()[1]) for leg in self._robot.legs)
         reason = ''
         if gait.footholds == 'initial_posture' and not gait.is_steady:
             # S0's S_max and phi_max keep a reserve for ground that is lower than expected.
             bound, reason = self._bound_of_s0(direction)
             if self._problem(gait, direction.scaled(bound)) is None:
-                return _Limit(bound, reason, gait)
+                return _Limit(bound, reason)
             high = min(high, bound)
         for _ in range(_BISECTIONS):
             middle = (low + high) / 2.0
@@ -178,18 +198,43 @@ class MotionLimits:
                 low = middle
             else:
                 high, reason = middle, problem
-        return _Limit(self._reserve * low, reason, gait)
+        return _Limit(self._reserve * low, reason)
 
-    def _best_variant(self, direction: BodyMotion) -> Gait:
-        """Take the order with the largest margin at a middling motion; its own if good."""
+    def _best_variant(self, towards: _Direction) -> Gait:
+        """
+        Take the order with the largest margin at a middling motion; its own if good.
+
+        Margins come first, for all orders at once; whether joints are quick enough and
+        parts keep apart is looked at for those that are to be taken. Cycles are awaited
+        meanwhile, and every correction may have a direction of its own.
+        """
         if len(self._variants) == 1:
             return self._gait
+        direction = BodyMotion(*towards)
         middling = direction.scaled(_MIDDLING * self._bound_of_s0(direction)[0])
-        margins = [self._margin(gait, middling) for gait in self._variants]
-        best = max(margins)
-        if margins[0] >= _GOOD * best or best <= 0.0:
+        margins = self._margins(middling)
+        own, best = float(margins[0]), float(margins.max())
+        if best > 0.0 and own >= _GOOD * best and self._works(0, middling):
             return self._gait
-        return self._variants[margins.index(best)]
+        for k in np.argsort(-margins, kind='stable'):
+            best = float(margins[k])
+            if best <= 0.0:
+                break
+            if self._works(k, middling):
+                is_good = own >= _GOOD * best and self._works(0, middling)
+                return self._gait if is_good else self._variants[k]
+        return self._gait
+
+    def _margins(self, motion: BodyMotion) -> Array:
+        period = self._gait.cycle_period / _SAMPLES_OF_TRIALS
+        try:
+            return margins_of_orders(self._robot, self._variants, motion, period)
+        except GaitError:
+            # Some of them are too much for the legs: the others are found one by one.
+            return np.array([self._margin(gait, motion) for gait in self._variants])
+
+    def _works(self, variant: int, motion: BodyMotion) -> bool:
+        return self._margin(self._variants[variant], motion) > -math.inf
 
     def _margin(self, gait: Gait, motion: BodyMotion) -> float:
         try:
@@ -237,8 +282,20 @@ class _Limit:
     """How far the outermost foot may be carried [m]."""
     reason: str
     """What forbids more."""
-    gait: Gait
-    """With the order of swings that suits the direction."""
+
+
+def _remembered(
+    known: dict[_Direction, _Found],
+    direction: _Direction,
+    find: Callable[[_Direction], _Found],
+) -> _Found:
+    """Look a direction up; find what is not known, and forget the oldest of too many."""
+    if direction not in known:
+        found = find(direction)
+        if len(known) >= _KEPT:
+            del known[next(iter(known))]
+        known[direction] = found
+    return known[direction]
 
 
 def _variants(gait: Gait) -> list[Gait]:

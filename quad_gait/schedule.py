@@ -7,7 +7,7 @@ A cycle is a sum of these curves, weighted by where body and feet start and end.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 
 import numpy as np
@@ -21,6 +21,10 @@ Array = NDArray[np.float64]
 
 _BLEND = 0.2
 """Share of an elliptic swing in which it gathers speed, and again slows down."""
+
+
+_KEPT = 128
+"""Schedules: two gaits have 24 orders of their legs each, some at three sample periods."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +71,7 @@ class Schedule:
         return _thinned(self, stride)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=_KEPT)
 def schedule_of(gait: Gait, sample_period: float) -> Schedule:
     """
     Sample a gait.
@@ -84,6 +88,12 @@ def schedule_of(gait: Gait, sample_period: float) -> Schedule:
     Schedule
         The gait's curves.
     """
+    return _with_legs(_schedule_of_turns(_with_turns_as_legs(gait), sample_period), _turns(gait))
+
+
+@lru_cache(maxsize=32)
+def _schedule_of_turns(gait: Gait, sample_period: float) -> Schedule:
+    """Sample a gait whatever its order: the first leg has the first turn, and so on."""
     period = gait.cycle_period
     steps = max(1, int(np.ceil(period / sample_period - 1e-9)))
     times = np.linspace(0.0, period, steps + 1, dtype=np.float64)
@@ -132,12 +142,66 @@ def schedule_of(gait: Gait, sample_period: float) -> Schedule:
 @lru_cache(maxsize=32)
 def _thinned(schedule: Schedule, stride: int) -> Schedule:
     every = slice(None, None, stride)
-    curves = {
-        field.name: getattr(schedule, field.name)[every]
-        for field in fields(Schedule)
-        if field.name != 'stride'
-    }
+    curves = {}
+    for field in fields(Schedule):
+        if field.name != 'stride':
+            curve = getattr(schedule, field.name)
+            # The last axis is that of feet or sways, if there is another one.
+            curves[field.name] = curve[every] if curve.ndim == 1 else curve[..., every, :]
     return Schedule(**curves, stride=stride)
+
+
+@lru_cache(maxsize=8)
+def schedule_of_orders(orders: tuple[Gait, ...], sample_period: float) -> Schedule:
+    """
+    Sample gaits that differ in the order of their legs only.
+
+    Parameters
+    ----------
+    orders : tuple of Gait
+        A gait with its legs exchanged.
+    sample_period : float
+        Longest time between samples [s].
+
+    Returns
+    -------
+    Schedule
+        In which the curves of the feet have a first axis for the orders, (len(orders), n, 4).
+    """
+    schedule = _schedule_of_turns(_with_turns_as_legs(orders[0]), sample_period)
+    return _with_legs(schedule, np.stack([_turns(order) for order in orders]))
+
+
+def _with_turns_as_legs(gait: Gait) -> Gait:
+    swings = tuple(replace(swing, leg=leg) for swing, leg in zip(gait.swings, LEGS))
+    return replace(gait, swings=swings)
+
+
+def _turns(gait: Gait) -> NDArray[np.intp]:
+    """Return which turn each leg has, (4,)."""
+    return np.argsort(legs_in_order(gait))
+
+
+def _with_legs(schedule: Schedule, turns: NDArray[np.intp]) -> Schedule:
+    """Give the curves of the turns to the legs that have them, turns (..., 4)."""
+
+    def given(curve: Array) -> Array:
+        return np.ascontiguousarray(np.moveaxis(curve[:, turns], 0, -2))
+
+    return replace(
+        schedule,
+        in_contact=np.ascontiguousarray(np.moveaxis(schedule.in_contact[:, turns], 0, -2)),
+        step=given(schedule.step),
+        step_rate=given(schedule.step_rate),
+        lift=given(schedule.lift),
+        lift_rate=given(schedule.lift_rate),
+    )
+
+
+@lru_cache(maxsize=128)
+def legs_in_order(gait: Gait) -> NDArray[np.intp]:
+    """Return which legs swing, by their numbers, in the order of their swings, (4,)."""
+    return np.array([LEGS.index(swing.leg) for swing in gait.swings], dtype=np.intp)
 
 
 def _pendulum_progress(gait: Gait, times: Array) -> tuple[Array, Array]:
