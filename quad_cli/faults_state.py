@@ -16,15 +16,21 @@ _LONGEST_LINE = 300
 
 
 def resident_memory(pid: int) -> float | None:
-    """Return how much memory of the machine a process holds [MB]; None if it has ended."""
+    """
+    Return how much memory of the machine a process holds [MB]; None if it has ended.
+
+    Without what it shares with others: the middleware's shared memory belongs to whoever sends,
+    and is as large as its profile says (``config/fastdds.xml``).
+    """
     try:
         text = Path(f'/proc/{pid}/status').read_text()
     except OSError:
         return None
-    for line in text.splitlines():
-        if line.startswith('VmRSS:'):
-            return float(line.split()[1]) / 1024.0
-    return None
+    held = {line.split(':')[0]: line.split()[1:2] for line in text.splitlines()}
+    if 'RssAnon' not in held:
+        # It has ended, and its parent has not asked how.
+        return None
+    return sum(float(held[kind][0]) for kind in ('RssAnon', 'RssFile')) / 1024.0
 
 
 def processor_time(pid: int) -> float:

@@ -76,6 +76,8 @@ def isolated_domain() -> Iterator[int]:
         # They reach beyond that range.
         'ROS_STATIC_PEERS': '',
         'FASTRTPS_DEFAULT_PROFILES_FILE': str(share_directory() / 'config' / 'fastdds.xml'),
+        # Of that file, what it says of readers and writers too.
+        'RMW_FASTRTPS_USE_QOS_FROM_XML': '1',
     }
     with contextlib.ExitStack() as stack:
         if 'ROS_DOMAIN_ID' not in os.environ:

@@ -8,10 +8,11 @@ import contextlib
 import sys
 import traceback
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from quad_common.errors import QuadError
+from quad_common.errors import QuadError, without_frames
 from quad_common.quoting import quoted
 
 Result = TypeVar('Result')
@@ -44,6 +45,8 @@ class CallbackNet:
     def __init__(self, voice: Voice) -> None:
         self._voice = voice
         self._kinds: set[tuple[str, str]] = set()
+        self.caught = 0
+        """How many callbacks raised something."""
 
     def call(
         self, what: str, callback: Callable[[], Result], failed: Callable[[str], Result]
@@ -68,10 +71,11 @@ class CallbackNet:
         try:
             return callback()
         except QuadError as error:
-            sentence, caught = _text_of(error), error
-            self._say(lambda: self._voice.report_error(caught))
+            sentence = _text_of(error)
+            self._say(partial(self._voice.report_error, without_frames(error)))
         except Exception as error:
             sentence = self._describe(what, error)
+        self.caught += 1
         return failed(sentence)
 
     def _describe(self, what: str, error: Exception) -> str:

@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from os import PathLike
+from typing import TypeVar
 
 from quad_common.quoting import clipped, escaped, quoted, shown
+
+AnyError = TypeVar('AnyError', bound=BaseException)
 
 _LISTED = 40
 """Names that a sentence lists."""
@@ -29,6 +32,35 @@ def _listed(names: Iterable[str]) -> str:
 
 class QuadError(Exception):
     """Base of every error that quadwalk raises on purpose."""
+
+
+def without_frames(error: AnyError) -> AnyError:
+    """
+    Let go of the frames that an exception came through; return it.
+
+    An exception that is kept keeps what was being worked on: a picture, or a request of a
+    hundred thousand parameters. Where a frame holds the exception too, both stay until the
+    garbage collector looks through old objects, which may be minutes.
+
+    Parameters
+    ----------
+    error : BaseException
+        What was caught, and is not raised again.
+
+    Returns
+    -------
+    BaseException
+        The same, with no traceback; likewise what it came from.
+    """
+    known: set[int] = set()
+    waiting: list[BaseException | None] = [error]
+    while waiting:
+        here = waiting.pop()
+        if here is not None and id(here) not in known:
+            known.add(id(here))
+            here.__traceback__ = None
+            waiting += [here.__cause__, here.__context__]
+    return error
 
 
 class ParameterError(QuadError, ValueError):

@@ -24,6 +24,7 @@ from quad_common.errors import QuadError
 from quad_common.guarded_node import GuardedNode
 from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
 from quad_common.quoting import clipped
+from quad_common.spare_memory import give_back_spare_memory
 
 Table = TypeVar('Table')
 
@@ -74,6 +75,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._said: tuple[bytes, str] | None = None
         self._logged_at: dict[str, float] = {}
         self._last_refusal: dict[str, object] = {}
+        self._caught = 0
         self._clock_seen = self.get_clock().now().nanoseconds
         self._clock_seen_at = time.monotonic()
         # On the wall clock: it must speak up just when simulated time stands still.
@@ -145,6 +147,10 @@ class QuadNode(GuardedNode, Generic[Table]):
         return None
 
     def _on_second(self) -> None:
+        if self._net.caught > self._caught:
+            # It may have been refused because it was far too large.
+            self._caught = self._net.caught
+            give_back_spare_memory()
         self.update_status()
         self._publish_status(*self._status)
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from quad_common.camera import CameraModel
-from quad_common.errors import ParameterError, PerceptionError
+from quad_common.errors import ParameterError, PerceptionError, without_frames
 from quad_common.markers import GoalMarker, RobotMarker
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -244,7 +244,7 @@ class Perceiver:
         try:
             return find_marker(seen, self.camera, shape), None
         except PerceptionError as problem:
-            return None, problem
+            return None, without_frames(problem)
 
     def _floor(self, seen: Segmentation) -> Mask:
         """Return where the floor is seen; what lies flat on it counts as floor."""

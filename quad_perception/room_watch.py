@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quad_common.errors import PictureUnusable, QuadError, SeveralMarkers
+from quad_common.errors import PictureUnusable, QuadError, SeveralMarkers, without_frames
 from quad_common.occupancy_grid import FREE, OccupancyGrid
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_perception.color_segmentation import Picture
@@ -147,7 +147,7 @@ class RoomWatch:
             try:
                 self._fusion.add_picture(time, seen.robot.pose, seen.robot.covariance)
             except QuadError as error:
-                problem = error
+                problem = without_frames(error)
         changed = self._map.add(self._with_standing_room(seen))
         several = seen.goal_problem if isinstance(seen.goal_problem, SeveralMarkers) else None
         return Sighting(

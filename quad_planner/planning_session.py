@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
-from quad_common.errors import PlannerError, QuadError, WrongFrame
+from quad_common.errors import PlannerError, QuadError, WrongFrame, without_frames
 from quad_common.height_map import HeightMap
 from quad_common.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
@@ -208,7 +208,7 @@ class PlanningSession:
         try:
             goal = self.pose_on_map(wish.frame, wish.goal, 'goal')
         except PlannerError as error:
-            self.problem = error
+            self.problem = without_frames(error)
             return
         self._search(_Wish(self._frame.name, goal, wish.is_given))
 
@@ -344,7 +344,7 @@ class PlanningSession:
         try:
             plan = result()
         except PlannerError as error:
-            self.problem = error
+            self.problem = without_frames(error)
             if self._is_plan_void:
                 self._publish(None)
                 # That the robot follows it no more is no news.

@@ -1,6 +1,8 @@
 """Picture after picture: the map, the goal and the robot's pose, steadily."""
 
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
@@ -200,3 +202,19 @@ def test_of_two_robots_none_is_believed():
 def test_markers_have_their_usual_colours():
     names = {color.name for color in default_ranges(robot=RobotMarker(), goal=GoalMarker())}
     assert {'robot_front', 'robot_rear', 'goal', 'goal_heading'} <= names
+
+
+def test_a_picture_without_a_goal_is_let_go_once_it_was_seen():
+    room = watch()
+    rgb = picture()
+    room.add_picture(0.0, rgb)
+    # The room keeps a copy of the last picture, and nothing else may keep this one.
+    gone = weakref.ref(rgb)
+    gc.disable()
+    try:
+        sighting = room.add_picture(1.0, rgb)
+        assert isinstance(sighting.perception.goal_problem, MarkerNotSeen)
+        del rgb
+        assert gone() is None
+    finally:
+        gc.enable()
