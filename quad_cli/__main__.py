@@ -4,14 +4,14 @@ Starts the ``quadwalk`` command: signals count from here, before anything large 
 
 from __future__ import annotations
 
-from quad_common.early_signals import end_command_at_once
+from quad_common.process.early_signals import end_command_at_once
 
 end_command_at_once()
 
 import contextlib  # noqa: E402
 import sys  # noqa: E402
 
-from quad_common.end_signals import (  # noqa: E402
+from quad_common.process.end_signals import (  # noqa: E402
     EndSignals,
     Interrupted,
     Raises,
@@ -20,7 +20,7 @@ from quad_common.end_signals import (  # noqa: E402
     ignore_signals,
     released_at_last,
 )
-from quad_common.shared_memory import release_own  # noqa: E402
+from quad_common.process.shared_memory import release_own  # noqa: E402
 
 _PATIENCE = 4.5
 """For nodes, worker processes and recordings to end after a signal [s]."""

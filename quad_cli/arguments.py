@@ -12,13 +12,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
-from quad_common.bounded_file import (
+from quad_common.errors import QuadError
+from quad_common.files.bounded_file import (
     check_folder_target,
     check_target,
     is_file,
     user_path,
 )
-from quad_common.errors import QuadError
 from quad_common.parameters import parameters_of
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import ANGLE, COORDINATE, Quantity, number_from

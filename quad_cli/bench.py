@@ -11,18 +11,18 @@ from dataclasses import asdict
 from types import ModuleType
 
 from quad_cli.arguments import seed_argument
-from quad_cli.criterion import make_console, print_bars
 from quad_common.errors import ParameterError
+from quad_lab.tools.criterion import make_console, print_bars
 
 BENCHMARKS = {
-    'walk': 'quad_cli.bench_walk',
-    'gaits': 'quad_cli.bench_gaits',
-    'planner': 'quad_cli.bench_planner',
-    'camera': 'quad_cli.bench_camera',
-    'terrain': 'quad_cli.bench_terrain',
-    'localisation': 'quad_cli.bench_localisation',
-    'faults': 'quad_cli.bench_faults',
-    'matrix': 'quad_cli.bench_matrix',
+    'walk': 'quad_lab.benchmarks.bench_walk',
+    'gaits': 'quad_lab.benchmarks.bench_gaits',
+    'planner': 'quad_lab.benchmarks.planning.bench_planner',
+    'camera': 'quad_lab.benchmarks.bench_camera',
+    'terrain': 'quad_lab.benchmarks.bench_terrain',
+    'localisation': 'quad_lab.benchmarks.bench_localisation',
+    'faults': 'quad_lab.attacks.bench_faults',
+    'matrix': 'quad_lab.attacks.bench_matrix',
 }
 """The module of each benchmark."""
 

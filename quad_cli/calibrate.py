@@ -14,25 +14,25 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_cli.arguments import output_argument
-from quad_cli.calibration import (
-    calibrate_motion,
-    default_motions,
-    motion_error,
-    motion_size,
-    vector,
-)
-from quad_common.bounded_file import check_target, make_folder
 from quad_common.errors import ParameterError
-from quad_common.robot import Robot, load_robot
-from quad_gait.body_motion import BodyMotion
-from quad_gait.gait import Gait, load_gait, turning_gait_for
-from quad_gait.motion_limits import MotionLimits
-from quad_gait.slip_compensation import (
+from quad_common.files.bounded_file import check_target, make_folder
+from quad_common.robot.robot import Robot, load_robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.following.slip_compensation import (
     QUANTITIES,
     calibration_file,
     load_compensation,
     save_compensation,
     with_calibrations,
+)
+from quad_lab.closed_loop.calibration import (
+    calibrate_motion,
+    default_motions,
+    motion_error,
+    motion_size,
+    vector,
 )
 
 Array = NDArray[np.float64]

@@ -18,25 +18,25 @@ from quad_cli.arguments import (
     output_argument,
     quantity_argument,
 )
-from quad_cli.picture_files import read_pictures, write_picture
-from quad_cli.points_file import read_points
-from quad_common.camera_file import load_camera, save_camera
 from quad_common.errors import (
     OutOfRange,
     PerceptionError,
     UnknownKey,
 )
-from quad_common.map_file import save_map
-from quad_common.occupancy_grid import FREE, OccupancyGrid
+from quad_common.maps.map_file import save_map
+from quad_common.maps.occupancy_grid import FREE, OccupancyGrid
 from quad_common.quantity import CELL_SIZE, COORDINATE
 from quad_common.quoting import quoted
-from quad_common.robot import load_robot
-from quad_perception.annotated import annotated
-from quad_perception.camera_calibration import calibrate_pose
-from quad_perception.color_segmentation import ColorRange, Picture, load_ranges, segment
-from quad_perception.marker_poses import MarkerPose
-from quad_perception.mask_picture import draw_masks
-from quad_perception.perception import Perceiver, Perception, default_ranges
+from quad_common.robot.robot import load_robot
+from quad_common.vision.camera_file import load_camera, save_camera
+from quad_perception.picture.annotated import annotated
+from quad_perception.picture.camera_calibration import calibrate_pose
+from quad_perception.picture.color_segmentation import ColorRange, Picture, load_ranges, segment
+from quad_perception.picture.marker_poses import MarkerPose
+from quad_perception.picture.mask_picture import draw_masks
+from quad_perception.picture.perception import Perceiver, Perception, default_ranges
+from quad_perception.picture.picture_files import read_pictures, write_picture
+from quad_perception.picture.points_file import read_points
 
 EXAMPLES = """examples:
   quadwalk camera masks room.png --output masks.png

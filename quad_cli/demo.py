@@ -21,21 +21,21 @@ from quad_cli.arguments import (
     quantity_argument,
     seed_argument,
 )
-from quad_common.bounded_file import make_folder
 from quad_common.errors import GoalOutsideMap, StartOutsideMap
-from quad_common.map_file import load_map
+from quad_common.files.bounded_file import make_folder
+from quad_common.maps.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
 from quad_common.resources import sample_map
-from quad_common.robot import load_robot
-from quad_gait.gait import load_gait
-from quad_gait.path_follower import TURNINGS
+from quad_common.robot.robot import load_robot
+from quad_gait.cycle.gait import load_gait
+from quad_gait.following.path_follower import TURNINGS
 from quad_planner.parameters import PLANNING_METHODS, PlannerParameters
-from quad_sim.terrain_spec import specs_from_text
+from quad_sim.world.terrain_spec import specs_from_text
 
 if TYPE_CHECKING:
-    from quad_cli.walk import WalkOptions
-    from quad_cli.walk_record import WalkRecord
+    from quad_lab.topic_walk.walk import WalkOptions
+    from quad_lab.topic_walk.walk_record import WalkRecord
 
 EXAMPLES = """examples:
   quadwalk demo
@@ -115,7 +115,7 @@ def _walk(arguments: argparse.Namespace) -> int:
     """Walk, draw and say how it went; return 0 if the robot arrived."""
     # Here, so that 'quadwalk --help' and the commands without ROS work where rclpy is absent.
     from quad_cli.progress import walk_progress
-    from quad_cli.walk import WalkOptions, walk
+    from quad_lab.topic_walk.walk import WalkOptions, walk
 
     console = Console(stderr=arguments.json)
     output: Path = arguments.output
@@ -193,7 +193,7 @@ def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:
 
 
 def _recording(output: Path, console: Console) -> Path | None:
-    from quad_cli.recording import can_record
+    from quad_lab.topic_walk.recording import can_record
 
     if can_record():
         return output / 'recording'

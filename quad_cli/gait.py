@@ -15,14 +15,14 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_cli.arguments import output_argument, quantity_argument
-from quad_common.bounded_file import check_target
-from quad_common.pace import Pace, load_paces, paces_file, save_paces
+from quad_common.files.bounded_file import check_target
 from quad_common.quantity import Quantity
-from quad_common.robot import load_robot
-from quad_gait.gait import available_gaits, load_gait, turning_gait_for
-from quad_gait.gait_check import check_gait
-from quad_gait.motion_limits import MotionLimits
-from quad_gait.path_follower import pace_of
+from quad_common.robot.pace import Pace, load_paces, paces_file, save_paces
+from quad_common.robot.robot import load_robot
+from quad_gait.cycle.gait import available_gaits, load_gait, turning_gait_for
+from quad_gait.cycle.gait_check import check_gait
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.following.path_follower import pace_of
 
 EXAMPLES = """examples:
   quadwalk gait list

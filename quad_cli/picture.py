@@ -15,14 +15,14 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from quad_cli.walk_record import WalkRecord
-from quad_common.bounded_file import make_folder
-from quad_common.height_map import HeightMap
-from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.files.bounded_file import make_folder
+from quad_common.maps.height_map import HeightMap
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import Robot
-from quad_planner.inflation import inflate
+from quad_common.robot.robot import Robot
+from quad_lab.topic_walk.walk_record import WalkRecord
+from quad_planner.grid.inflation import inflate
 
 _MARGIN = 1.0
 """Around what is of interest [m]."""

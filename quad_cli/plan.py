@@ -23,18 +23,18 @@ from quad_cli.arguments import (
     pose_argument,
 )
 from quad_common.errors import ParameterError, PlannerError
-from quad_common.height_map_file import load_height_map
-from quad_common.map_file import load_map
-from quad_common.occupancy_grid import OccupancyGrid
-from quad_common.pace import Pace, load_pace
+from quad_common.maps.height_map_file import load_height_map
+from quad_common.maps.map_file import load_map
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot import Robot, load_robot
+from quad_common.robot.pace import Pace, load_pace
+from quad_common.robot.robot import Robot, load_robot
+from quad_planner.grid.traversability import Ground, GroundLimits
+from quad_planner.methods.planner import METHODS, Planner, make_planner
+from quad_planner.methods.potential_planner import POTENTIALS
 from quad_planner.parameters import LOW_OBSTACLES, PlannerParameters
-from quad_planner.planner import METHODS, Planner, make_planner
-from quad_planner.potential_planner import POTENTIALS
-from quad_planner.traversability import Ground, GroundLimits
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png

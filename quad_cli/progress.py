@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from quad_cli.walk_observer import WalkObserver
+from quad_lab.topic_walk.walk_observer import WalkObserver
 
 _LINE_EVERY = 5.0
 """Where there is no terminal [s]."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from quad_cli.arguments import folder_argument
 
 PAPERS = {
-    'S3': 'quad_cli.reproduce_s3',
+    'S3': 'quad_lab.papers.s3',
 }
 """The module of each paper; it has ``reproduce(output)``, which returns figures and pictures."""
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 import argparse
 import json
 
-from quad_common.robot import available_robots, load_robot
-from quad_common.robot_figures import derived_figures
-from quad_common.urdf import urdf_from_robot
+from quad_common.robot.robot import available_robots, load_robot
+from quad_common.robot.robot_figures import derived_figures
+from quad_common.robot.urdf import urdf_from_robot
 
 EXAMPLES = f"""examples:
   quadwalk robot check titan_viii

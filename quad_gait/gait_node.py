@@ -27,26 +27,26 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import QuadError
-from quad_common.height_map_conversions import height_map_from_message
-from quad_common.map_frame import MapFrame
-from quad_common.map_frame_listener import MapFrameListener
+from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import Plan
-from quad_common.robot import load_robot
-from quad_common.ros_conversions import (
+from quad_common.robot.robot import load_robot
+from quad_common.ros.height_map_conversions import height_map_from_message
+from quad_common.ros.map_frame_listener import MapFrameListener
+from quad_common.ros.pose_conversions import (
     most_plan_bytes,
     orientation_from_odometry,
     plan_from_message,
     pose_from_message,
     seconds_from_time,
 )
-from quad_common.ros_node import ERROR, OK, STALE, WARN, QuadNode
-from quad_common.run_node import run_node
-from quad_gait.activity import Activity
-from quad_gait.gait import Gait, load_gait, turning_gait_for
-from quad_gait.leg_odometry import LegOdometry
-from quad_gait.measurement import Measurement
+from quad_common.ros.ros_node import ERROR, OK, STALE, WARN, QuadNode
+from quad_common.ros.run_node import run_node
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
+from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.slip_compensation import compensation_for
 from quad_gait.parameters import GaitParameters
-from quad_gait.path_follower import FollowerOptions
 from quad_gait.ros_conversions import (
     foothold_markers,
     imu_from_message,
@@ -56,11 +56,11 @@ from quad_gait.ros_conversions import (
     trajectory_message,
     twist_from_message,
 )
-from quad_gait.sensor_inputs import InputOptions, SensorInputs
-from quad_gait.slip_compensation import compensation_for
-from quad_gait.swing_planner import UnevenOptions
-from quad_gait.uneven_stride import check_suits_uneven_ground
-from quad_gait.walk_controller import ControllerOptions, WalkController
+from quad_gait.state.leg_odometry import LegOdometry
+from quad_gait.state.measurement import Measurement
+from quad_gait.state.sensor_inputs import InputOptions, SensorInputs
+from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_stride import check_suits_uneven_ground
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -18,17 +18,17 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage, JointNotFound
-from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Twist2D
-from quad_common.robot import LEGS, Robot
-from quad_common.ros_conversions import (
+from quad_common.robot.robot import LEGS, Robot
+from quad_common.ros.pose_conversions import (
     pose_message,
     seconds_from_time,
     time_from_seconds,
     unit_quaternion,
 )
-from quad_gait.leg_odometry import LegOdometry
-from quad_gait.sensor_inputs import JointReadings
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.state.leg_odometry import LegOdometry
+from quad_gait.state.sensor_inputs import JointReadings
 
 Array = NDArray[np.float64]
 

@@ -4,11 +4,11 @@ Starts ceiling_camera_node, as its name does and ``ros2 run quadwalk ceiling_cam
 
 from __future__ import annotations
 
-from quad_common.early_signals import end_node_at_once
+from quad_common.process.early_signals import end_node_at_once
 
 end_node_at_once()
 
-from quad_common.entry import start_node  # noqa: E402
+from quad_common.process.entry import start_node  # noqa: E402
 
 
 def main(args: list[str] | None = None) -> int:

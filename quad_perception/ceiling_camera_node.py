@@ -22,31 +22,29 @@ from rclpy.qos import (
 )
 from sensor_msgs.msg import CameraInfo, Image
 
-from quad_common.camera import CameraModel
-from quad_common.camera_file import load_camera
 from quad_common.errors import QuadError
-from quad_common.image_conversions import (
+from quad_common.robot.robot import load_robot
+from quad_common.ros.image_conversions import (
     camera_model_from_info,
     image_message,
     rgb_from_image,
 )
-from quad_common.markers import Colour, GoalMarker, RobotMarker
-from quad_common.robot import load_robot
-from quad_common.ros_conversions import (
+from quad_common.ros.pose_conversions import (
     camera_transform,
     checked_name,
     grid_message,
     pose_message,
     seconds_from_time,
 )
-from quad_common.ros_node import OK, STALE, WARN, QuadNode
-from quad_common.run_node import run_node
-from quad_common.stamp_order import StampOrder
-from quad_perception.annotated import annotated
+from quad_common.ros.ros_node import OK, STALE, WARN, QuadNode
+from quad_common.ros.run_node import run_node
+from quad_common.ros.stamp_order import StampOrder
+from quad_common.vision.camera import CameraModel
+from quad_common.vision.camera_file import load_camera
+from quad_common.vision.markers import Colour, GoalMarker, RobotMarker
 from quad_perception.parameters import CeilingCameraParameters
-from quad_perception.perception import Perceiver, default_ranges
-from quad_perception.pose_fusion import FusionOptions
-from quad_perception.room_watch import RoomWatch, Sighting, WatchOptions
+from quad_perception.picture.annotated import annotated
+from quad_perception.picture.perception import Perceiver, default_ranges
 from quad_perception.ros_conversions import (
     fused_odometry,
     is_same_lens,
@@ -54,6 +52,8 @@ from quad_perception.ros_conversions import (
     robot_transforms,
     seen_pose_message,
 )
+from quad_perception.tracking.pose_fusion import FusionOptions
+from quad_perception.tracking.room_watch import RoomWatch, Sighting, WatchOptions
 
 try:
     from tf2_msgs.msg import TFMessage

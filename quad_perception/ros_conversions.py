@@ -14,7 +14,7 @@ from sensor_msgs.msg import CameraInfo
 from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D
 from quad_common.quoting import quoted
-from quad_common.ros_conversions import (
+from quad_common.ros.pose_conversions import (
     base_transform,
     checked_name,
     footprint_transform,
@@ -22,8 +22,8 @@ from quad_common.ros_conversions import (
     pose_message,
     pose_transform,
 )
-from quad_perception.marker_poses import MarkerPose
-from quad_perception.pose_fusion import PoseFusion
+from quad_perception.picture.marker_poses import MarkerPose
+from quad_perception.tracking.pose_fusion import PoseFusion
 
 _FASTEST = 100.0
 """Of a robot: more is no velocity [m/s, rad/s]."""

@@ -4,11 +4,11 @@ Starts planner_node, as ``planner_node`` and ``ros2 run quadwalk planner_node`` 
 
 from __future__ import annotations
 
-from quad_common.early_signals import end_node_at_once
+from quad_common.process.early_signals import end_node_at_once
 
 end_node_at_once()
 
-from quad_common.entry import start_node  # noqa: E402
+from quad_common.process.entry import start_node  # noqa: E402
 
 
 def main(args: list[str] | None = None) -> int:

@@ -26,28 +26,28 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import PlannerError, QuadError
-from quad_common.height_map_conversions import height_map_from_message
-from quad_common.map_frame import MapFrame
-from quad_common.map_frame_listener import MapFrameListener
+from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import LONGEST_PLAN, Plan
-from quad_common.robot import load_robot
-from quad_common.ros_conversions import (
+from quad_common.robot.robot import load_robot
+from quad_common.ros.height_map_conversions import height_map_from_message
+from quad_common.ros.map_frame_listener import MapFrameListener
+from quad_common.ros.pose_conversions import (
     most_plan_bytes,
     nanoseconds_from_time,
     plan_from_message,
     pose_from_message,
     seconds_from_time,
 )
-from quad_common.ros_node import OK, STALE, WARN, QuadNode
-from quad_common.run_node import run_node
-from quad_planner.inflation import combined_obstacles
-from quad_planner.latest_request import LatestRequest
+from quad_common.ros.ros_node import OK, STALE, WARN, QuadNode
+from quad_common.ros.run_node import run_node
+from quad_planner.grid.inflation import combined_obstacles
+from quad_planner.grid.traversability import GroundLimits
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import pace_from_parameters, planner_from_parameters
-from quad_planner.planning_map import PlanningMap
-from quad_planner.planning_session import PlanningSession, SessionOptions
 from quad_planner.ros_conversions import grid_from_message, path_message, plan_markers
-from quad_planner.traversability import GroundLimits
+from quad_planner.session.latest_request import LatestRequest
+from quad_planner.session.planning_map import PlanningMap
+from quad_planner.session.planning_session import PlanningSession, SessionOptions
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _EVERY_PLAN = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)

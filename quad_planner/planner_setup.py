@@ -8,11 +8,11 @@ from collections.abc import Callable
 from typing import Any
 
 from quad_common.errors import ParameterError
-from quad_common.pace import Pace, load_pace
-from quad_common.robot import Robot
-from quad_planner.cell_costs import ClearanceCost, CostLayer, UnknownCost
+from quad_common.robot.pace import Pace, load_pace
+from quad_common.robot.robot import Robot
+from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
+from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
-from quad_planner.planner import Planner, make_planner
 
 
 def planner_from_parameters(

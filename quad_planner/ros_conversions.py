@@ -14,9 +14,9 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import MapError
-from quad_common.occupancy_grid import MAX_CELLS, OccupancyGrid
+from quad_common.maps.occupancy_grid import MAX_CELLS, OccupancyGrid
 from quad_common.plan import Plan
-from quad_common.ros_conversions import checked_name, pose_from_message, pose_message
+from quad_common.ros.pose_conversions import checked_name, pose_from_message, pose_message
 
 
 def grid_from_message(message: OccupancyGridMessage, most_cells: int = MAX_CELLS) -> OccupancyGrid:

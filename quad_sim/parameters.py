@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_common.joint_trajectory import LONGEST_TRAJECTORY
 from quad_common.parameters import parameter
-from quad_sim.joint_failure import FAILURES
+from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY
+from quad_sim.engines.joint_failure import FAILURES
 from quad_sim.simulation import BACKENDS
 
 

@@ -17,17 +17,17 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage, InvalidPose, ParameterError, TrajectoryError
-from quad_common.joint_trajectory import LONGEST_TRAJECTORY, JointTrajectory
 from quad_common.quoting import quoted
-from quad_common.ros_conversions import (
+from quad_common.ros.pose_conversions import (
     checked_name,
     pose_from_message,
     seconds_from_time,
 )
+from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY, JointTrajectory
+from quad_sim.engines.simulator import Observation
 from quad_sim.parameters import SimParameters
 from quad_sim.simulation import ObstacleChange
-from quad_sim.simulator import Observation
-from quad_sim.world import Obstacle
+from quad_sim.world.world import Obstacle
 
 _SIZES = (1e-3, 100.0)
 """Least and largest side of an obstacle [m]."""

@@ -6,22 +6,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from quad_common.camera import CameraModel
 from quad_common.errors import ParameterError
-from quad_common.height_map import HeightMap
-from quad_common.map_file import load_map
-from quad_common.markers import Colour, GoalMarker, RobotMarker
-from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.maps.height_map import HeightMap
+from quad_common.maps.map_file import load_map
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot import Robot
-from quad_sim.appearance import Appearance
-from quad_sim.camera import SimulatedCamera
+from quad_common.robot.robot import Robot
+from quad_common.vision.camera import CameraModel
+from quad_common.vision.markers import Colour, GoalMarker, RobotMarker
 from quad_sim.parameters import SimParameters
-from quad_sim.random_room import random_room
 from quad_sim.simulation import check_start
-from quad_sim.terrain_spec import make_terrain, specs_from_text
-from quad_sim.world import World, occupancy_of, world_from_map
+from quad_sim.world.appearance import Appearance
+from quad_sim.world.random_room import random_room
+from quad_sim.world.simulated_camera import SimulatedCamera
+from quad_sim.world.terrain_spec import make_terrain, specs_from_text
+from quad_sim.world.world import World, occupancy_of, world_from_map
 
 _SIZES = (16, 2048)
 """Least and largest side of a picture [pixels]."""

@@ -30,14 +30,15 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.height_map_conversions import height_map_message
-from quad_common.image_conversions import (
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import load_robot
+from quad_common.robot.urdf import urdf_from_robot
+from quad_common.ros.height_map_conversions import height_map_message
+from quad_common.ros.image_conversions import (
     camera_info_message,
     image_message,
 )
-from quad_common.planar_pose import Pose2D
-from quad_common.robot import load_robot
-from quad_common.ros_conversions import (
+from quad_common.ros.pose_conversions import (
     base_transform,
     camera_transform,
     footprint_transform,
@@ -46,10 +47,9 @@ from quad_common.ros_conversions import (
     pose_transform,
     time_from_seconds,
 )
-from quad_common.ros_node import ERROR, OK, WARN, QuadNode
-from quad_common.run_node import run_node
-from quad_common.urdf import urdf_from_robot
-from quad_sim.joint_failure import JointFailure
+from quad_common.ros.ros_node import ERROR, OK, WARN, QuadNode
+from quad_common.ros.run_node import run_node
+from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     MOST_OBSTACLE_BYTES,

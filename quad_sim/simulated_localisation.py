@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_sim.simulator import Observation
+from quad_sim.engines.simulator import Observation
 
 _FORGETS = 1.0
 """Way after which a 1/e part is left of what drift was [m]."""

@@ -17,18 +17,18 @@ from quad_common.errors import (
     ParameterError,
     TooManyObstacles,
 )
-from quad_common.joint_trajectory import JointTrajectory
-from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import Robot
-from quad_common.trajectory_executor import TrajectoryExecutor
-from quad_common.trajectory_gate import JointLimits
-from quad_sim.appearance import Appearance
-from quad_sim.camera import Picture, SimulatedCamera
-from quad_sim.joint_failure import JointFailure
-from quad_sim.kinematic_simulator import KinematicSimulator
-from quad_sim.simulator import Contact, Observation, Simulator, VisibleSimulator
-from quad_sim.world import Obstacle, World, world_from_map
+from quad_common.robot.robot import Robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
+from quad_common.trajectory.trajectory_gate import JointLimits
+from quad_sim.engines.joint_failure import JointFailure
+from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.simulator import Contact, Observation, Simulator, VisibleSimulator
+from quad_sim.world.appearance import Appearance
+from quad_sim.world.simulated_camera import Picture, SimulatedCamera
+from quad_sim.world.world import Obstacle, World, world_from_map
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def make_simulator(
         return KinematicSimulator(robot, time_step)
     if backend == 'bullet':
         # Imported here, so that the kinematic one works where PyBullet is not installed.
-        from quad_sim.bullet_simulator import BulletSimulator
+        from quad_sim.engines.bullet_simulator import BulletSimulator
 
         world = world_from_map(None) if world is None else world
         return BulletSimulator(robot, world, time_step, gui, appearance)

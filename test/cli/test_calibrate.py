@@ -10,24 +10,24 @@ pytest.importorskip('rich')
 from dataclasses import replace
 
 from quad_cli.calibrate import _motion
-from quad_cli.calibration import (
+from quad_cli.main import main
+from quad_common.errors import ParameterError
+from quad_common.robot.robot import load_robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.following.slip_compensation import (
+    Calibration,
+    SlipCompensation,
+    load_compensation,
+    save_compensation,
+)
+from quad_lab.closed_loop.calibration import (
     DIRECTIONS,
     SHARES,
     calibrate_motion,
     default_motions,
     measure_motion,
-)
-from quad_cli.main import main
-from quad_common.errors import ParameterError
-from quad_common.robot import load_robot
-from quad_gait.body_motion import BodyMotion
-from quad_gait.gait import load_gait
-from quad_gait.motion_limits import MotionLimits
-from quad_gait.slip_compensation import (
-    Calibration,
-    SlipCompensation,
-    load_compensation,
-    save_compensation,
 )
 
 TITAN, CUHK = load_robot('titan_viii'), load_robot('cuhk')

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from quad_cli.main import main
-from quad_common.camera import CameraModel
-from quad_common.camera_file import load_camera, save_camera
-from quad_common.map_file import load_map
-from quad_common.markers import GoalMarker
+from quad_common.maps.map_file import load_map
+from quad_common.vision.camera import CameraModel
+from quad_common.vision.camera_file import load_camera, save_camera
+from quad_common.vision.markers import GoalMarker
 
 CAMERA = CameraModel.looking_down((4.0, 4.0, 6.0), 0.0, 2.0 * math.atan(4.8 / 6.0))
 MARKER = GoalMarker()

@@ -16,14 +16,14 @@ pytest.importorskip('rich')
 import itertools
 
 from quad_cli.arguments import map_argument, pose_argument
-from quad_cli.criterion import at_least, at_most, figure
 from quad_cli.main import COMMANDS, main
 from quad_cli.parameters import TABLES
-from quad_common.height_map import HeightMap
-from quad_common.height_map_file import save_height_map
+from quad_common.maps.height_map import HeightMap
+from quad_common.maps.height_map_file import save_height_map
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot import load_robot, robot_file
+from quad_common.robot.robot import load_robot, robot_file
+from quad_lab.tools.criterion import at_least, at_most, figure
 
 ROOT = Path(__file__).parents[2]
 PLAN = ['plan', '--start', '1.2,1.2,0', '--goal', '6.8,4.8,90deg']
@@ -224,7 +224,7 @@ def imported_by(arguments):
 
 def test_a_command_imports_what_it_needs_and_no_more():
     plan = imported_by([*PLAN, '--method', 'shortest', '--json'])
-    assert 'quad_planner.jump_points' in plan
+    assert 'quad_planner.search.jump_points' in plan
     slow = {'quad_gait', 'quad_sim', 'scipy.interpolate', 'matplotlib', 'cv2', 'rich.console'}
     assert plan & slow == set()
     check = imported_by(['robot', 'check', 'titan_viii', '--json'])

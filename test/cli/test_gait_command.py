@@ -9,8 +9,8 @@ pytest.importorskip('rich')
 
 import quad_gait
 from quad_cli.main import main
-from quad_gait.gait import available_gaits, load_gait
-from quad_gait.gait_check import DIRECTIONS
+from quad_gait.cycle.gait import available_gaits, load_gait
+from quad_gait.cycle.gait_check import DIRECTIONS
 
 GAITS = Path(quad_gait.__file__).parent / 'gaits'
 

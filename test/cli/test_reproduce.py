@@ -9,7 +9,7 @@ pytest.importorskip('matplotlib')
 
 from quad_cli.main import main
 from quad_cli.reproduce import PAPERS
-from quad_cli.reproduce_s3 import SWEEPS
+from quad_lab.papers.s3 import SWEEPS
 
 
 def test_s3_draws_its_figures_and_lists_every_posture_of_the_captions(capsys, tmp_path):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from quad_common import resources
-from quad_common.map_file import load_map
+from quad_common.maps.map_file import load_map
 from quad_common.resources import sample_map, share_directory
 
 ROOT = Path(__file__).parents[2]

@@ -8,7 +8,7 @@ import pytest
 @pytest.fixture
 def domain(tmp_path, monkeypatch):
     """Claim a ROS domain that nobody else on this machine hears."""
-    from quad_cli.node_processes import isolated_domain
+    from quad_lab.topic_walk.node_processes import isolated_domain
 
     monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
     monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path / 'ros_log'))

@@ -29,17 +29,17 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profi
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from quad_cli.node_processes import NodeDied, NodeProcess, NodeProcesses
 from quad_common.errors import QuadError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.ros_conversions import (
+from quad_common.ros.pose_conversions import (
     plan_from_message,
     pose_from_message,
     pose_message,
     seconds_from_time,
 )
-from quad_common.run_node import make_executor
+from quad_common.ros.run_node import make_executor
+from quad_lab.topic_walk.node_processes import NodeDied, NodeProcess, NodeProcesses
 
 OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from quad_common.camera import CameraModel
-from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_common.vision.camera import CameraModel
 
 FLOOR = (170, 170, 165)
 OBSTACLE = (210, 40, 35)

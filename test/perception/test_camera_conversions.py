@@ -11,9 +11,9 @@ from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.ros_conversions import pose_from_message, pose_message
-from quad_perception.pose_fusion import PoseFusion
+from quad_common.ros.pose_conversions import pose_from_message, pose_message
 from quad_perception.ros_conversions import fused_odometry, robot_transforms
+from quad_perception.tracking.pose_fusion import PoseFusion
 
 pytestmark = pytest.mark.ros
 

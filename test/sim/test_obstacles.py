@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.camera import CameraModel
 from quad_common.errors import MapError, NotSimulated, ObstacleOnRobot, ParameterError
-from quad_common.occupancy_grid import OccupancyGrid
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import load_robot
-from quad_sim.camera import SimulatedCamera
-from quad_sim.kinematic_simulator import KinematicSimulator
+from quad_common.robot.robot import load_robot
+from quad_common.vision.camera import CameraModel
+from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import ObstacleChange, Simulation
-from quad_sim.world import Obstacle, World, occupancy_of, world_from_map
+from quad_sim.world.simulated_camera import SimulatedCamera
+from quad_sim.world.world import Obstacle, World, occupancy_of, world_from_map
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -112,7 +112,7 @@ def test_a_true_map_without_cells_or_with_too_many_is_refused(resolution, bounds
 def make():
     """Make physics simulators that are closed after the test."""
     pytest.importorskip('pybullet')
-    from quad_sim.bullet_simulator import BulletSimulator
+    from quad_sim.engines.bullet_simulator import BulletSimulator
 
     made = []
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_common.markers import RobotMarker
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import load_robot
-from quad_sim.appearance import Appearance
+from quad_common.robot.robot import load_robot
+from quad_common.vision.markers import RobotMarker
 from quad_sim.parameters import SimParameters
-from quad_sim.random_room import random_room
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
-from quad_sim.terrain_spec import TerrainSpec, make_terrain
+from quad_sim.world.appearance import Appearance
+from quad_sim.world.random_room import random_room
+from quad_sim.world.terrain_spec import TerrainSpec, make_terrain
 
 ROBOT = load_robot('titan_viii')
 

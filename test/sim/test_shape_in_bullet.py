@@ -8,17 +8,17 @@ pytest.importorskip('pybullet')
 import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
-from quad_cli.direct_walk import DirectWalk
-from quad_cli.gait_measures import make_controller
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import available_robots, load_robot
-from quad_common.urdf import urdf_from_robot
-from quad_gait.gait import load_gait
-from quad_gait.path_follower import FollowerOptions
-from quad_gait.walk_controller import Activity
-from quad_sim.bullet_simulator import BulletSimulator
-from quad_sim.world import world_from_map
+from quad_common.robot.robot import available_robots, load_robot
+from quad_common.robot.urdf import urdf_from_robot
+from quad_gait.behaviours.walk_controller import Activity
+from quad_gait.cycle.gait import load_gait
+from quad_gait.following.path_follower import FollowerOptions
+from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.gait_measures import make_controller
+from quad_sim.engines.bullet_simulator import BulletSimulator
+from quad_sim.world.world import world_from_map
 
 ROBOTS = {name: load_robot(name) for name in available_robots()}
 

@@ -15,18 +15,17 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.camera import CameraModel
 from quad_common.errors import InvalidMessage, TrajectoryError
-from quad_common.image_conversions import (
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import load_robot
+from quad_common.ros.image_conversions import (
     camera_info_message,
     camera_model_from_info,
     image_message,
     rgb_from_image,
 )
-from quad_common.occupancy_grid import OccupancyGrid
-from quad_common.planar_pose import Pose2D
-from quad_common.robot import load_robot
-from quad_common.ros_conversions import (
+from quad_common.ros.pose_conversions import (
     base_transform,
     camera_transform,
     footprint_transform,
@@ -35,11 +34,13 @@ from quad_common.ros_conversions import (
     pose_from_message,
     pose_message,
 )
-from quad_gait.body_motion import BodyMotion
-from quad_gait.gait import load_gait
-from quad_gait.gait_generator import generate_cycle
+from quad_common.vision.camera import CameraModel
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.ros_conversions import joints_from_message, trajectory_message
-from quad_sim.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.simulator import tilt_of
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
@@ -49,7 +50,6 @@ from quad_sim.ros_conversions import (
     trajectory_from_message,
 )
 from quad_sim.simulation import ObstacleChange
-from quad_sim.simulator import tilt_of
 
 ROBOT = load_robot('titan_viii')
 STAMP = Time(sec=12, nanosec=345)

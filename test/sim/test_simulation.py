@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from quad_common.errors import JointNotFound, NotSimulated, ParameterError, TrajectoryError
-from quad_common.joint_trajectory import JointTrajectory
 from quad_common.planar_pose import Pose2D
-from quad_common.robot import load_robot
-from quad_sim.joint_failure import JointFailure
-from quad_sim.kinematic_simulator import KinematicSimulator
+from quad_common.robot.robot import load_robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_sim.engines.joint_failure import JointFailure
+from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.simulator import Contact
 from quad_sim.simulation import BACKENDS, Simulation, make_simulator
-from quad_sim.simulator import Contact
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)

@@ -1,0 +1,3 @@
+"""
+Files of users: opened within bounds, read as YAML with one clear sentence for each fault.
+"""

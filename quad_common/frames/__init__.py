@@ -1,0 +1,3 @@
+"""
+Coordinate frames: a tree of transforms, and where odometry is in the map.
+"""

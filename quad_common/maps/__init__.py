@@ -1,0 +1,3 @@
+"""
+Occupancy grids and height maps, and their files.
+"""

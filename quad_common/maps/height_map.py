@@ -1,0 +1,348 @@
+"""
+The height map: how high the ground is, cell by cell.
+
+Its cells lie as those of an :class:`quad_common.maps.occupancy_grid.OccupancyGrid` that is not
+turned: row 0 at the bottom, columns along the world's x axis. Each height is that of its
+cell's centre; between the centres it is interpolated.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from quad_common.errors import MapError, MapValueOutOfRange, OutOfRange, ParameterError
+from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
+from quad_common.quoting import shown
+
+Array = NDArray[np.float64]
+
+MAX_CELLS = 2**22
+"""The largest height map that is taken: 40 m square with cells of 0.02 m."""
+
+MAX_REACH = 100
+"""The largest radius of what is looked at around a point [cells]."""
+
+HEIGHT = Quantity(-1e4, 1e4, 'm')
+"""Range of the ground's height."""
+
+_WHERE = 'the height map cannot be used: '
+
+
+@dataclass(frozen=True, eq=False)
+class HeightMap:
+    """
+    Heights of the ground and their place in the world.
+
+    Raises
+    ------
+    MapError
+        If a field is not what its description says.
+    """
+
+    heights: Array
+    """Of the cells' centres, shape (rows, columns), row 0 at the bottom; NaN: unknown [m]."""
+    resolution: float
+    """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
+    origin: tuple[float, float]
+    """Lower left corner of cell (0, 0), x and y in the world [m]."""
+    _images: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False)
+    """Highest and lowest within a radius of each cell, once they have been asked for."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a height map, and make the heights read-only."""
+        heights = self.heights
+        if (
+            not isinstance(heights, np.ndarray)
+            or heights.ndim != 2
+            or not np.issubdtype(heights.dtype, np.floating)
+        ):
+            raise MapError(
+                'the heights of a height map must be a two-dimensional array of floats, not '
+                + (
+                    f'{heights.ndim}-dimensional of {heights.dtype}'
+                    if isinstance(heights, np.ndarray)
+                    else f'a {type(heights).__name__}'
+                )
+            )
+        rows, columns = heights.shape
+        if not 0 < heights.size <= MAX_CELLS:
+            raise MapError(
+                f'the height map has {columns} x {rows} cells; '
+                f'it must have between 1 and {MAX_CELLS}'
+            )
+        self._check_place()
+        outside = np.abs(heights) > HEIGHT.upper
+        if outside.any():
+            worst = heights.flat[int(np.argmax(outside))]
+            raise MapValueOutOfRange(
+                'height', float(worst), HEIGHT.lower, HEIGHT.upper, HEIGHT.unit, _WHERE
+            )
+        heights = heights.astype(np.float64)
+        heights.flags.writeable = False
+        object.__setattr__(self, 'heights', heights)
+        object.__setattr__(self, 'resolution', float(self.resolution))
+        object.__setattr__(self, 'origin', (float(self.origin[0]), float(self.origin[1])))
+
+    def _check_place(self) -> None:
+        """Refuse cells of no sensible size, or an origin out of this world."""
+        if len(self.origin) != 2:
+            raise MapError(f'the origin of the height map is {shown(self.origin)}; give x and y')
+        try:
+            CELL_SIZE.check('resolution', self.resolution)
+            for name, value in zip(('origin.x', 'origin.y'), self.origin, strict=True):
+                COORDINATE.check(name, value)
+        except OutOfRange as error:
+            raise error.at(_WHERE, MapValueOutOfRange) from error
+
+    @classmethod
+    def level(
+        cls, bounds: tuple[float, float, float, float], resolution: float, height: float = 0.0
+    ) -> HeightMap:
+        """
+        Make a level height map.
+
+        Parameters
+        ----------
+        bounds : tuple of float
+            What it spans at least: x_min, y_min, x_max, y_max [m].
+        resolution : float
+            Side of a cell [m].
+        height : float
+            Everywhere [m].
+
+        Returns
+        -------
+        HeightMap
+            With its lower left corner in that of the bounds.
+        """
+        x_min, y_min, x_max, y_max = bounds
+        sides = [x_max - x_min, y_max - y_min]
+        if not (resolution > 0.0 and all(0.0 < side < math.inf for side in sides)):
+            raise MapError(
+                f'a height map from ({x_min}, {y_min}) to ({x_max}, {y_max}) m with cells of '
+                f'{resolution} m has no cells; it must have between 1 and {MAX_CELLS}'
+            )
+        columns, rows = (math.ceil(side / resolution - 1e-9) for side in sides)
+        if columns * rows > MAX_CELLS:
+            raise MapError(
+                f'the height map has {columns} x {rows} cells; '
+                f'it must have between 1 and {MAX_CELLS}'
+            )
+        return cls(np.full((rows, columns), height), resolution, (x_min, y_min))
+
+    def with_heights(self, heights: Array) -> HeightMap:
+        """Return a height map of the same cells with other heights [m]."""
+        return HeightMap(heights, self.resolution, self.origin)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return int(self.heights.shape[0])
+
+    @property
+    def columns(self) -> int:
+        """Number of columns."""
+        return int(self.heights.shape[1])
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """What it spans: x_min, y_min, x_max, y_max [m]."""
+        x, y = self.origin
+        return x, y, x + self.columns * self.resolution, y + self.rows * self.resolution
+
+    @property
+    def centres(self) -> Array:
+        """Of the cells, x and y in the world, shape (rows, columns, 2) [m]."""
+        x = self.origin[0] + (np.arange(self.columns) + 0.5) * self.resolution
+        y = self.origin[1] + (np.arange(self.rows) + 0.5) * self.resolution
+        return np.stack(np.meshgrid(x, y), axis=-1)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """
+        Tell which points lie on the map; its border does.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 2)
+            x and y in the world [m].
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+        """
+        cells = self._cells(points)
+        inside: NDArray[np.bool_] = np.all(
+            (cells >= 0.0) & (cells <= (self.columns, self.rows)), axis=-1
+        )
+        return inside
+
+    def height_at(self, points: ArrayLike, beyond: float = math.nan) -> Array:
+        """
+        Return how high the ground is.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 2)
+            x and y in the world [m].
+        beyond : float
+            What is returned off the map and in unknown cells [m].
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Interpolated linearly in x and in y between the centres of the cells; of the nearest
+            centre in the outer half of a cell at the border. Where a neighbour is unknown, the
+            known ones count alone [m].
+        """
+        heights = self._sample(self.heights, points)
+        return np.where(np.isnan(heights), beyond, heights)
+
+    def slope_at(self, points: ArrayLike) -> Array:
+        """
+        Return how steeply the ground rises.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 2)
+            x and y in the world [m].
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            Rise in height per way along x and along y: differences over two cells, over one beside
+            what is unknown; NaN off the map and where nothing is known.
+        """
+        return np.stack([self._sample(image, points) for image in self._gradient], axis=-1)
+
+    def highest_within(self, points: ArrayLike, radius: float) -> Array:
+        """
+        Return the largest height near points, for example for a foot that sweeps over them.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 2)
+            x and y in the world [m].
+        radius : float
+            How near, to :data:`MAX_REACH` cells; the disc is around the centre of a point's cell,
+            and a cell counts if a part of it lies in the disc [m].
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Unknown cells do not count; NaN off the map and where all are unknown [m].
+        """
+        return self._look_up(self._extremes(radius)[0], points)
+
+    def lowest_within(self, points: ArrayLike, radius: float) -> Array:
+        """Return the smallest height near points; see :meth:`highest_within`."""
+        return self._look_up(self._extremes(radius)[1], points)
+
+    def step_at(self, points: ArrayLike, radius: float) -> Array:
+        """Return by how much heights differ near points [m]; see :meth:`highest_within`."""
+        return self._look_up(self.steps(radius), points)
+
+    def steps(self, radius: float) -> Array:
+        """
+        Return by how much heights differ within a radius of each cell.
+
+        Parameters
+        ----------
+        radius : float
+            [m]
+
+        Returns
+        -------
+        ndarray, shape (rows, columns)
+            Highest less lowest, as in :meth:`highest_within` [m].
+        """
+        highest, lowest = self._extremes(radius)
+        return highest - lowest
+
+    def _cells(self, points: ArrayLike) -> Array:
+        """Column and row of points, with fractions, shape (..., 2)."""
+        cells: Array = (np.asarray(points, dtype=float) - self.origin) / self.resolution
+        return cells
+
+    def _look_up(self, image: Array, points: ArrayLike) -> Array:
+        """Return the values of an image in the cells that hold the points."""
+        column, row, inside = self._indices(points)
+        return np.where(inside, image[row, column], math.nan)
+
+    def _indices(
+        self, points: ArrayLike
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Column and row of the cells that hold the points, and whether there is one."""
+        cells = self._cells(points)
+        inside = self.contains(points)
+        floor = np.floor(np.where(inside[..., None], cells, 0.0)).astype(np.int64)
+        column = np.minimum(floor[..., 0], self.columns - 1)
+        row = np.minimum(floor[..., 1], self.rows - 1)
+        return column, row, inside
+
+    def _sample(self, image: Array, points: ArrayLike) -> Array:
+        """Interpolate an image; NaN off the map and in cells where the image is NaN."""
+        own_column, own_row, inside = self._indices(points)
+        last = np.array([self.columns - 1, self.rows - 1])
+        at = np.where(inside[..., None], self._cells(points), 0.5) - 0.5
+        at = np.clip(at, 0.0, last)
+        low = np.minimum(np.floor(at).astype(np.int64), np.maximum(last - 1, 0))
+        high = np.minimum(low + 1, last)
+        part = at - low
+        total = np.zeros(inside.shape)
+        weights = np.zeros(inside.shape)
+        for column, u in ((low[..., 0], 1.0 - part[..., 0]), (high[..., 0], part[..., 0])):
+            for row, v in ((low[..., 1], 1.0 - part[..., 1]), (high[..., 1], part[..., 1])):
+                value = image[row, column]
+                is_known = ~np.isnan(value)
+                weight = np.where(is_known, u * v, 0.0)
+                total += weight * np.where(is_known, value, 0.0)
+                weights += weight
+        is_known = inside & ~np.isnan(image[own_row, own_column]) & (weights > 0.0)
+        return np.where(is_known, total / np.where(is_known, weights, 1.0), math.nan)
+
+    @cached_property
+    def _gradient(self) -> tuple[Array, Array]:
+        """Rise along x and along y at the cells' centres, shape (rows, columns) each."""
+        along_x = _differences(self.heights) / self.resolution
+        along_y = _differences(self.heights.T).T / self.resolution
+        return along_x, along_y
+
+    def _extremes(self, radius: float) -> tuple[Array, Array]:
+        """Highest and lowest within a radius of each cell, shape (rows, columns) each."""
+        reach = float(radius) / self.resolution
+        if not 0.0 <= reach <= MAX_REACH:
+            raise ParameterError(
+                'radius', radius, f'from 0 to {MAX_REACH * self.resolution:g} m, {MAX_REACH} cells'
+            )
+        if reach not in self._images:
+            unknown = np.isnan(self.heights)
+            side = np.arange(-math.ceil(reach), math.ceil(reach) + 1)
+            apart = np.maximum(np.abs(side) - 0.5, 0.0)
+            disc = np.hypot(apart[:, None], apart) <= reach
+            images = []
+            for filtered, nothing in (
+                (ndimage.maximum_filter, -math.inf),
+                (ndimage.minimum_filter, math.inf),
+            ):
+                known = np.where(unknown, nothing, self.heights)
+                image = filtered(known, footprint=disc, mode='constant', cval=nothing)
+                image[np.isinf(image)] = math.nan
+                images.append(image)
+            self._images[reach] = (images[0], images[1])
+        return self._images[reach]
+
+
+def _differences(heights: Array) -> Array:
+    """Rise from column to column: over two of them, over one at an edge; NaN if there is none."""
+    steps = np.pad(np.diff(heights, axis=1), ((0, 0), (1, 1)), constant_values=math.nan)
+    before, after = steps[:, :-1], steps[:, 1:]
+    rise: Array = np.where(
+        np.isnan(before), after, np.where(np.isnan(after), before, (before + after) / 2.0)
+    )
+    return rise

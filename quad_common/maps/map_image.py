@@ -1,0 +1,90 @@
+"""
+Images of maps: decoded by Pillow, within a stated size.
+
+A file of some kilobytes may say that it has a picture of gigabytes: the size is looked at
+before anything is decoded.
+"""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from PIL import Image, UnidentifiedImageError
+
+from quad_common.errors import FileUnusable, MapError
+from quad_common.files.bounded_file import LARGEST_IMAGE, read_bytes
+from quad_common.quoting import clipped
+
+MOST_PIXELS = 2**27
+"""Of the largest image that is decoded: 579 m square with cells of 0.05 m."""
+
+_MOST_VALUES = 2**28
+"""Pixels times colour bands."""
+
+_NAMES = {'PPM': 'PGM'}
+"""What users call Pillow's formats."""
+
+Decoded = TypeVar('Decoded')
+
+
+def decode_image(
+    path: Path, formats: tuple[str, ...], decode: Callable[[Image.Image], Decoded]
+) -> Decoded:
+    """
+    Decode an image.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    formats : tuple of str
+        Pillow's names of the formats that it may have.
+    decode : callable
+        Makes arrays of the opened image; it is called with the size checked.
+
+    Returns
+    -------
+    object
+        What `decode` returned.
+
+    Raises
+    ------
+    MapError
+        If the file cannot be read, or is no such image, or too large.
+    """
+    try:
+        content = read_bytes(path, 'image', LARGEST_IMAGE)
+    except FileUnusable as error:
+        raise MapError(f'the {error}') from error
+    names = [_NAMES.get(name, name) for name in formats]
+    kinds = ' or '.join([', '.join(names[:-1]), names[-1]] if names[1:] else names)
+    try:
+        with warnings.catch_warnings():
+            # Pillow warns of large images; what is too large is refused below.
+            warnings.simplefilter('ignore', Image.DecompressionBombWarning)
+            with Image.open(io.BytesIO(content), formats=formats) as image:
+                _check_size(image, path)
+                return decode(image)
+    except MapError:
+        raise
+    except Exception as error:
+        # Decoders raise whatever a damaged file makes them meet: IndexError, struct.error, ...
+        is_other = isinstance(error, UnidentifiedImageError)
+        reason = 'it is none' if is_other else clipped(str(error)) or type(error).__name__
+        raise MapError(
+            f"the image '{clipped(str(path))}' cannot be read as {kinds}: {reason}"
+        ) from error
+
+
+def _check_size(image: Image.Image, path: Path) -> None:
+    width, height = image.size
+    pixels = width * height
+    if not 0 < pixels <= MOST_PIXELS or pixels * len(image.getbands()) > _MOST_VALUES:
+        raise MapError(
+            f"the image '{clipped(str(path))}' has {width} x {height} pixels of mode "
+            f'{image.mode}; it must have between 1 and {MOST_PIXELS}, {MOST_PIXELS // 2} in colour'
+        )

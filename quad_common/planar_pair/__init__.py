@@ -1,0 +1,3 @@
+"""
+A body on two legs in the plane (S3).
+"""

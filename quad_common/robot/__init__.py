@@ -1,0 +1,3 @@
+"""
+Robots: their data files, the kinematics of their legs, their reach, their shape and their pace.
+"""

@@ -1,0 +1,260 @@
+"""
+A node whose callbacks cannot end it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
+
+from quad_common.errors import InvalidMessage, QuadError
+from quad_common.quoting import clipped, quoted
+from quad_common.ros.callback_net import CallbackNet
+from quad_common.ros.pose_conversions import check_clock
+
+_LONGEST_WAIT = 0.1
+"""Of an idle node, before it looks whether it is to end [s]."""
+
+_AFTER_FAILURE = 0.02
+"""Pause after something that might fail again at once [s]."""
+
+
+_MOST_ITEMS = 1000
+"""In a sequence of a request: names, parameters."""
+
+_PARAMETER_TYPES = frozenset(kind.value for kind in Parameter.Type)
+
+
+class Guarded:
+    """
+    A callback over a net: what it raises is reported, and ends nothing.
+
+    Parameters
+    ----------
+    net : CallbackNet
+        The node's.
+    what : str
+        What the callback works on, as the beginning of a sentence.
+    callback : callable
+        Any callback of rclpy.
+    failed : callable, optional
+        Makes the result in the callback's place, from a sentence that says why it failed.
+    """
+
+    def __init__(
+        self,
+        net: CallbackNet,
+        what: str,
+        callback: Callable[..., Any],
+        failed: Callable[[str], Any] = lambda sentence: None,
+    ) -> None:
+        self._net, self._what, self._callback, self._failed = net, what, callback, failed
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the callback."""
+        return self._net.call(self._what, partial(self._callback, *arguments), self._failed)
+
+
+class GuardedNode(Node):
+    """
+    A node with a net under everything that it has called.
+
+    Whatever it creates (subscriptions, timers, services, parameter callbacks, rclpy's own
+    among them) is `Guarded`: no message, request or parameter ends the node.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    **kwargs
+        Passed on to rclpy's Node.
+    """
+
+    def __init__(self, name: str, **kwargs: Any) -> None:
+        # rclpy's own constructor makes subscriptions and services already.
+        self._net = CallbackNet(self)
+        super().__init__(name, **kwargs)
+        for service in self.services:
+            # rclpy adds the one for descriptions of types behind `create_service`.
+            if not isinstance(service.callback, Guarded):
+                service.callback = self._guarded_service(
+                    service.srv_type, service.srv_name, service.callback
+                )
+
+    def report_error(self, error: QuadError) -> None:
+        """Report what was refused on purpose."""
+        raise NotImplementedError
+
+    def report_unexpected(self, sentence: str, kind: str, stack: str | None) -> None:
+        """Report what should not have happened."""
+        raise NotImplementedError
+
+    def guarded(self, callback: Callable[..., Any], what: str = 'a callback') -> Guarded:
+        """Wrap a callback that rclpy is handed in another way than by ``create_...``."""
+        return Guarded(self._net, what, callback)
+
+    def call_soon(self, callback: Callable[[], Any]) -> None:
+        """Have something called by the executor; from any thread."""
+        if self.executor is not None:
+            self.executor.create_task(self.guarded(callback, 'a result'))
+
+    def turn(self, executor: Any, drive: Callable[[Any], float] | None = None) -> None:
+        """
+        Do what is due, or wait a moment for it.
+
+        Parameters
+        ----------
+        executor : rclpy.executors.Executor
+            It has the node.
+        drive : callable, optional
+            Called with the node first; returns how long it has nothing to do [s].
+        """
+        wait = _LONGEST_WAIT
+        if drive is not None:
+            wait = self._net.call('a step', partial(drive, self), lambda _: _AFTER_FAILURE)
+        # Callbacks are guarded; this is for what rclpy itself raises around them.
+        self._net.call(
+            'taking what was received',
+            lambda: executor.spin_once(timeout_sec=wait),
+            lambda _: time.sleep(_AFTER_FAILURE),
+        )
+
+    def create_subscription(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        *args: Any,
+        most_bytes: int | None = None,
+        **kwargs: Any,
+    ) -> Any:
+        """
+        Subscribe; see rclpy's Node. The callback is guarded.
+
+        Parameters
+        ----------
+        msg_type, topic, callback, *args, **kwargs
+            As rclpy's.
+        most_bytes : int, optional
+            Larger messages are refused before they are taken apart, which for a sequence of
+            a hundred thousand messages takes rclpy seconds. For types that hold such sequences.
+
+        Returns
+        -------
+        rclpy.subscription.Subscription
+            As rclpy's.
+        """
+        what = f"message on '{topic}'"
+        if msg_type is Clock:
+            # rclpy's own: it raises, or keeps a time that cannot be written as a stamp.
+            callback = partial(_checked_first, check_clock, callback)
+        if most_bytes is not None:
+            callback = partial(_taken_apart, msg_type, what, most_bytes, callback)
+        guarded = Guarded(self._net, f'a {what}', callback)
+        raw = {} if most_bytes is None else {'raw': True}
+        return super().create_subscription(msg_type, topic, guarded, *args, **raw, **kwargs)
+
+    def create_timer(
+        self, timer_period_sec: float, callback: Callable[[], None], *args: Any, **kwargs: Any
+    ) -> Any:
+        """Make a timer; see rclpy's Node. The callback is guarded."""
+        guarded = Guarded(self._net, 'what is done by a timer', callback)
+        return super().create_timer(timer_period_sec, guarded, *args, **kwargs)
+
+    def create_service(
+        self, srv_type: Any, srv_name: str, callback: Callable[..., Any], *args: Any, **kwargs: Any
+    ) -> Any:
+        """Offer a service; see rclpy's Node. It answers whatever the callback raises."""
+        guarded = self._guarded_service(srv_type, srv_name, callback)
+        return super().create_service(srv_type, srv_name, guarded, *args, **kwargs)
+
+    def _guarded_service(
+        self, srv_type: Any, srv_name: str, callback: Callable[..., Any]
+    ) -> Guarded:
+        what = f"request to '{srv_name}'"
+        callback = partial(_checked_first, partial(_check_request, what), callback)
+        return Guarded(self._net, f'a {what}', callback, partial(_refusal, srv_type))
+
+    def create_guard_condition(
+        self, callback: Callable[[], None], *args: Any, **kwargs: Any
+    ) -> Any:
+        """Make a guard condition; see rclpy's Node. The callback is guarded."""
+        guarded = Guarded(self._net, 'what a guard condition calls', callback)
+        return super().create_guard_condition(guarded, *args, **kwargs)
+
+    def add_on_set_parameters_callback(
+        self, callback: Callable[[list[Parameter]], SetParametersResult]
+    ) -> None:
+        """Have changes of parameters checked; see rclpy's Node. What fails is refused."""
+        guarded = Guarded(
+            self._net,
+            'a change of parameters',
+            callback,
+            lambda sentence: SetParametersResult(successful=False, reason=sentence),
+        )
+        super().add_on_set_parameters_callback(guarded)
+
+
+def _checked_first(
+    check: Callable[[Any], None], callback: Callable[..., Any], message: Any, *rest: Any
+) -> Any:
+    """Hand a message or a request on if the check lets it."""
+    check(message)
+    return callback(message, *rest)
+
+
+def _check_request(what: str, request: Any) -> None:
+    """Raise InvalidMessage if a request is longer than any has to be, or rclpy would raise."""
+    for field in request.get_fields_and_field_types():
+        value = getattr(request, field)
+        if not isinstance(value, str) and hasattr(value, '__len__') and len(value) > _MOST_ITEMS:
+            raise InvalidMessage(what, f'its {field} are {len(value)}; {_MOST_ITEMS} are the most')
+    if isinstance(request, (SetParameters.Request, SetParametersAtomically.Request)):
+        for parameter in request.parameters:
+            if not parameter.name:
+                # rclpy takes it, with any value, and shows it to everybody from then on.
+                raise InvalidMessage(what, 'a parameter in it has no name')
+            if parameter.value.type not in _PARAMETER_TYPES:
+                raise InvalidMessage(
+                    what,
+                    f'the type of {quoted(parameter.name)} is {parameter.value.type}; '
+                    f'known are {min(_PARAMETER_TYPES)} to {max(_PARAMETER_TYPES)}',
+                )
+
+
+def _taken_apart(
+    msg_type: Any, what: str, most_bytes: int, callback: Callable[[Any], None], data: bytes
+) -> None:
+    """Hand a message on that came as bytes, unless it has too many of them."""
+    if len(data) > most_bytes:
+        raise InvalidMessage(what, f'it has {len(data)} bytes; {most_bytes} are the most')
+    try:
+        message = deserialize_message(data, msg_type)
+    except Exception as error:
+        # The middleware's own kind of error, for a message that is cut off or none at all. What
+        # is not asked for as bytes it drops in silence.
+        raise InvalidMessage(what, 'its bytes are no message of its type') from error
+    callback(message)
+
+
+def _refusal(srv_type: Any, sentence: str) -> Any:
+    """Make a service's answer that says why there is none, where it has a field for that."""
+    response = srv_type.Response()
+    refused = SetParametersResult(successful=False, reason=clipped(sentence))
+    if srv_type is SetParameters:
+        response.results = [refused]
+    elif srv_type is SetParametersAtomically:
+        response.result = refused
+    for name, value in (('success', False), ('message', clipped(sentence))):
+        if hasattr(response, name):
+            setattr(response, name, value)
+    return response

@@ -1,0 +1,253 @@
+"""
+What the nodes have in common: parameters and diagnostics.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import Any, Generic, TypeVar
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.parameter import Parameter as RosParameter
+
+from quad_common.errors import QuadError
+from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
+from quad_common.process.spare_memory import give_back_spare_memory
+from quad_common.quoting import clipped
+from quad_common.ros.guarded_node import GuardedNode
+
+Table = TypeVar('Table')
+
+OK = DiagnosticStatus.OK
+WARN = DiagnosticStatus.WARN
+ERROR = DiagnosticStatus.ERROR
+STALE = DiagnosticStatus.STALE
+
+_NO_LIMIT = 1e308
+
+_OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
+"""Parameters that rclpy itself declares."""
+
+_SAME_LOG_AGAIN = 10.0
+"""The same sentence is logged again only after so long [s]."""
+
+_LOGGED_SENTENCES = 200
+"""Different sentences that are logged in that time; more of them are bad input in a stream."""
+
+
+class QuadNode(GuardedNode, Generic[Table]):
+    """
+    A node with a table of parameters, a voice on ``diagnostics`` and a net under its callbacks.
+
+    Parameters
+    ----------
+    name : str
+        Name of the node.
+    table : type
+        Its parameter dataclass (see :mod:`quad_common.parameters`).
+    use_sim_time : bool
+        What ``use_sim_time`` is unless the user sets it.
+    **kwargs
+        Passed on to rclpy's Node.
+    """
+
+    def __init__(
+        self, name: str, table: type[Table], use_sim_time: bool = True, **kwargs: Any
+    ) -> None:
+        super().__init__(name, **kwargs)
+        given = self._given_values(kwargs.get('parameter_overrides') or [])
+        if 'use_sim_time' not in given:
+            self.set_parameters([RosParameter('use_sim_time', value=use_sim_time)])
+        self.parameters: Table = self._declare(table, given)
+        self._diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self._status = (OK, 'starting')
+        self._values: dict[str, object] = {}
+        self._said: tuple[bytes, str] | None = None
+        self._logged_at: dict[str, float] = {}
+        self._last_refusal: dict[str, object] = {}
+        self._caught = 0
+        self._clock_seen = self.get_clock().now().nanoseconds
+        self._clock_seen_at = time.monotonic()
+        # On the wall clock: it must speak up just when simulated time stands still.
+        self.create_timer(1.0, self._on_second, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def report(self, level: bytes, message: str, **values: object) -> None:
+        """
+        Say on ``diagnostics`` what the node does, or why it does not.
+
+        It is published at once when level or message change, and every second; changes
+        are logged too.
+
+        Parameters
+        ----------
+        level : bytes
+            OK, WARN, ERROR or STALE.
+        message : str
+            One sentence; of one that is too long, beginning and end are said.
+        **values
+            Numbers that go with it.
+        """
+        message = clipped(message)
+        self._status = (level, message)
+        self._values = values
+        if self._said != self._status:
+            self._said = self._status
+            self._log(level, message)
+            self._publish_status(level, message)
+
+    def update_status(self) -> None:
+        """Report what is going on; called every second. Nodes override it."""
+
+    def take_parameters(self, parameters: Table) -> None:
+        """
+        Go on with other values of the parameters that may be set while the node runs.
+
+        Nodes that have such parameters override it; a QuadError refuses the change.
+        """
+
+    def report_error(self, error: QuadError) -> None:
+        """Report an error, with its code if it has one; its sentence stays as last_error."""
+        code = getattr(error, 'code', None)
+        values = {} if code is None else {'error_code': code}
+        self._last_refusal = {'last_error': clipped(str(error))}
+        self.report(ERROR, str(error), error=type(error).__name__, **values)
+
+    def report_unexpected(self, sentence: str, kind: str, stack: str | None) -> None:
+        """Report what should not have happened; its stack is logged once a kind."""
+        if stack is not None:
+            self.get_logger().error(stack)
+        self._last_refusal = {'last_error': clipped(sentence)}
+        self.report(ERROR, sentence, error=kind)
+
+    def clock_problem(self) -> str | None:
+        """Say why simulated time does not advance; None if it does, or is not used."""
+        if not self.get_parameter('use_sim_time').value:
+            return None
+        now = self.get_clock().now().nanoseconds
+        if now != self._clock_seen:
+            self._clock_seen = now
+            self._clock_seen_at = time.monotonic()
+        elif now == 0:
+            return (
+                'no clock: use_sim_time is true and nothing was heard on /clock; '
+                'start a simulator, or set use_sim_time to false on a real robot'
+            )
+        elif time.monotonic() - self._clock_seen_at > 0.9:
+            return f'stale clock: simulated time stands still at {now / 1e9:.2f} s'
+        return None
+
+    def _on_second(self) -> None:
+        if self._net.caught > self._caught:
+            # It may have been refused because it was far too large.
+            self._caught = self._net.caught
+            give_back_spare_memory()
+        self.update_status()
+        self._publish_status(*self._status)
+
+    def _log(self, level: bytes, message: str) -> None:
+        """Log a message, unless it was logged a moment ago: bad input may come in streams."""
+        now = time.monotonic()
+        if now - self._logged_at.get(message, -math.inf) < _SAME_LOG_AGAIN:
+            return
+        self._logged_at = {m: t for m, t in self._logged_at.items() if now - t < _SAME_LOG_AGAIN}
+        if len(self._logged_at) >= _LOGGED_SENTENCES:
+            return
+        self._logged_at[message] = now
+        if level == ERROR:
+            self.get_logger().error(message)
+        elif level == OK:
+            self.get_logger().info(message)
+        else:
+            self.get_logger().warning(message)
+
+    def _publish_status(self, level: bytes, message: str) -> None:
+        status = DiagnosticStatus(
+            level=level,
+            name=self.get_fully_qualified_name().lstrip('/'),
+            message=message,
+            hardware_id=str(getattr(self.parameters, 'robot', '')),
+            values=[
+                KeyValue(key=key, value=clipped(str(value)))
+                for key, value in {**self._values, **self._last_refusal}.items()
+            ],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)
+
+    def _given_values(self, overrides: list[RosParameter]) -> dict[str, object]:
+        """Return what the command line, parameter files and the constructor set."""
+        with self.handle:
+            given = dict(self.handle.get_parameters(RosParameter))
+        given.update({parameter.name: parameter for parameter in overrides})
+        return {name: _plain(parameter.value) for name, parameter in given.items()}
+
+    def _declare(self, table: type[Table], given: dict[str, object]) -> Table:
+        """Declare the parameters with checked values, so that refusals are our sentences."""
+        declared = parameters_of(table)
+        names = [parameter.name for parameter in declared]
+        unknown = sorted(n for n in given if n not in names and not n.startswith(_OF_ROS))
+        if unknown:
+            self.get_logger().warning(
+                f'parameters that mean nothing here are ignored: {", ".join(unknown)}; '
+                f'{self.get_name()} has {", ".join(names)}'
+            )
+        checked = checked_parameters(table, {n: given[n] for n in names if n in given})
+        for parameter in declared:
+            self.declare_parameter(
+                parameter.name,
+                getattr(checked, parameter.name),
+                _descriptor(parameter),
+                ignore_override=True,
+            )
+        if any(parameter.is_dynamic for parameter in declared):
+            self.add_on_set_parameters_callback(self._on_set_parameters)
+        return checked
+
+    def _on_set_parameters(self, changes: list[RosParameter]) -> SetParametersResult:
+        """Check a change of parameters as a whole, and hand it to the node."""
+        table = type(self.parameters)
+        known = {parameter.name: parameter for parameter in parameters_of(table)}
+        try:
+            new = {c.name: known[c.name].check(_plain(c.value)) for c in changes if c.name in known}
+            if new:
+                changed = replace(self.parameters, **new)  # type: ignore[type-var]
+                self.take_parameters(changed)
+                self.parameters = changed
+        except QuadError as error:
+            return SetParametersResult(successful=False, reason=clipped(str(error)))
+        return SetParametersResult(successful=True)
+
+
+def _plain(value: Any) -> object:
+    return list(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
+
+
+def _descriptor(parameter: Parameter) -> ParameterDescriptor:
+    described = ParameterDescriptor(
+        description=parameter.description + (f' [{parameter.unit}]' if parameter.unit else ''),
+        additional_constraints=valid_range(parameter),
+        read_only=not parameter.is_dynamic,
+    )
+    if isinstance(parameter.default, (bool, str, list)):
+        return described
+    low = -_NO_LIMIT if parameter.lower is None else parameter.lower
+    high = _NO_LIMIT if parameter.upper is None else parameter.upper
+    if isinstance(parameter.default, int):
+        low, high = max(low, -(2**63)), min(high, 2**63 - 1)
+        described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
+    else:
+        described.floating_point_range = [
+            FloatingPointRange(from_value=float(low), to_value=float(high), step=0.0)
+        ]
+    return described

@@ -1,0 +1,115 @@
+"""
+Runs a node from its making to its end.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy.exceptions import ParameterException
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.signals import SignalHandlerOptions
+
+from quad_common.errors import QuadError
+from quad_common.process.end_signals import ignore_signals, released_at_last
+from quad_common.process.entry import node_end
+from quad_common.process.shared_memory import release_own
+from quad_common.ros.guarded_node import GuardedNode
+from quad_common.ros.network import check_security, library_without_security, reach_of
+
+
+def run_node(
+    make_node: Callable[[], GuardedNode],
+    args: list[str] | None = None,
+    drive: Callable[[Any], float] | None = None,
+) -> int:
+    """
+    Run a node until it is interrupted; end quietly.
+
+    Parameters
+    ----------
+    make_node : callable
+        Makes the node.
+    args : list of str, optional
+        Command-line arguments; those of the process if not given.
+    drive : callable, optional
+        Called with the node between callbacks; returns how long it has nothing to do [s].
+
+    Returns
+    -------
+    int
+        Exit code: 0, or 2 if the node could not be made.
+    """
+    end = node_end()
+    node = None
+    with released_at_last(release_own):
+        try:
+            if end.is_wanted():
+                return 0
+            check_middleware()
+            try:
+                rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+            except RuntimeError as error:
+                print(f'error: {error}', file=sys.stderr)
+                return 2
+            node = make_node()
+            end.expect_running()
+            node.get_logger().info(reach_of(os.environ))
+            executor = make_executor()
+            executor.add_node(node)
+            while not end.is_wanted() and rclpy.ok():
+                node.turn(executor, drive)
+        except (QuadError, ParameterException, rclpy_implementation.RCLError) as error:
+            print(f'error: {error}', file=sys.stderr)
+            return 2
+        finally:
+            if node is not None:
+                node.destroy_node()
+            rclpy.try_shutdown()
+            ignore_signals()
+    return 0
+
+
+def check_middleware() -> None:
+    """
+    Refuse to start without the security that the environment asks for.
+
+    Raises
+    ------
+    SecurityUnavailable, SecuritySettingUnknown
+        See :func:`quad_common.ros.network.check_security`.
+    """
+
+    def library_without() -> str | None:
+        # Asking for its name loads it.
+        rclpy.get_rmw_implementation_identifier()
+        return library_without_security()
+
+    check_security(os.environ, library_without)
+
+
+def make_executor(context: Any = None) -> Any:
+    """
+    Make the executor with the least cost per message that rclpy has.
+
+    Parameters
+    ----------
+    context : rclpy.Context, optional
+        The default one if not given.
+
+    Returns
+    -------
+    rclpy.executors.Executor
+        Call its ``spin_once`` in a loop: its ``spin`` runs no callbacks in some releases.
+    """
+    try:
+        from rclpy.experimental import EventsExecutor
+    except ImportError:
+        from rclpy.executors import SingleThreadedExecutor
+
+        return SingleThreadedExecutor(context=context)
+    return EventsExecutor(context=context)

@@ -1,0 +1,3 @@
+"""
+Joint trajectories: the values, the limits they must keep, and how joints execute them.
+"""

@@ -1,0 +1,261 @@
+"""
+Executes joint trajectories as ros2_control's joint_trajectory_controller does.
+
+Joints are matched by name; a new trajectory replaces the old one on arrival; until its
+first point the joints go from where they are commanded now to that point; between
+points they follow cubics in position and velocity; after the last they hold it.
+
+One thing is smoother. A trajectory may arrive so late that its first point cannot be reached
+any more in its time, or lies in the past while the joints are commanded elsewhere. Then the
+difference between the two commands fades out, as fast as the joints turn, instead of a jump; one
+that starts on arrival starts that much later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import JointNotFound, TrajectoryError
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE
+
+Array = NDArray[np.float64]
+
+_NEGLIGIBLE = 1e-4
+"""Difference between two commands that is no jump [rad]."""
+
+_LEAST_FADING = 0.1
+"""Time in which even a small jump fades out [s]."""
+
+LONGEST_FADING = 2.0
+"""Time in which even a large jump has faded out [s]."""
+
+_LEAST_ROOM = 0.25
+"""Fraction of a joint's velocity limit that is left for fading, however fast the trajectory."""
+
+
+@dataclass(frozen=True)
+class _Fading:
+    """
+    A difference to the trajectory that goes to zero with minimum jerk.
+
+    It is the same fraction of the whole for all joints: so their posture is on the straight way
+    from where they were commanded into the trajectory.
+    """
+
+    start: float
+    """Time when it begins [s]."""
+    duration: float
+    """Time until nothing is left of it [s]."""
+    offset: Array
+    """Shape (n,) [rad]."""
+
+    @property
+    def end(self) -> float:
+        """Time when nothing is left of it [s]."""
+        return self.start + self.duration
+
+    def at(self, time: float) -> tuple[Array, Array]:
+        """Return what is left, in position and in velocity."""
+        s = (time - self.start) / self.duration
+        left = 1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        rate = -30.0 * s * s * (1.0 - s) ** 2 / self.duration
+        return left * self.offset, rate * self.offset
+
+
+class TrajectoryExecutor:
+    """
+    Turns the current trajectory into a command for each instant.
+
+    Parameters
+    ----------
+    joint_names : tuple of str
+        The robot's joints, in the order of its commands.
+    positions : ndarray, shape (n,)
+        What to hold until a trajectory comes [rad].
+    velocity_limits : ndarray, shape (n,), optional
+        How fast the joints turn [rad/s]; without them commands may jump.
+    """
+
+    def __init__(
+        self,
+        joint_names: tuple[str, ...],
+        positions: Array,
+        velocity_limits: Array | None = None,
+    ) -> None:
+        self._joint_names = joint_names
+        self._velocity_limits = velocity_limits
+        self.hold(positions)
+
+    def hold(self, positions: Array) -> None:
+        """Drop the trajectory and hold these positions, shape (n,) [rad]."""
+        still = np.zeros_like(positions)
+        self._times = np.array([0.0])
+        self._positions = np.array([positions], dtype=float)
+        self._coefficients: Array = np.zeros((0, 4, len(positions)))
+        self._segment = 0
+        self._still = still
+        self._fading: _Fading | None = None
+
+    @property
+    def end(self) -> float:
+        """When the last point of the trajectory is, or was, reached [s]."""
+        return float(self._times[-1])
+
+    def accept(self, trajectory: JointTrajectory, now: float) -> bool:
+        """
+        Replace the current trajectory.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            It must move every joint; their order is free.
+        now : float
+            Current time [s].
+
+        Returns
+        -------
+        bool
+            Whether it fits what the joints are commanded now; if not, the difference fades out.
+
+        Raises
+        ------
+        JointNotFound
+            If it names a joint that the robot does not have.
+        TrajectoryError
+            If it leaves out a joint, or has ended already.
+        """
+        for name in trajectory.joint_names:
+            if name not in self._joint_names:
+                raise JointNotFound(name, self._joint_names)
+        missing = [name for name in self._joint_names if name not in trajectory.joint_names]
+        if missing:
+            raise TrajectoryError(f'the trajectory leaves out {", ".join(missing)}')
+        start = trajectory.stamp if trajectory.stamp > 0.0 else now
+        times = start + trajectory.times
+        if times[-1] <= now:
+            raise TrajectoryError(
+                f'the trajectory ended at {times[-1]:.3f} s, {now - times[-1]:.3f} s ago'
+            )
+        order = [trajectory.joint_names.index(name) for name in self._joint_names]
+        positions = trajectory.positions[:, order]
+        velocities = trajectory.velocities[:, order]
+        position, velocity = self.command(now)
+        fading, followed = self._fading, self._followed(now)[0]
+        is_ahead = bool(times[0] > now)
+        fits = not is_ahead or self._reaches(
+            times[0] - now, position, velocity, positions[0], velocities[0]
+        )
+        if is_ahead and not fits and trajectory.stamp <= 0.0:
+            # It has no time of its own: it begins as soon as its first point can be reached.
+            times = times + self._extra_time(times[0] - now, position, velocity, positions[0])
+            velocities[0] = 0.0
+        if is_ahead:
+            # One that comes too late to be reached waits in its first point.
+            joins = fits or trajectory.stamp <= 0.0
+            first = (position, velocity) if joins else (positions[0], self._still)
+            times = np.concatenate([[now], times])
+            positions = np.vstack([first[0], positions])
+            velocities = np.vstack([first[1], velocities])
+        self._times = times
+        self._positions = positions
+        self._coefficients = _cubics(times, positions, velocities)
+        self._segment = 0
+        self._fading = None
+        limits = self._velocity_limits
+        if limits is None or (is_ahead and joins):
+            return fits
+        after, _ = self.command(now)
+        if _is_same(after, followed):
+            # It goes on with what runs, and so does what is fading out.
+            self._fading = fading
+            return fits
+        if _is_same(after, position):
+            return fits
+        duration = _fading_time(position - after, _fastest(times, positions, velocities), limits)
+        self._fading = _Fading(now, duration, position - after)
+        return False
+
+    def command(self, time: float) -> tuple[Array, Array]:
+        """
+        Say where the joints should be.
+
+        Parameters
+        ----------
+        time : float
+            [s]; times should not go back between trajectories.
+
+        Returns
+        -------
+        tuple of ndarray, each of shape (n,)
+            Positions [rad] and velocities [rad/s].
+        """
+        position, velocity = self._followed(time)
+        if self._fading is not None:
+            if time < self._fading.end:
+                offset, rate = self._fading.at(time)
+                return position + offset, velocity + rate
+            self._fading = None
+        return position, velocity
+
+    def _followed(self, time: float) -> tuple[Array, Array]:
+        """Return what the trajectory itself says."""
+        if time >= self._times[-1]:
+            return self._positions[-1], self._still
+        while self._segment > 0 and time < self._times[self._segment]:
+            self._segment -= 1
+        while time >= self._times[self._segment + 1]:
+            self._segment += 1
+        a, b, c, d = self._coefficients[self._segment]
+        s = time - self._times[self._segment]
+        return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
+
+    def _extra_time(self, h: float, p0: Array, v0: Array, p1: Array) -> float:
+        """Return how much later joints come to rest at a point than they were to [s]."""
+        assert self._velocity_limits is not None
+        limits = self._velocity_limits
+        room = np.maximum(limits - np.abs(v0), _LEAST_ROOM * limits)
+        return max(0.0, float(np.max(3.0 * np.abs(p1 - p0) / room)) - h)
+
+    def _reaches(self, h: float, p0: Array, v0: Array, p1: Array, v1: Array) -> bool:
+        """Return whether the joints get from one state to another in a time [s]."""
+        if self._velocity_limits is None:
+            return True
+        # The middle one of the Bezier points of the velocity; see `trajectory_gate`.
+        middle = np.abs(3.0 * (p1 - p0) / h - v0 - v1)
+        fastest = np.maximum(np.abs(v0), np.abs(v1))
+        limit = np.maximum((1.0 + VELOCITY_TOLERANCE) * self._velocity_limits, fastest)
+        return bool(np.all(middle <= limit))
+
+
+def _is_same(a: Array, b: Array) -> bool:
+    return float(np.max(np.abs(a - b))) <= _NEGLIGIBLE
+
+
+def _fastest(times: Array, positions: Array, velocities: Array) -> Array:
+    """Return the largest speed of each joint at points and halfway between them [rad/s]."""
+    slope = np.diff(positions, axis=0) / np.diff(times)[:, None]
+    halfway = 1.5 * slope - 0.25 * (velocities[:-1] + velocities[1:])
+    fastest: Array = np.abs(np.concatenate([velocities, halfway])).max(axis=0)
+    return fastest
+
+
+def _fading_time(offset: Array, used: Array, limits: Array) -> float:
+    """Return the time in which a difference fades out beside a motion, not too fast [s]."""
+    room = np.maximum(limits - used, _LEAST_ROOM * limits)
+    # Minimum jerk is at most 15/8 times as fast as the mean.
+    duration = 1.875 * float(np.max(np.abs(offset) / room))
+    return min(max(_LEAST_FADING, duration), LONGEST_FADING)
+
+
+def _cubics(times: Array, positions: Array, velocities: Array) -> Array:
+    """Coefficients of the cubic in each interval, shape (m - 1, 4, n)."""
+    h = np.diff(times)[:, None]
+    p0, p1 = positions[:-1], positions[1:]
+    v0, v1 = velocities[:-1], velocities[1:]
+    slope = (p1 - p0) / h
+    bend = (3.0 * slope - 2.0 * v0 - v1) / h
+    return np.stack([p0, v0, bend, (v0 + v1 - 2.0 * slope) / h**2], axis=1)

@@ -1,0 +1,3 @@
+"""
+What the robot does, and what comes next.
+"""

@@ -1,0 +1,94 @@
+"""
+What leaves the gait: no trajectory that the joints could not follow from where they are.
+
+The gate knows what the joints are commanded at each instant, as their controller does, from the
+trajectories that it let through.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
+from quad_common.trajectory.trajectory_gate import JointLimits, check_command, joining_time
+
+Array = NDArray[np.float64]
+
+
+class CommandGate:
+    """
+    Lets trajectories through that stay within the limits, and remembers what they command.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.limits = JointLimits.of(robot)
+        self._executor: TrajectoryExecutor | None = None
+
+    @property
+    def end(self) -> float:
+        """When the last trajectory that passed comes to rest [s]; minus infinity without one."""
+        return -np.inf if self._executor is None else self._executor.end
+
+    def forget(self) -> None:
+        """Know nothing of what is commanded: something else has moved the joints."""
+        self._executor = None
+
+    def command(self, time: float, measured: Array) -> tuple[Array, Array]:
+        """
+        Return what the joints are commanded.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+        measured : ndarray, shape (12,)
+            Where they are [rad]; they are taken to hold it while nothing has been commanded.
+
+        Returns
+        -------
+        tuple of ndarray, each of shape (12,)
+            Positions [rad], within their range, and velocities [rad/s].
+        """
+        return self._known(measured).command(time)
+
+    def time_to(self, time: float, measured: Array, target: Array) -> float:
+        """Return how long the joints need from their commands to rest at a target, (12,) [s]."""
+        return joining_time(self.limits, *self.command(time, measured), target)
+
+    def admit(self, trajectory: JointTrajectory, time: float, measured: Array) -> None:
+        """
+        Let a trajectory through.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            For all joints, in the robot's order.
+        time : float
+            When it is given out [s].
+        measured : ndarray, shape (12,)
+            Where the joints are [rad].
+
+        Raises
+        ------
+        TrajectoryError
+            If it leaves the limits, or the joints cannot follow it from their commands.
+        """
+        executor = self._known(measured)
+        check_command(self.limits, trajectory, time, *executor.command(time))
+        executor.accept(trajectory, time)
+
+    def _known(self, measured: Array) -> TrajectoryExecutor:
+        if self._executor is None:
+            limits = self.limits
+            self._executor = TrajectoryExecutor(
+                limits.joint_names, limits.clip(measured), limits.velocity
+            )
+        return self._executor

@@ -1,0 +1,139 @@
+"""
+Says in words what is wrong with a gait on a robot, and what it can do.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from quad_common.errors import GaitError
+from quad_common.robot.robot import Robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.foot_spacing import crossing_feet
+from quad_gait.cycle.gait import Gait
+from quad_gait.cycle.gait_generator import generate_steady_cycle
+from quad_gait.cycle.motion_limits import MotionLimits
+
+DIRECTIONS = {
+    'forward': BodyMotion(forward=1.0),
+    'backward': BodyMotion(forward=-1.0),
+    'left': BodyMotion(left=1.0),
+    'right': BodyMotion(left=-1.0),
+    'turn left': BodyMotion(turn=1.0),
+    'turn right': BodyMotion(turn=-1.0),
+}
+"""The motions that a gait is checked in."""
+
+_USELESS = 0.005
+"""A gait that gets no farther in a cycle than this share of the stride is no gait."""
+
+
+@dataclass(frozen=True)
+class MotionReport:
+    """What a gait does in one direction, at its largest."""
+
+    direction: str
+    """A key of :data:`DIRECTIONS`."""
+    largest: BodyMotion
+    """Of one cycle."""
+    limit: str
+    """What forbids more."""
+    least_margin: float
+    """Of that cycle, static [m]."""
+    order: tuple[str, ...]
+    """Legs in the order of liftoff."""
+    nearest_parts: tuple[str, str]
+    """The robot's own parts with the least distance to spare in that cycle."""
+    clearance: float
+    """Distance between them [m]."""
+    nearest_at: float
+    """When they are nearest, as a fraction of the cycle."""
+
+
+@dataclass(frozen=True)
+class GaitReport:
+    """What a gait does on a robot, and what is wrong with it."""
+
+    motions: tuple[MotionReport, ...]
+    problems: tuple[str, ...]
+    """Sentences; empty if nothing is wrong."""
+
+
+def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitReport:
+    """
+    Try a gait on a robot in every direction.
+
+    What a gait file by itself gets wrong, for example two feet in the air in a static
+    gait, is refused when it is loaded; here come stability, reach, parts of the robot
+    that would touch, and feet in each other's way.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        The gait, fitted to it.
+    least_margin : float
+        That cycles of a static gait must keep [m].
+
+    Returns
+    -------
+    GaitReport
+        What it can do, and sentences on what is wrong.
+    """
+    limits = MotionLimits(robot, gait, least_margin)
+    motions: list[MotionReport] = []
+    problems: list[str] = []
+    standstill = _standstill_problem(robot, gait, least_margin)
+    if standstill:
+        problems.append(standstill)
+    for name, direction in DIRECTIONS.items():
+        share = limits.largest_share(direction)
+        reason = limits.reason(direction)
+        scale = robot.largest_turn if direction.turn else robot.largest_stride
+        if share < _USELESS * scale:
+            problems.append(f'{name}: hardly any motion is possible: {reason}')
+            continue
+        largest = direction.scaled(share)
+        cycle = generate_steady_cycle(robot, limits.gait_for(direction), largest)
+        nearest = robot.own_parts.nearest(cycle.joint_positions)
+        motions.append(
+            MotionReport(
+                name,
+                largest,
+                reason,
+                cycle.least_margin,
+                tuple(swing.leg for swing in cycle.gait.swings),
+                (nearest.pair.first, nearest.pair.second),
+                nearest.clearance,
+                float(cycle.times[nearest.sample]) / cycle.period,
+            )
+        )
+        crossing = crossing_feet(robot, cycle)
+        if crossing:
+            problems.append(f'{name} at {_amount(largest)} a cycle: {crossing}')
+    return GaitReport(tuple(motions), tuple(problems))
+
+
+def _standstill_problem(robot: Robot, gait: Gait, least_margin: float) -> str:
+    """Say why not even stepping on the spot is possible; empty if it is."""
+    try:
+        cycle = generate_steady_cycle(robot, gait, BodyMotion())
+    except GaitError as error:
+        return f'stepping on the spot: {error}'
+    if gait.is_static and cycle.least_margin < least_margin:
+        # Without the sign of a zero.
+        margin = round(1e3 * cycle.least_margin, 1) + 0.0
+        return (
+            f'stepping on the spot the least stability margin is {margin:.1f} mm; '
+            f'it must be at least {1e3 * least_margin:.1f} mm: '
+            f'the body must sway more, or the swings come in another order'
+        )
+    return ''
+
+
+def _amount(motion: BodyMotion) -> str:
+    if motion.turn:
+        return f'{math.degrees(abs(motion.turn)):.1f} degrees'
+    return f'{1e3 * math.hypot(motion.forward, motion.left):.0f} mm'

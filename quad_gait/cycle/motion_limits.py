@@ -1,0 +1,309 @@
+"""
+How much of a motion one cycle of a gait can do: derived from legs, joints and margin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import GaitError
+from quad_common.planar_pose import STILL, Twist2D
+from quad_common.robot.robot import LEGS, Robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.foot_spacing import crossing_feet
+from quad_gait.cycle.gait import Gait
+from quad_gait.cycle.gait_generator import generate_cycle, generate_steady_cycle, margins_of_orders
+
+_SAMPLES = 80
+"""Per trial cycle: limits are met between samples to a fraction of a percent."""
+
+_SAMPLES_OF_TRIALS = 40
+"""Enough to compare orders of swings."""
+
+_BISECTIONS = 11
+
+_BESIDE = 0.22
+"""In a dynamic gait the centre of mass may be beside its two feet by this share of its
+height: farther out, small errors grow into falls."""
+
+_MIDDLING = 0.4
+"""Share of the largest stride at which orders of swings are compared."""
+
+_GOOD = 0.9
+"""A gait keeps its own order if its margin is at least this share of the best order's."""
+
+_KEPT = 4096
+"""Directions whose limits and orders are kept: joysticks and corrections bring ever new ones."""
+
+_RESERVE = 0.95
+"""Of the largest motion: what is left over corrects errors."""
+
+
+Array = NDArray[np.float64]
+
+_Direction = tuple[float, float, float]
+"""Forward, left and turn of a motion of size 1, rounded."""
+
+_Found = TypeVar('_Found')
+
+
+class MotionLimits:
+    """
+    The largest motions of one gait on one robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        The gait, fitted to the robot.
+    least_margin : float
+        Static stability margin that cycles of a static gait must keep [m].
+    reserve : float
+        Share of what is just possible that is used.
+    """
+
+    def __init__(
+        self, robot: Robot, gait: Gait, least_margin: float = 0.0, reserve: float = _RESERVE
+    ) -> None:
+        self._robot = robot
+        self._gait = gait
+        self._reserve = reserve
+        self._limits: dict[_Direction, _Limit] = {}
+        self._orders: dict[_Direction, Gait] = {}
+        center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
+        self.least_margin = least_margin if gait.is_static else -_BESIDE * float(center)
+        """What cycles must keep; negative for a dynamic gait [m]."""
+        self._variants = _variants(gait) if gait.is_static else [gait]
+
+    @property
+    def gait(self) -> Gait:
+        """The gait."""
+        return self._gait
+
+    @property
+    def period(self) -> float:
+        """How long a cycle takes [s]."""
+        return self._gait.cycle_period
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the body may keep its speed from cycle to cycle."""
+        return self._gait.is_steady
+
+    @property
+    def gathering(self) -> float:
+        """Share of a cycle's way at speed in which it gathers that speed."""
+        return self._gait.gathering
+
+    def largest_share(self, motion: BodyMotion) -> float:
+        """
+        Return how many times a motion fits into one cycle.
+
+        Parameters
+        ----------
+        motion : BodyMotion
+            Not zero: a stride, a turn, or any mixture.
+
+        Returns
+        -------
+        float
+            More than 1 if there is room for more; 0 if not even little of it is possible.
+        """
+        size = self.size(motion)
+        return math.inf if size == 0.0 else self._limit(motion).size / size
+
+    def reason(self, motion: BodyMotion) -> str:
+        """Say what forbids more of a motion: a leg's reach, a joint, the margin."""
+        return '' if self.size(motion) == 0.0 else self._limit(motion).reason
+
+    def gait_for(self, motion: BodyMotion) -> Gait:
+        """
+        Choose the order of swings for a motion.
+
+        Parameters
+        ----------
+        motion : BodyMotion
+            A stride, a turn, or any mixture.
+
+        Returns
+        -------
+        Gait
+            The gait as it is, or with its legs exchanged where that keeps the centre of
+            mass farther inside: backwards, sideways, or turning the other way.
+        """
+        if len(self._variants) == 1 or self.size(motion) == 0.0:
+            return self._gait
+        return self._order(self._direction(motion))
+
+    def limited(self, twist: Twist2D) -> tuple[Twist2D, str]:
+        """
+        Slow a velocity down to what the gait can do, keeping its direction.
+
+        Parameters
+        ----------
+        twist : Twist2D
+            Wanted.
+
+        Returns
+        -------
+        tuple of Twist2D and str
+            The velocity, and which limit bites; empty if none does.
+        """
+        motion = BodyMotion.during(twist, self.period)
+        share = self.largest_share(motion)
+        return (twist, '') if share >= 1.0 else (twist.scaled(share), self.reason(motion))
+
+    def _limit(self, motion: BodyMotion) -> _Limit:
+        return _remembered(self._limits, self._direction(motion), self._search)
+
+    def _order(self, direction: _Direction) -> Gait:
+        return _remembered(self._orders, direction, self._best_variant)
+
+    def _direction(self, motion: BodyMotion) -> _Direction:
+        size = self.size(motion)
+        return (
+            round(motion.forward / size, 2),
+            round(motion.left / size, 2),
+            round(motion.turn / size, 2),
+        )
+
+    def size(self, motion: BodyMotion) -> float:
+        """How far the motion carries the outermost foot, at most [m]."""
+        radius = self._robot.footprint_radius
+        return math.hypot(motion.forward, motion.left) + radius * abs(motion.turn)
+
+    def _search(self, towards: _Direction) -> _Limit:
+        """Bisect between what is possible and what is not, up to four lengths of a leg."""
+        gait, direction = self._order(towards), BodyMotion(*towards)
+        low, high = 0.0, 4.0 * max(float(leg.reach()[1]) for leg in self._robot.legs)
+        reason = ''
+        if gait.footholds == 'initial_posture' and not gait.is_steady:
+            # S0's S_max and phi_max keep a reserve for ground that is lower than expected.
+            bound, reason = self._bound_of_s0(direction)
+            if self._problem(gait, direction.scaled(bound)) is None:
+                return _Limit(bound, reason)
+            high = min(high, bound)
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2.0
+            problem = self._problem(gait, direction.scaled(middle))
+            if problem is None:
+                low = middle
+            else:
+                high, reason = middle, problem
+        return _Limit(self._reserve * low, reason)
+
+    def _best_variant(self, towards: _Direction) -> Gait:
+        """
+        Take the order with the largest margin at a middling motion; its own if good.
+
+        Margins come first, for all orders at once; whether joints are quick enough and
+        parts keep apart is looked at for those that are to be taken. Cycles are awaited
+        meanwhile, and every correction may have a direction of its own.
+        """
+        if len(self._variants) == 1:
+            return self._gait
+        direction = BodyMotion(*towards)
+        middling = direction.scaled(_MIDDLING * self._bound_of_s0(direction)[0])
+        margins = self._margins(middling)
+        own, best = float(margins[0]), float(margins.max())
+        if best > 0.0 and own >= _GOOD * best and self._works(0, middling):
+            return self._gait
+        for k in np.argsort(-margins, kind='stable'):
+            best = float(margins[k])
+            if best <= 0.0:
+                break
+            if self._works(k, middling):
+                is_good = own >= _GOOD * best and self._works(0, middling)
+                return self._gait if is_good else self._variants[k]
+        return self._gait
+
+    def _margins(self, motion: BodyMotion) -> Array:
+        period = self._gait.cycle_period / _SAMPLES_OF_TRIALS
+        try:
+            return margins_of_orders(self._robot, self._variants, motion, period)
+        except GaitError:
+            # Some of them are too much for the legs: the others are found one by one.
+            return np.array([self._margin(gait, motion) for gait in self._variants])
+
+    def _works(self, variant: int, motion: BodyMotion) -> bool:
+        return self._margin(self._variants[variant], motion) > -math.inf
+
+    def _margin(self, gait: Gait, motion: BodyMotion) -> float:
+        try:
+            cycle = generate_steady_cycle(
+                self._robot, gait, motion, gait.cycle_period / _SAMPLES_OF_TRIALS
+            )
+        except GaitError:
+            return -math.inf
+        return cycle.least_margin
+
+    def _bound_of_s0(self, direction: BodyMotion) -> tuple[float, str]:
+        stride, turn = self._robot.largest_stride, self._robot.largest_turn
+        share = math.hypot(direction.forward, direction.left) / stride + abs(direction.turn) / turn
+        return 1.0 / share, (
+            f'the largest stride is {stride:.3f} m and the largest turn '
+            f'{math.degrees(turn):.1f} degrees a cycle'
+        )
+
+    def _problem(self, gait: Gait, motion: BodyMotion) -> str | None:
+        """Say why a motion is not possible: from rest, steadily, and back to rest."""
+        robot, margin = self._robot, self.least_margin
+        period = gait.cycle_period / _SAMPLES
+        try:
+            cycle = generate_steady_cycle(robot, gait, motion, period, margin)
+            crossing = crossing_feet(robot, cycle)
+            if crossing:
+                return crossing
+            if gait.is_steady:
+                speed = motion.rate(gait.cycle_period)
+                first, last = motion.scaled(gait.gathering), motion.scaled(1.0 - gait.gathering)
+                generate_cycle(robot, gait, last, cycle.end_feet, speed, STILL, period, margin)
+                if gait.is_static:
+                    # Dynamic gaits gather speed over several cycles.
+                    generate_cycle(robot, gait, first, None, STILL, speed, period, margin)
+        except GaitError as error:
+            return str(error)
+        return None
+
+
+@dataclass(frozen=True)
+class _Limit:
+    """Of motions in one direction."""
+
+    size: float
+    """How far the outermost foot may be carried [m]."""
+    reason: str
+    """What forbids more."""
+
+
+def _remembered(
+    known: dict[_Direction, _Found],
+    direction: _Direction,
+    find: Callable[[_Direction], _Found],
+) -> _Found:
+    """Look a direction up; find what is not known, and forget the oldest of too many."""
+    if direction not in known:
+        found = find(direction)
+        if len(known) >= _KEPT:
+            del known[next(iter(known))]
+        known[direction] = found
+    return known[direction]
+
+
+def _variants(gait: Gait) -> list[Gait]:
+    """List the gait with its legs exchanged in every way; first as it is."""
+    return [
+        replace(
+            gait,
+            swings=tuple(replace(swing, leg=legs[LEGS.index(swing.leg)]) for swing in gait.swings),
+        )
+        for legs in permutations(LEGS)
+    ]

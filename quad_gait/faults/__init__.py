@@ -1,0 +1,3 @@
+"""
+Joints that do not follow their commands, and how the robot comes to stand.
+"""

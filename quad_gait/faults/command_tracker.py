@@ -1,0 +1,289 @@
+"""
+Tells which of the trajectories that were given out the joints follow.
+
+Trajectories travel, and nobody says when one has arrived, or whether. Under load they come
+late by any time, or never, and the robot goes on with the one it has. Only the joints tell:
+where they are, all at once, must be
+
+- on a trajectory that has begun, at most ``age`` behind; one without a stamp may have begun
+  at any time since it was given out,
+- or on the way from one of them into a later one: to its first point if that lies ahead, or
+  else with the offset between the two at the arrival, which decays within ``joining``.
+
+A trajectory is void once the joints follow a later one and no longer that one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.trajectory.trajectory_executor import LONGEST_FADING
+from quad_gait.faults.command_candidate import Candidate
+from quad_gait.faults.joint_path import JointPath
+
+Array = NDArray[np.float64]
+
+_ARRIVALS = 5
+"""Number of instants at which a later trajectory may have arrived that are tried."""
+
+_LARGEST_COUNT = 12
+"""Number of trajectories that the joints may follow that are kept."""
+
+_INSTANT = 0.02
+"""Time over which the speed of a command is taken [s]."""
+
+_EXPIRY = 0.5
+"""After so long past its end a trajectory that was not followed is void [s]."""
+
+
+@dataclass(frozen=True)
+class TrackerOptions:
+    """How far sound joints are from their commands, and how late."""
+
+    tolerance: float = 0.07
+    """Distance that a joint may have from its command at rest [rad]."""
+    lag: float = 0.01
+    """Time by which a joint may be behind while others are not [s]."""
+    age: float = 0.06
+    """Time by which all joints may be behind, or measurements old [s]."""
+    joining: float = LONGEST_FADING
+    """Time in which joints join a trajectory that came late [s]."""
+
+
+class Explanation(NamedTuple):
+    """The command that fits the joints best."""
+
+    posture: Array
+    """Where the joints should be, shape (n,) [rad]."""
+    allowed: Array
+    """Distance that sound joints may have from there, shape (n,) [rad]."""
+    off: NDArray[np.bool_]
+    """Joints that are not there, shape (n,)."""
+    is_latest: bool
+    """Whether it is the latest trajectory that should run."""
+    is_sure: bool
+    """Whether the joints have just left an earlier one for it, or no other can be followed."""
+
+
+class CommandTracker:
+    """
+    Keeps the trajectories that may be followed, and finds the one that is.
+
+    Parameters
+    ----------
+    options : TrackerOptions, optional
+        How far sound joints are from their commands.
+    """
+
+    def __init__(self, options: TrackerOptions | None = None) -> None:
+        self._options = TrackerOptions() if options is None else options
+        self.forget()
+
+    def __bool__(self) -> bool:
+        """Return whether any command is known."""
+        return bool(self._candidates)
+
+    def forget(self) -> None:
+        """Know no trajectory."""
+        self._candidates: list[Candidate] = []
+        self._followed: Candidate | None = None
+
+    def hold(self, time: float, positions: Array) -> None:
+        """Take notice of joints that hold a posture, shape (n,) [rad], before all else."""
+        path = JointPath.hold(positions, time, self._options.tolerance)
+        self._candidates.insert(0, Candidate(path, matched=time))
+
+    def add(self, path: JointPath) -> None:
+        """Take notice of a trajectory that is given out; of two at one time the later counts."""
+        if self._candidates and self._candidates[-1].path.given >= path.given:
+            last = self._candidates.pop()
+            if last is self._followed:
+                self._followed = None
+        self._candidates.append(Candidate(path))
+        if len(self._candidates) > _LARGEST_COUNT:
+            # The first one is what was followed last; of those never heard the oldest goes.
+            del self._candidates[1]
+
+    def commanded(self, time: float) -> Array | None:
+        """Return where the joints are commanded to be, shape (n,) [rad]; None if unknown."""
+        if not self._candidates:
+            return None
+        followed = self._candidates[-1] if self._followed is None else self._followed
+        return followed.path.at(time - followed.delay)[0]
+
+    def speeds(self, time: float) -> Array:
+        """Return how fast the joints are commanded to turn, shape (n,) [rad/s]."""
+        now, before = self.commanded(time), self.commanded(time - _INSTANT)
+        if now is None or before is None:
+            return np.zeros(0)
+        return np.abs(now - before) / _INSTANT
+
+    def explain(self, time: float, positions: Array) -> Explanation | None:
+        """
+        Find the command that fits the joints.
+
+        Parameters
+        ----------
+        time : float
+            When they were measured [s].
+        positions : ndarray, shape (n,)
+            [rad]
+
+        Returns
+        -------
+        Explanation or None
+            One that fits all joints, or all but one; None if none does.
+        """
+        begun = [c for c in self._candidates if c.path.given <= time and c.path.begin <= time]
+        for candidate in reversed(begun):
+            posture, allowed = candidate.path.at(time - candidate.delay)
+            off = np.abs(positions - posture) > allowed
+            if not off.any():
+                goes_on = len(begun) > 1 and self._settle_for(candidate, begun, time, positions)
+                candidate.matched = time
+                self._followed = candidate
+                if candidate.path.starts_on_arrival and not np.isfinite(candidate.latest):
+                    self._bound_delay(candidate, time, positions)
+                return self._explanation(posture, allowed, off, candidate, begun, goes_on)
+        return self._search(begun, time, positions)
+
+    def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
+        """Find the largest delay of a trajectory that the joints have begun to follow."""
+        first, allowed = candidate.path.at(candidate.path.begin)
+        if (np.abs(positions - first) > 2.0 * allowed).any():
+            postures, allowed, delays = candidate.rows(time, self._options.age)
+            fits = (np.abs(positions - postures) <= allowed).all(axis=1)
+            if fits.any():
+                candidate.latest = float(delays[fits].max()) + self._options.age
+
+    def _settle_for(
+        self, followed: Candidate, begun: list[Candidate], time: float, positions: Array
+    ) -> bool:
+        """
+        Drop earlier trajectories that the joints are no longer on, and later ones that ended.
+
+        Returns
+        -------
+        bool
+            Whether the joints have left an earlier one.
+        """
+        goes_on = False
+        place = begun.index(followed)
+        for candidate in begun[:place]:
+            posture, allowed = candidate.path.at(time - candidate.delay)
+            fits = bool((np.abs(positions - posture) <= allowed).all())
+            if not fits:
+                postures, allowed, _ = candidate.rows(time, self._options.age)
+                fits = bool((np.abs(positions - postures) <= allowed).all(axis=1).any())
+            if fits:
+                candidate.matched = time
+            else:
+                self._candidates.remove(candidate)
+                goes_on = True
+        for candidate in begun[place + 1 :]:
+            path = candidate.path
+            if not path.starts_on_arrival and time > path.end + _EXPIRY:
+                # A controller refuses what has ended: it will not be followed any more.
+                self._candidates.remove(candidate)
+                followed.is_outdated = True
+        return goes_on
+
+    def _search(self, begun: list[Candidate], time: float, positions: Array) -> Explanation | None:
+        """Look at all that may be followed, with delays and on the way into each other."""
+        blocks = [(candidate, *candidate.rows(time, self._options.age)) for candidate in begun]
+        for k, later in enumerate(self._candidates):
+            if later.path.given <= time:
+                for earlier in self._candidates[:k]:
+                    joining = self._joining(earlier, later, time, positions)
+                    if joining is not None:
+                        blocks.append((later, *joining))
+        if not blocks:
+            return None
+        postures = np.concatenate([block[1] for block in blocks])
+        allowed = np.concatenate([block[2] for block in blocks])
+        delays = np.concatenate([block[3] for block in blocks])
+        owners = np.repeat(np.arange(len(blocks)), [len(block[1]) for block in blocks])
+        share = np.abs(positions - postures) / allowed
+        off = share > 1.0
+        count = off.sum(axis=1)
+        least = int(count.min())
+        if least > 1:
+            return None
+        rows = np.flatnonzero(count == least)
+        # How well all joints but the one that is off fit.
+        fit = np.where(off[rows], 0.0, share[rows]).max(axis=1)
+        row = int(rows[fit.argmin()])
+        owner = blocks[int(owners[row])][0]
+        goes_on = False
+        if np.isfinite(delays[row]):
+            owner.delay = float(delays[row]) if owner.path.starts_on_arrival else 0.0
+            self._followed = owner
+            if least == 0:
+                owner.matched = time
+                if owner.path.starts_on_arrival:
+                    self._bound_delay(owner, time, positions)
+                if owner in begun:
+                    goes_on = self._settle_for(owner, begun, time, positions)
+            else:
+                self._drop_others(owner, begun, time, positions, off[row])
+        return self._explanation(postures[row], allowed[row], off[row], owner, begun, goes_on)
+
+    def _explanation(
+        self,
+        posture: Array,
+        allowed: Array,
+        off: NDArray[np.bool_],
+        owner: Candidate,
+        begun: list[Candidate],
+        goes_on: bool,
+    ) -> Explanation:
+        is_latest = not begun or (owner is begun[-1] and not owner.is_outdated)
+        is_only = len(self._candidates) == 1
+        return Explanation(posture, allowed, off, is_latest, goes_on or (is_latest and is_only))
+
+    def _drop_others(
+        self,
+        followed: Candidate,
+        begun: list[Candidate],
+        time: float,
+        positions: Array,
+        suspect: NDArray[np.bool_],
+    ) -> None:
+        """Drop earlier trajectories that sound joints have left for longer than a joining."""
+        for candidate in begun[: begun.index(followed)]:
+            if time - candidate.matched > self._options.joining:
+                postures, allowed, _ = candidate.rows(time, self._options.age)
+                fits = (np.abs(positions - postures) <= allowed) | suspect
+                if not fits.all(axis=1).any():
+                    self._candidates.remove(candidate)
+
+    def _joining(
+        self, earlier: Candidate, later: Candidate, time: float, positions: Array
+    ) -> tuple[Array, Array, Array] | None:
+        """
+        Return the postures nearest to the joints on the way from one trajectory into another.
+
+        One for each instant at which the later one may have arrived.
+        """
+        path, options = later.path, self._options
+        latest = max(earlier.matched, path.given)
+        is_ahead = path.begin > time
+        if not is_ahead and not path.starts_on_arrival and time - latest > options.joining:
+            return None
+        arrivals: Array = np.linspace(min(latest, time), time, _ARRIVALS, dtype=np.float64)
+        before, allowed_before = earlier.path.over(arrivals - earlier.delay)
+        if is_ahead or path.starts_on_arrival:
+            there, allowed = path.at(path.begin)
+            offset = before - there
+        else:
+            there, allowed = path.at(time)
+            offset = before - path.over(arrivals)[0]
+        length = np.maximum((offset**2).sum(axis=1), 1e-12)
+        share = np.clip(((positions - there) * offset).sum(axis=1) / length, 0.0, 1.0)
+        postures = there + share[:, None] * offset
+        # Which part of the way it is tells nothing of a delay.
+        return postures, np.maximum(allowed, allowed_before), np.full(_ARRIVALS, np.nan)

@@ -1,0 +1,227 @@
+"""
+Notices joints that do not do what they are commanded to do.
+
+A sound joint follows its command, with the lag of its drive. One that stays off while all
+others follow does not answer any more: it gives way, or it is stuck. If no joint follows,
+none has failed: nobody carries out the trajectories. What the joints are commanded to do is
+told by :class:`~quad_gait.faults.command_tracker.CommandTracker`, which knows that trajectories may
+come late, or never.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.faults.command_tracker import CommandTracker, Explanation, TrackerOptions
+from quad_gait.faults.joint_fault import JointFault
+from quad_gait.faults.joint_path import JointPath
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WatchOptions:
+    """When a joint has failed."""
+
+    tracker: TrackerOptions = field(default_factory=TrackerOptions)
+    """Distance that sound joints may have from their commands."""
+    patience: float = 0.04
+    """Time that a joint whose motor gives no torque must stay off to have failed [s]."""
+    doubt: float = 0.12
+    """The same for one that bears, or while it is not sure which trajectory runs [s]."""
+    convergence: float = 0.1
+    """A joint that would reach its command within this time by its speed is on its way [s]."""
+    longest_way: float = 0.5
+    """Time that a joint may be on its way [s]."""
+    compliance: float = 0.35
+    """Distance from its command at which a position drive gives all its torque [rad]."""
+    turning: float = 0.3
+    """Speed that joints are commanded from which on they must be seen to turn [rad/s]."""
+    resting: float = 0.15
+    """Fraction of that speed below which they rest."""
+    longest_gap: float = 0.03
+    """Two measurements farther apart count as if they were so near [s]."""
+    saturated: float = 0.95
+    """Fraction of its torque from which on a motor is overloaded, and has not failed."""
+    slack: float = 0.03
+    """Fraction of its torque below which a motor gives none."""
+    rest: float = 0.004
+    """Angle; a joint that has turned by less since it is off does not move [rad]."""
+    jump: float = 0.08
+    """Angle, beyond four times what a drive can do, by which joints that were moved jump [rad]."""
+
+
+class JointWatch:
+    """
+    Compares joints with their commands, measurement by measurement.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : WatchOptions
+        When a joint has failed.
+    """
+
+    def __init__(self, robot: Robot, options: WatchOptions | None = None) -> None:
+        self._robot = robot
+        self._options = WatchOptions() if options is None else options
+        self._largest = robot.effort.reshape(-1)
+        self._fastest = np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
+        self._tracker = CommandTracker(self._options.tracker)
+        self.forget()
+
+    def forget(self) -> None:
+        """Know no commands, until the next trajectory is given out."""
+        self._tracker.forget()
+        self._knows_posture = False
+        self._last: tuple[float, Array] | None = None
+        self._suspect = -1
+        self.unfollowed = 0.0
+        """Time for which the joints have not followed what was given out [s]."""
+
+    def expect(self, trajectory: JointTrajectory, time: float) -> None:
+        """Take notice of a trajectory that is given out at a time [s]."""
+        options = self._options.tracker
+        if not self._knows_posture and self._last is not None:
+            self._tracker.hold(*self._last)
+            self._knows_posture = True
+        self._tracker.add(JointPath(trajectory, time, options.tolerance, options.lag))
+
+    def commanded(self, time: float) -> Array | None:
+        """Return where the joints are commanded to be at a time [s], shape (12,) [rad]."""
+        return self._tracker.commanded(time)
+
+    def update(
+        self, time: float, positions: Array, efforts: Array | None = None
+    ) -> JointFault | None:
+        """
+        Take a measurement.
+
+        Parameters
+        ----------
+        time : float
+            When it was taken [s].
+        positions : ndarray, shape (12,)
+            [rad]
+        efforts : ndarray, shape (12,), optional
+            Torques of the motors [N m].
+
+        Returns
+        -------
+        JointFault or None
+            The joint that has failed, if one has.
+        """
+        last = self._last
+        if last is None:
+            self._last = (time, positions)
+            return None
+        dt = time - last[0]
+        if dt <= 0.0:
+            # Nothing new; or the clock was set back.
+            if dt < 0.0:
+                self.forget()
+                self._last = (time, positions)
+            return None
+        self._last = (time, positions)
+        moved = positions - last[1]
+        if (np.abs(moved) > 4.0 * self._fastest * dt + self._options.jump).any():
+            # No drive moves like that: the robot was put somewhere else, as by a reset.
+            self.forget()
+            self._last = (time, positions)
+            return None
+        if not self._tracker:
+            return None
+        if not self._knows_posture:
+            self._tracker.hold(*last)
+            self._knows_posture = True
+        found = self._tracker.explain(time, positions)
+        step = min(dt, self._options.longest_gap)
+        if found is None or not found.off.any():
+            self._suspect = -1
+            self._note_following(found, step)
+            return None
+        return self._suspected(found, time, positions, moved / dt, step, efforts)
+
+    def _note_following(self, found: Explanation | None, step: float) -> None:
+        """Count for how long the joints have not followed what should run."""
+        if found is not None and found.is_sure:
+            self.unfollowed = 0.0
+        elif found is None or not found.is_latest:
+            self.unfollowed += step
+
+    def _suspected(
+        self,
+        found: Explanation,
+        time: float,
+        positions: Array,
+        velocities: Array,
+        step: float,
+        efforts: Array | None,
+    ) -> JointFault | None:
+        """Follow a joint that is off while all others follow; return its fault if it has one."""
+        options = self._options
+        joint = int(found.off.argmax())
+        if joint != self._suspect:
+            self._suspect, self._off_from = joint, float(positions[joint])
+            self._off_for = self._on_way_for = 0.0
+        if self._nothing_moves(joint, velocities, time):
+            # Then it is not this joint: nobody carries the trajectory out.
+            self._off_for = 0.0
+            self.unfollowed += step
+            return None
+        error = float(found.posture[joint] - positions[joint])
+        is_slack = False
+        if efforts is not None:
+            torque = abs(float(efforts[joint])) / float(self._largest[joint])
+            if torque >= options.saturated:
+                self._off_for = 0.0
+                return None
+            is_slack = torque < options.slack and bool(efforts.any())
+            pull = float(efforts[joint]) * error
+            allowed = float(found.allowed[joint]) + options.compliance * torque
+            if pull > 0.0 and abs(error) <= allowed:
+                # It is as far off as its load bends it.
+                self._off_for = 0.0
+                return None
+        needed = min(abs(error) / options.convergence, 0.5 * float(self._fastest[joint]))
+        if float(velocities[joint]) * np.sign(error) >= needed:
+            self._on_way_for += step
+            if self._on_way_for < options.longest_way:
+                return None
+        self._off_for += step
+        # A leg that gives way leaves no time; one that bears does.
+        patience = options.patience if is_slack and found.is_latest else options.doubt
+        if self._off_for < patience - 1e-9:
+            return None
+        return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
+
+    def _nothing_moves(self, joint: int, velocities: Array, time: float) -> bool:
+        """Return whether all other joints rest though they are commanded to turn."""
+        asked = np.delete(self._tracker.speeds(time), joint)
+        done = np.delete(np.abs(velocities), joint)
+        if not len(asked) or asked.max() < self._options.turning:
+            return False
+        return bool(done.max() < self._options.resting * asked.max())
+
+    def _fault(
+        self, joint: int, time: float, positions: Array, commanded: float, efforts: Array | None
+    ) -> JointFault:
+        options = self._options
+        effort = None if efforts is None or not np.any(efforts) else float(efforts[joint])
+        moves = abs(positions[joint] - self._off_from) > options.rest
+        return JointFault(
+            joint,
+            self._robot.joint_names[joint],
+            'free' if moves else 'stuck',
+            float(positions[joint]),
+            commanded,
+            effort,
+            time,
+            effort is not None and abs(effort) < options.slack * self._largest[joint],
+        )

@@ -1,0 +1,3 @@
+"""
+From a plan or a velocity to the next cycle.
+"""

@@ -1,0 +1,66 @@
+"""
+A gait for walking and one for turning on the spot: which of them does a motion.
+"""
+
+from __future__ import annotations
+
+import math
+
+from quad_common.planar_pose import Twist2D
+from quad_common.robot.robot import Robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import Gait
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.following.path_follower import Step
+
+_PURE_TURN = 0.02
+"""Steering that moves the body by less than this per radian is a turn on the spot [m]."""
+
+
+class Gears:
+    """
+    The two gaits that a robot uses, and what they can do.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        For walking; fitted to the robot.
+    turning_gait : Gait
+        For turning on the spot; may be the same.
+    least_margin : float
+        Stability margin that cycles of a static gait must keep [m].
+    """
+
+    def __init__(self, robot: Robot, gait: Gait, turning_gait: Gait, least_margin: float) -> None:
+        self.walking = MotionLimits(robot, gait, least_margin)
+        """The gait for walking."""
+        self.turning = (
+            self.walking
+            if turning_gait == gait
+            else MotionLimits(robot, turning_gait, least_margin)
+        )
+        """The gait for turning on the spot; may be the same object."""
+
+    def prepare(self) -> None:
+        """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
+        self.walking.largest_share(BodyMotion(forward=1.0))
+        for side in (1.0, -1.0):
+            self.turning.largest_share(BodyMotion(turn=side))
+
+    def of(self, step: Step) -> MotionLimits:
+        """Return the gait that does a step."""
+        return self.turning if step.is_turn else self.walking
+
+    def of_twist(self, twist: Twist2D) -> MotionLimits:
+        """Return the gait that a velocity is walked with."""
+        translation = math.hypot(twist.forward, twist.left)
+        is_turn = bool(twist.turn) and translation <= _PURE_TURN * abs(twist.turn)
+        return self.turning if is_turn else self.walking
+
+    def order_of(self, step: Step) -> Gait:
+        """Choose the order of the legs by where the body goes, not by what is corrected."""
+        gear = self.of(step)
+        way = BodyMotion.during(step.exit, gear.period) if step.exit else step.motion
+        return gear.gait_for(way)

@@ -1,0 +1,494 @@
+"""
+Follows a plan of turning points, one gait cycle at a time, in one of three ways.
+
+``in_place``: straight between turning points, a turn on the spot at each (S0 sec. 4).
+``crab``: the body keeps its heading and walks in any direction (S1 sec. IV).
+``arc``: corners are rounded by circles (S2).
+
+Every cycle aims at a pose on the path from where the robot really is, so that drift in
+heading and sideways is corrected within the gait's reach.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from quad_common.errors import GaitError, ParameterError
+from quad_common.plan import Plan
+from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
+from quad_common.robot.pace import Pace
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.following.reference_path import Piece, rounded_pieces, straight_pieces
+
+TURNINGS = ('in_place', 'crab', 'arc')
+"""The ways to follow a plan."""
+
+_CATCH_UP = 0.2
+"""Share of a stride by which a robot that keeps its speed makes up for lost way."""
+
+_AT_ONCE = 0.3
+"""Share of a stride that a robot which comes to rest may walk more in its last cycle."""
+
+_TURNING_RADIUS = 0.02
+"""A circle smaller than this is a turn on the spot [m]."""
+
+_LEAST_CORRECTION = 1e-4
+"""A path this short is no path [m]."""
+
+
+class Gear(Protocol):
+    """What a follower needs to know of a gait on a robot."""
+
+    @property
+    def period(self) -> float:
+        """How long a cycle takes [s]."""
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the body may keep its speed from cycle to cycle."""
+
+    @property
+    def gathering(self) -> float:
+        """Share of a cycle's way at speed in which it gathers that speed."""
+
+    def largest_share(self, motion: BodyMotion) -> float:
+        """Return how many times a motion fits into one cycle."""
+
+    def reason(self, motion: BodyMotion) -> str:
+        """Say what forbids more of a motion."""
+
+
+@dataclass(frozen=True)
+class FollowerOptions:
+    """How a plan is followed, and when the robot has arrived."""
+
+    turning: str = 'in_place'
+    """One of :data:`TURNINGS`."""
+    position_tolerance: float = 0.02
+    """The robot is at a turning point or the goal when it is this near [m]."""
+    heading_tolerance: float = math.radians(2.0)
+    """The robot has the goal's heading when it is this near [rad]."""
+    turn_threshold: float = math.radians(12.0)
+    """Larger heading errors are turned away on the spot [rad]."""
+    largest_correction: float = 0.05
+    """Sideways in a straight cycle, and in any direction while turning [m]."""
+    path_tolerance: float = 0.5
+    """Farther from the plan the robot does not follow it [m]."""
+    corner_deviation: float = 0.1
+    """How far a rounded corner may pass inside the turning point [m]."""
+    corner_radius: float = 1.0
+    """Largest radius of a rounded corner [m]."""
+    largest_speed: float = math.inf
+    """The robot walks no faster along its path, if the gait could [m/s]."""
+    final_cycles: int = 12
+    """At the goal the robot turns and corrects its pose at most so often."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """What the next cycle is to do."""
+
+    is_turn: bool
+    """Whether it is a turn on the spot."""
+    motion: BodyMotion
+    exit: Twist2D = STILL
+    """With which speed the cycle should end."""
+
+
+class LeftPath(GaitError):
+    """The robot is too far from its plan to follow it."""
+
+    def __init__(self, distance: float, tolerance: float) -> None:
+        super().__init__(
+            f'the robot is {distance:.2f} m from its path; it follows within {tolerance:.2f} m: '
+            f'waiting for a new plan'
+        )
+
+
+class CannotFollow(GaitError):
+    """The gait can do nothing at all of what the path asks for."""
+
+    def __init__(self, what: str, reason: str) -> None:
+        super().__init__(
+            f'the gait cannot {what} on this robot, not even a little at a time: {reason}'
+        )
+
+
+class GoalNotReached(GaitError):
+    """The robot is at the goal, but its cycles do not bring it within the tolerances."""
+
+    def __init__(self, distance: float, angle: float, cycles: int) -> None:
+        super().__init__(
+            f'after {cycles} cycles at the goal the robot is still {distance:.3f} m and '
+            f'{math.degrees(angle):.1f} degrees off'
+        )
+
+
+class PathFollower:
+    """
+    Decides on one cycle after the other.
+
+    Parameters
+    ----------
+    walking : Gear
+        The gait for walking along the path.
+    turning : Gear
+        The gait for turning on the spot.
+    options : FollowerOptions
+        Tolerances.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such way of turning.
+    """
+
+    def __init__(self, walking: Gear, turning: Gear, options: FollowerOptions) -> None:
+        if options.turning not in TURNINGS:
+            raise ParameterError('turning', options.turning, f'one of {", ".join(TURNINGS)}')
+        self._walking = walking
+        self._turning = turning
+        self._options = options
+        self._plan: Plan | None = None
+        self._pieces: list[Piece] = []
+        self._piece = 0
+        self._final_cycles = 0
+        self._crab_yaw = 0.0
+        self._expected = 0.0
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan that is being followed."""
+        return self._plan
+
+    def follow(self, plan: Plan | None, pose: Pose2D, pieces: list[Piece] | None = None) -> None:
+        """
+        Take a new plan, or none.
+
+        Parameters
+        ----------
+        plan : Plan or None
+            The plan.
+        pose : Pose2D
+            Where the robot is: it joins the plan at the nearest piece.
+        pieces : list of Piece, optional
+            The path to the plan's last pose; made of the turning points if not given.
+        """
+        options = self._options
+        if plan is None:
+            pieces = []
+        elif pieces is not None:
+            pass
+        elif options.turning == 'arc':
+            pieces = rounded_pieces(
+                plan, options.corner_deviation, options.corner_radius, options.turn_threshold
+            )
+        else:
+            pieces = straight_pieces(plan, options.turn_threshold)
+        self._plan = plan
+        self._pieces = pieces
+        self._expected = 0.0
+        self._final_cycles = 0
+        self._crab_yaw = pose.yaw
+        self._piece = self._nearest_piece(pose)
+
+    def distance_left(self, pose: Pose2D) -> float:
+        """Return how far it is along the path to the goal [m]; 0 without a plan."""
+        if self._plan is None:
+            return 0.0
+        ahead = self._pieces[self._piece :]
+        if not ahead:
+            return pose.distance_to(self._plan.poses[-1])
+        return pose.distance_to(ahead[0].end) + sum(piece.length for piece in ahead[1:])
+
+    def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:
+        """
+        Decide on the next cycle.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Where the robot will be at the start of the cycle, in the plan's frame.
+        entry : Twist2D
+            Its velocity then.
+
+        Returns
+        -------
+        Step or None
+            None when the goal is reached, or there is no plan.
+
+        Raises
+        ------
+        LeftPath
+            If the robot is too far from the plan.
+        CannotFollow
+            If the gait can do nothing of what the path asks for.
+        GoalNotReached
+            If the robot cannot correct its pose at the goal.
+        """
+        plan, options = self._plan, self._options
+        if plan is None:
+            return None
+        self._look_where_it_is(pose)
+        while self._piece < len(self._pieces):
+            piece = self._pieces[self._piece]
+            done = piece.project(pose)
+            if piece.length - done <= (options.position_tolerance if piece.ends_in_stop else 1e-3):
+                self._piece += 1
+                continue
+            # The point to turn on is on the path beside the robot, but not before it.
+            beside = piece.at(min(max(done, 0.0), piece.length))
+            heading = self._heading(beside)
+            is_off = abs(wrap_angle(heading - pose.yaw)) > options.turn_threshold
+            if _is_turning(entry) or (is_off and not entry):
+                return self._turn(pose, Pose2D(beside.x, beside.y, heading), entry)
+            if is_off:
+                return self._come_to_rest(entry)
+            return self._walk(pose, entry, done)
+        return self._final(pose, plan.poses[-1], entry)
+
+    def _look_where_it_is(self, pose: Pose2D) -> None:
+        """Go on on another piece if something carried the robot away."""
+        if self._distance_to_piece(self._piece, pose) <= self._options.path_tolerance / 2.0:
+            return
+        self._piece = self._nearest_piece(pose)
+        distance = self._distance_to_piece(self._piece, pose)
+        if distance > self._options.path_tolerance:
+            raise LeftPath(distance, self._options.path_tolerance)
+
+    def _heading(self, on_path: Pose2D) -> float:
+        """Which way the body is to face there [rad]."""
+        return self._crab_yaw if self._options.turning == 'crab' else on_path.yaw
+
+    def _walk(self, pose: Pose2D, entry: Twist2D, done: float) -> Step:
+        """Aim at the path ahead, one of the equal strides that are left before the next stop."""
+        piece = self._pieces[self._piece]
+        remaining = -done
+        for following in self._pieces[self._piece :]:
+            remaining += following.length
+            if following.ends_in_stop:
+                break
+        stride = self._stride(done)
+        period = self._walking.period
+        speed = math.hypot(entry.forward, entry.left) * period
+        if entry:
+            # What was lost on the way is made up for, within reason.
+            behind = self._expected - (self._before(self._piece) + done)
+            catch_up = max(-_CATCH_UP * stride, min(_CATCH_UP * stride, behind))
+            done, remaining = done + catch_up, remaining - catch_up
+        advance, exit_speed = _advance(remaining, speed, stride, self._walking)
+        if exit_speed:
+            # What comes then may be slower: a bend, after a straight line.
+            exit_speed = min(exit_speed, self._pace(done + advance))
+            share = self._walking.gathering
+            advance = (1.0 - share) * speed + share * exit_speed
+        self._expected = self._before(self._piece) + done + advance
+        ahead, along = self._ahead(done + advance)
+        target = ahead.at(along)
+        # An error across the path is taken back gently: what is left, in the next cycles.
+        limit = self._options.largest_correction
+        across = (piece.at(piece.project(pose)).inverse() @ pose).y
+        left_over = across - max(-limit, min(limit, across))
+        target_then = target @ Pose2D(0.0, left_over, 0.0)
+        heading = self._heading(target)
+        course = wrap_angle(target.yaw - heading)
+        aim = pose.inverse() @ Pose2D(target_then.x, target_then.y, heading)
+        speed = exit_speed / period
+        turn = 0.0 if self._options.turning == 'crab' else speed * ahead.curvature
+        return Step(
+            is_turn=False,
+            motion=BodyMotion.reaching(aim),
+            exit=Twist2D(speed * math.cos(course), speed * math.sin(course), turn),
+        )
+
+    def _before(self, index: int) -> float:
+        """Return how long the path is up to a piece [m]."""
+        return sum(piece.length for piece in self._pieces[:index])
+
+    def _stride(self, done: float) -> float:
+        """How far one cycle goes along the path, of which each piece takes its share [m]."""
+        share, stride = 1.0, 0.0
+        for piece in self._pieces[self._piece :]:
+            left = piece.length - done
+            largest = self._largest_stride(piece, done)
+            if left < 0.0 and not piece.ends_in_stop:
+                done -= piece.length
+                continue
+            if share * largest <= left or piece.ends_in_stop:
+                return stride + share * largest
+            stride, share, done = stride + left, share - left / largest, 0.0
+        return stride
+
+    def _pace(self, distance: float) -> float:
+        """How fast a robot may be at a distance from this piece's start, per cycle [m]."""
+        return min(self._stride(distance), self._largest_stride(*self._ahead(distance)))
+
+    def _largest_stride(self, piece: Piece, done: float) -> float:
+        """How far one cycle goes along a piece, were it long enough [m]."""
+        if self._options.turning == 'crab':
+            course = piece.at(min(max(done, 0.0), piece.length)).yaw - self._crab_yaw
+            direction = BodyMotion(math.cos(course), math.sin(course))
+        else:
+            direction = BodyMotion(forward=1.0, turn=piece.curvature)
+        largest = self._walking.largest_share(direction)
+        if not largest > 0.0:
+            raise CannotFollow('walk along its path', self._walking.reason(direction))
+        return min(largest, self._options.largest_speed * self._walking.period)
+
+    def _ahead(self, distance: float) -> tuple[Piece, float]:
+        """Find the place at a distance from this piece's start: a piece, and how far along."""
+        for piece in self._pieces[self._piece :]:
+            if distance <= piece.length or piece.ends_in_stop:
+                break
+            distance -= piece.length
+        return piece, min(distance, piece.length)
+
+    def _turn(self, pose: Pose2D, target: Pose2D, entry: Twist2D) -> Step:
+        """Turn by one of the equal shares that are left, drifting towards the point."""
+        angle = wrap_angle(target.yaw - pose.yaw)
+        period = self._turning.period
+        direction = BodyMotion(turn=math.copysign(1.0, angle))
+        largest = self._turning.largest_share(direction)
+        if not largest > 0.0:
+            raise CannotFollow('turn on the spot', self._turning.reason(direction))
+        advance, exit_speed = _advance(abs(angle), abs(entry.turn) * period, largest, self._turning)
+        ahead = pose.inverse() @ target
+        limit = self._options.largest_correction
+        aim = Pose2D(
+            max(-limit, min(limit, ahead.x)),
+            max(-limit, min(limit, ahead.y)),
+            math.copysign(advance, angle),
+        )
+        return Step(
+            is_turn=True,
+            motion=BodyMotion.reaching(aim),
+            exit=Twist2D(turn=math.copysign(exit_speed / period, angle)),
+        )
+
+    def _final(self, pose: Pose2D, goal: Pose2D, entry: Twist2D) -> Step | None:
+        """Turn to the goal's heading, then correct what is left of the error."""
+        options = self._options
+        error = pose.inverse() @ goal
+        in_place = math.hypot(error.x, error.y) <= options.position_tolerance
+        if in_place and abs(error.yaw) <= options.heading_tolerance and not entry:
+            return None
+        self._final_cycles += 1
+        if self._final_cycles > options.final_cycles:
+            distance = math.hypot(error.x, error.y)
+            raise GoalNotReached(distance, abs(error.yaw), options.final_cycles)
+        if _is_turning(entry) or (abs(error.yaw) > options.turn_threshold and not entry):
+            return self._turn(pose, goal, entry)
+        if entry:
+            return self._come_to_rest(entry)
+        stride = math.hypot(error.x, error.y)
+        share = 1.0
+        if stride > _LEAST_CORRECTION:
+            direction = BodyMotion(error.x / stride, error.y / stride)
+            share = min(1.0, self._walking.largest_share(direction) / stride)
+        aim = Pose2D(share * error.x, share * error.y, error.yaw)
+        return Step(is_turn=False, motion=BodyMotion.reaching(aim))
+
+    def _come_to_rest(self, entry: Twist2D) -> Step:
+        """Slow down within one cycle."""
+        time = (1.0 - self._walking.gathering) * self._walking.period
+        return Step(is_turn=False, motion=BodyMotion.during(entry, time))
+
+    def _distance_to_piece(self, index: int, pose: Pose2D) -> float:
+        """Measure how far a pose is from a piece, or, past the last one, from the goal [m]."""
+        if index < len(self._pieces):
+            return self._pieces[index].distance_to(pose)
+        assert self._plan is not None
+        return pose.distance_to(self._plan.poses[-1])
+
+    def _nearest_piece(self, pose: Pose2D) -> int:
+        """Find the piece that passes nearest to a pose; the earliest of equals."""
+        if not self._pieces:
+            return 0
+        distances = [round(piece.distance_to(pose), 3) for piece in self._pieces]
+        return int(np.argmin(distances))
+
+
+def pace_of(walking: Gear, turning: Gear, options: FollowerOptions | None = None) -> Pace:
+    """
+    Say how many cycles a follower needs for stretches and turns, for a planner to know.
+
+    Parameters
+    ----------
+    walking : Gear
+        The gait for walking.
+    turning : Gear
+        The gait for turning on the spot, with cycles as long.
+    options : FollowerOptions, optional
+        How plans are followed, ``in_place``.
+
+    Returns
+    -------
+    Pace
+        What :func:`_advance` makes of lengths and angles.
+
+    Raises
+    ------
+    CannotFollow
+        If the gaits can do nothing at all.
+    GaitError
+        If their cycles are not equally long.
+    """
+    options = options or FollowerOptions()
+    if abs(walking.period - turning.period) > 1e-9:
+        raise GaitError(
+            f'cycles of walking take {walking.period:g} s and of turning {turning.period:g} s; '
+            f'a pace is counted in cycles of one length'
+        )
+    stride = walking.largest_share(BodyMotion(forward=1.0))
+    turns = [turning.largest_share(BodyMotion(turn=sign)) for sign in (1.0, -1.0)]
+    if not stride > 0.0:
+        raise CannotFollow('walk straight on', walking.reason(BodyMotion(forward=1.0)))
+    if not min(turns) > 0.0:
+        raise CannotFollow('turn on the spot', turning.reason(BodyMotion(turn=1.0)))
+    return Pace(
+        cycle_period=walking.period,
+        stride=stride,
+        turn=min(turns),
+        stopping=1.0 - _AT_ONCE if walking.is_steady else 0.0,
+        bend=options.turn_threshold,
+        heading_tolerance=options.heading_tolerance,
+    )
+
+
+def _is_turning(twist: Twist2D) -> bool:
+    """Whether a body turns on the spot."""
+    return abs(twist.turn) * _TURNING_RADIUS > math.hypot(twist.forward, twist.left)
+
+
+def _advance(remaining: float, entry: float, largest: float, gear: Gear) -> tuple[float, float]:
+    """
+    Divide what is left before a stop into cycles.
+
+    Parameters
+    ----------
+    remaining : float
+        Length or angle, 0 or more.
+    entry : float
+        Speed at the start of the cycle, per cycle.
+    largest : float
+        Most that one cycle does.
+    gear : Gear
+        What cycles it has.
+
+    Returns
+    -------
+    tuple of float
+        What the next cycle does, and the speed at its end, per cycle.
+    """
+    if not gear.is_steady:
+        return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
+    share = gear.gathering
+    if remaining <= (1.0 - share) * entry + _AT_ONCE * largest:
+        return remaining, 0.0
+    # In two cycles: from the entry to a speed, and from that to rest.
+    exit_speed = min(remaining - (1.0 - share) * entry, largest)
+    return (1.0 - share) * entry + share * exit_speed, exit_speed

@@ -1,0 +1,141 @@
+"""
+Walking with a velocity that somebody wants, on the course that it has described so far.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from quad_common.planar_pose import STILL, Pose2D, Twist2D
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.following.gears import Gears
+from quad_gait.following.path_follower import Step
+
+_LARGEST_TURN_BACK = math.radians(12.0)
+"""A robot turned farther from its course than this has lost it [rad]."""
+
+
+@dataclass(frozen=True)
+class Steered:
+    """What steering leads to."""
+
+    step: Step | None
+    """None: to stay, or to come to rest."""
+    limit: str = ''
+    """What keeps the robot from doing all that was asked for."""
+    reason: str = ''
+    """Why it is to stay."""
+
+
+class Steering:
+    """
+    The velocity that is wanted, and the course.
+
+    Parameters
+    ----------
+    timeout : float
+        A velocity older than this is over [s].
+    largest_correction : float
+        A robot farther than this from its course has lost it [m]; 0: none is kept.
+    """
+
+    def __init__(self, timeout: float, largest_correction: float) -> None:
+        self._timeout = timeout
+        self._largest_correction = largest_correction
+        self._twist: Twist2D | None = None
+        self._since = -math.inf
+        self._course: Pose2D | None = None
+
+    def __bool__(self) -> bool:
+        """Return whether there is a velocity that is wanted."""
+        return self._twist is not None
+
+    def wish(self, twist: Twist2D, time: float) -> None:
+        """Take the velocity that is wanted from now [s] on."""
+        if self._twist is None:
+            self._course = None
+        self._twist, self._since = twist, time
+
+    def end(self) -> None:
+        """Forget what was wanted."""
+        self._twist = None
+
+    def lose_course(self) -> None:
+        """Go on from wherever the robot will be."""
+        self._course = None
+
+    def expire(self) -> None:
+        """Let what is wanted time out at once, unless it is wished for again."""
+        self._course = None
+        self._since = -math.inf
+
+    def next_step(
+        self, time: float, pose: Pose2D, entry: Twist2D, gears: Gears, in_use: MotionLimits | None
+    ) -> Steered:
+        """
+        Turn the velocity into a step.
+
+        Parameters
+        ----------
+        time : float
+            Now [s].
+        pose : Pose2D
+            Where the next cycle begins.
+        entry : Twist2D
+            With which speed it begins.
+        gears : Gears
+            The gaits.
+        in_use : MotionLimits or None
+            The gait of the cycle before.
+
+        Returns
+        -------
+        Steered
+            The step, or why there is none.
+        """
+        assert self._twist is not None
+        wanted = self._twist
+        if time > self._since + self._timeout:
+            self._twist = None
+            return Steered(None, reason='the steering has timed out')
+        gear = gears.of_twist(wanted)
+        twist, limit = gear.limited(wanted)
+        if not wanted or not twist:
+            self._course = None
+            return Steered(None, limit, limit or 'steered to stand')
+        if limit:
+            limit = (
+                f'steered at {_described(wanted)}, walking at {_described(twist)}, '
+                f'the most that the {gear.gait.name} gait does: {limit}'
+            )
+        if entry and gear is not in_use:
+            self._course = None
+            return Steered(None, limit)
+        period = gear.period
+        motion = BodyMotion.during(twist, period)
+        if gear.is_steady:
+            share = gear.gathering
+            motion = BodyMotion.during(entry.scaled(1.0 - share).plus(twist.scaled(share)), period)
+        target = self._on_course(pose) @ motion.end
+        self._course = target
+        step = Step(
+            is_turn=gear is gears.turning and gear is not gears.walking,
+            motion=BodyMotion.reaching(pose.inverse() @ target),
+            exit=twist if gear.is_steady else STILL,
+        )
+        return Steered(step, limit)
+
+    def _on_course(self, pose: Pose2D) -> Pose2D:
+        """Return where the steering would have brought the robot; or where it is, if lost."""
+        course = self._course
+        if course is None:
+            return pose
+        apart = pose.inverse() @ course
+        near = math.hypot(apart.x, apart.y) <= self._largest_correction
+        return course if near and abs(apart.yaw) < _LARGEST_TURN_BACK else pose
+
+
+def _described(twist: Twist2D) -> str:
+    return f'({twist.forward:.3f}, {twist.left:.3f}) m/s and {math.degrees(twist.turn):.1f} deg/s'

@@ -1,0 +1,3 @@
+"""
+The robot's state by its measurements: sensors, stance, contact and leg odometry.
+"""

@@ -1,0 +1,179 @@
+"""
+Where the body goes over feet that stand anywhere: level, within reach, and balanced.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import wrap_angle
+from quad_common.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BodyPose:
+    """Position and attitude of base_link in a frame with z up."""
+
+    position: Array
+    """Shape (3,) [m]."""
+    roll: float
+    """[rad]"""
+    pitch: float
+    """Positive with the nose down [rad]."""
+    yaw: float
+    """[rad]"""
+
+    @property
+    def rotation(self) -> Array:
+        """From the body's axes to the frame's, shape (3, 3)."""
+        return rotation_of(np.array([self.roll, self.pitch, self.yaw]))
+
+    def transform(self, points: Array) -> Array:
+        """Bring points (..., 3) from the body's frame into this one [m]."""
+        moved: Array = self.position + points @ self.rotation.T
+        return moved
+
+
+def rotation_of(angles: Array) -> Array:
+    """
+    Turn roll, pitch and yaw into rotations Rz Ry Rx.
+
+    Parameters
+    ----------
+    angles : ndarray, shape (..., 3)
+        [rad]
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+        From the body's axes to the frame's.
+    """
+    (cr, cp, cy), (sr, sp, sy) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def angles_of(orientation: Array) -> tuple[float, float, float]:
+    """
+    Return roll, pitch and yaw of an orientation.
+
+    Parameters
+    ----------
+    orientation : ndarray, shape (4,)
+        Unit quaternion xyzw.
+
+    Returns
+    -------
+    tuple of float
+        [rad]
+    """
+    x, y, z, w = (float(value) for value in orientation)
+    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return float(roll), float(pitch), float(yaw)
+
+
+def heading_over(robot: Robot, feet: Array) -> float:
+    """
+    Find the heading in which the feet are nearest to their initial posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    feet : ndarray, shape (4, 3)
+        Their centres, in a frame with z up [m].
+
+    Returns
+    -------
+    float
+        Of the rotation that fits best, in the sense of least squares [rad].
+    """
+    arms = feet[:, :2] - feet[:, :2].mean(axis=0)
+    rests = robot.neutral_feet[:, :2] - robot.neutral_feet[:, :2].mean(axis=0)
+    across = float(np.sum(rests[:, 0] * arms[:, 1] - rests[:, 1] * arms[:, 0]))
+    return float(np.arctan2(across, np.sum(rests * arms)))
+
+
+def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float) -> BodyPose:
+    """
+    Place the body where the feet are nearest to their initial posture, on average.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    feet : ndarray, shape (4, 3)
+        Their centres, in a frame with z up [m].
+    yaw : float
+        Heading of the body [rad].
+    slope : ndarray, shape (2,)
+        Rise of the ground along the frame's x and y.
+    share : float
+        How much of the ground's tilt the body takes: 0 stays level, 1 goes along.
+
+    Returns
+    -------
+    BodyPose
+    """
+    ahead = np.cos(yaw) * slope[0] + np.sin(yaw) * slope[1]
+    aside = np.cos(yaw) * slope[1] - np.sin(yaw) * slope[0]
+    roll, pitch = share * float(np.arctan(aside)), -share * float(np.arctan(ahead))
+    rotation = rotation_of(np.array([roll, pitch, yaw]))
+    position = (feet - robot.neutral_feet @ rotation.T).mean(axis=0)
+    return BodyPose(position, roll, pitch, wrap_angle(yaw))
+
+
+def balanced(point: Array, triangle: Array, margin: float) -> Array:
+    """
+    Find the point nearest to another one that is well inside a triangle.
+
+    Parameters
+    ----------
+    point : ndarray, shape (2,)
+        Where the centre of mass would be [m].
+    triangle : ndarray, shape (3, 2)
+        The feet that bear it [m].
+    margin : float
+        Wanted distance from the edges; where the triangle is too small for it, the point
+        is the centre of the inscribed circle [m].
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        [m]
+    """
+    sides = np.linalg.norm(np.roll(triangle, -1, axis=0) - np.roll(triangle, 1, axis=0), axis=1)
+    center = sides @ triangle / sides.sum()
+    first, second = triangle[1] - triangle[0], triangle[2] - triangle[0]
+    inner_radius = abs(first[0] * second[1] - first[1] * second[0]) / sides.sum()
+    inner: Array = center + (triangle - center) * max(0.0, 1.0 - margin / max(inner_radius, 1e-9))
+    if _is_inside(point, inner):
+        return point
+    nearest = [_nearest_on(point, inner[k], inner[(k + 1) % 3]) for k in range(3)]
+    best: Array = min(nearest, key=lambda other: float(np.hypot(*(other - point))))
+    return best
+
+
+def _is_inside(point: Array, triangle: Array) -> bool:
+    edges = np.roll(triangle, -1, axis=0) - triangle
+    arms = point - triangle
+    turns = edges[:, 0] * arms[:, 1] - edges[:, 1] * arms[:, 0]
+    return bool(np.all(turns > 0.0) or np.all(turns < 0.0))
+
+
+def _nearest_on(point: Array, start: Array, end: Array) -> Array:
+    way = end - start
+    share = float((point - start) @ way) / max(float(way @ way), 1e-18)
+    nearest: Array = start + min(max(share, 0.0), 1.0) * way
+    return nearest

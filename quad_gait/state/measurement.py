@@ -1,0 +1,78 @@
+"""
+What the gait is told about the robot at one instant.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_gait.state.body_placement import angles_of, rotation_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What is known of the robot at one instant."""
+
+    time: float
+    """[s]"""
+    pose: Pose2D
+    """base_link in the plan's frame; leaps when a localiser corrects odometry."""
+    tilt: float
+    """Between the body's z axis and the vertical [rad]."""
+    joint_positions: Array | None
+    """Shape (12,) [rad]; None before the first were heard of."""
+    joint_velocities: Array | None
+    """Shape (12,) [rad/s]."""
+    orientation: Array | None = None
+    """Of the body, quaternion xyzw, shape (4,); None: level."""
+    joint_efforts: Array | None = None
+    """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
+    joint_time: float | None = None
+    """When the joints were measured [s]; None: at ``time``."""
+    problem: str = ''
+    """What is missing for a walk, as a sentence; empty if nothing is."""
+    was_moved: bool = False
+    """Whether something else has moved the robot since the last one, as a reset does."""
+    odometry: Pose2D | None = None
+    """base_link in odometry's own frame, without leaps; None: odometry is in the plan's frame."""
+
+    @property
+    def motion_pose(self) -> Pose2D:
+        """Pose of base_link that tells how the robot has moved, and nothing else."""
+        return self.pose if self.odometry is None else self.odometry
+
+    def pose_corrected_as(self, before: Measurement) -> Pose2D:
+        """Return the pose in the plan's frame by the correction of an earlier measurement."""
+        if self.odometry is None or before.odometry is None:
+            return self.pose
+        return before.pose @ before.odometry.inverse() @ self.odometry
+
+    def level_feet(self, robot: Robot) -> tuple[Array, Array]:
+        """
+        Place feet and centre of mass beside the body, seen from above.
+
+        Parameters
+        ----------
+        robot : Robot
+            The robot; its joints must have been heard of.
+
+        Returns
+        -------
+        tuple of ndarray, shapes (4, 2) and (2,)
+            In base_link, levelled by the orientation [m].
+        """
+        assert self.joint_positions is not None
+        joints = self.joint_positions.reshape(4, 3)
+        feet, center = robot.foot_positions(joints), robot.center_of_mass(joints)
+        if self.orientation is not None:
+            roll, pitch, _ = angles_of(self.orientation)
+            rotation = rotation_of(np.array([roll, pitch, 0.0]))
+            feet, center = feet @ rotation.T, center @ rotation.T
+        return feet[:, :2], center[:2]

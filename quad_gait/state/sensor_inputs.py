@@ -1,0 +1,327 @@
+"""
+What the robot says of itself, checked: joints, imu and odometry become one measurement.
+
+Every reading is compared with what the robot is able to do: a joint is not outside its range
+and turns no faster than its drive, the body does not leap. What is impossible is refused in a
+sentence and left out. What falls silent, or is refused for long, is missing: then the robot
+comes to rest, and the measurement says why.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import InvalidMessage
+from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.robot.robot import Robot
+from quad_common.trajectory.trajectory_gate import JointLimits
+from quad_gait.state.measurement import Measurement
+from quad_gait.state.series_check import SeriesCheck, Taken
+
+Array = NDArray[np.float64]
+
+RANGE_MARGIN = 0.25
+"""Angle by which a measured joint may be beyond its range, for errors of its encoder [rad]."""
+
+LEAST_MISSED = 4
+"""Number of readings of the odometry without joint states, or imu, that make those missing."""
+
+_OVERSPEED = 4.0
+"""Number of times its largest speed that a joint may turn, as when the robot falls."""
+
+_JOINT_NOISE = 0.08
+"""Angle by which two readings of a joint may differ at any rate [rad]."""
+
+_OVERLOAD = 100.0
+"""Number of times its limits that a joint's measured velocity and effort may be, for noise."""
+
+_BODY_SPEED, _BODY_NOISE = 5.0, 0.15
+"""Speed of the body [m/s], and distance by which two readings may differ at any rate [m]."""
+
+_TURN_SPEED, _TURN_NOISE = 20.0, 0.3
+"""Likewise of its attitude [rad/s], [rad]."""
+
+
+@dataclass(frozen=True)
+class InputOptions:
+    """How old a reading may be."""
+
+    joint_timeout: float = 0.2
+    """Age of joint states at which they are missing [s]."""
+    imu_timeout: float = 0.2
+    """Age of the imu's readings at which the odometry's attitude takes their place [s]."""
+    odometry_has_attitude: bool = True
+    """Whether odometry tells roll and pitch; odometry by legs does not."""
+    needs_attitude: bool = False
+    """Whether the robot is not to walk without an imu that it had, where only that tells them."""
+
+
+class JointReadings(NamedTuple):
+    """What was read of the robot's joints, each of shape (12,) in the robot's order."""
+
+    positions: Array
+    """[rad]"""
+    velocities: Array | None
+    """[rad/s]; None if they are not given."""
+    efforts: Array | None
+    """[N m]; None if they are not given."""
+    time: float | None = None
+    """When they were measured [s]; None if the message has no stamp."""
+
+
+class SensorInputs:
+    """
+    Checks readings as they come, and puts them together.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : InputOptions, optional
+        How old a reading may be.
+    """
+
+    def __init__(self, robot: Robot, options: InputOptions | None = None) -> None:
+        self._options = InputOptions() if options is None else options
+        self._limits = JointLimits.of(robot)
+        self._effort = np.broadcast_to(robot.effort, robot.lower.shape).reshape(-1)
+        self._joint_check = SeriesCheck[Array]('joint state', self._joint_step)
+        self._imu_check = SeriesCheck[Array]('imu', _attitude_step)
+        self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', _pose_step)
+        self._joints: JointReadings | None = None
+        # When they were measured or, without a stamp, came.
+        self._joints_time: float | None = None
+        self._imu: tuple[Array | None, float | None] = (None, None)
+        self._imu_time: float | None = None
+        # Why the last joint states were refused; empty if they were not.
+        self._joint_refusal = ''
+        # Odometry that has come since the last joint states, and since the last of the imu.
+        self._without_joints = self._without_imu = 0
+        self.imu_problem = ''
+        """That the imu has fallen silent, as a sentence; empty while it has not."""
+        self._was_moved = False
+
+    def imu_at(self, time: float) -> tuple[Array | None, float | None]:
+        """
+        Return what the imu says, unless that is old.
+
+        Parameters
+        ----------
+        time : float
+            Now [s].
+
+        Returns
+        -------
+        tuple of ndarray (4,) or None, and float or None
+            Orientation, quaternion xyzw, and yaw rate [rad/s].
+        """
+        since = self._imu_time
+        if since is None or time - since > self._options.imu_timeout:
+            return None, None
+        return self._imu
+
+    def take_joints(self, readings: JointReadings) -> bool:
+        """
+        Take joint states.
+
+        Returns
+        -------
+        bool
+            Whether they say something new.
+
+        Raises
+        ------
+        InvalidMessage
+            If a joint cannot be where they say; they are left out then.
+        """
+        try:
+            self._check_ranges(readings)
+            taken = Taken.FITS
+            if readings.time is not None:
+                taken = self._joint_check.take(readings.time, readings.positions)
+        except InvalidMessage as error:
+            self._joint_refusal = str(error)
+            raise
+        if taken is Taken.REPEATED:
+            return False
+        self._was_moved = self._was_moved or taken is Taken.NEW_SERIES
+        self._joint_refusal = ''
+        self._without_joints = 0
+        self._joints = readings
+        self._joints_time = self._pose_check.time if readings.time is None else readings.time
+        return True
+
+    def take_imu(
+        self, time: float | None, orientation: Array | None, yaw_rate: float | None
+    ) -> None:
+        """
+        Take what an imu says.
+
+        Parameters
+        ----------
+        time : float or None
+            When it was measured [s]; None if that is not known.
+        orientation : ndarray, shape (4,), or None
+            Unit quaternion xyzw; None if it is not measured.
+        yaw_rate : float or None
+            About the body's z axis [rad/s]; None if it is not measured.
+
+        Raises
+        ------
+        InvalidMessage
+            If the body cannot have turned like that; it is left out then.
+        """
+        if orientation is not None and time is not None:
+            self._imu_check.take(time, orientation)
+        if yaw_rate is not None and abs(yaw_rate) > _TURN_SPEED:
+            raise InvalidMessage(
+                'imu', f'its yaw rate is {yaw_rate:.4g} rad/s; {_TURN_SPEED:g} are the most'
+            )
+        self._imu = (orientation, yaw_rate)
+        self._without_imu = 0
+        self._imu_time = self._pose_check.time if time is None else time
+
+    def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
+        """
+        Take where the body is, and put everything together.
+
+        Parameters
+        ----------
+        time : float
+            When it was measured [s].
+        pose : Pose2D
+            Position and heading of base_link.
+        orientation : ndarray, shape (4,)
+            Unit quaternion xyzw.
+
+        Returns
+        -------
+        Measurement or None
+            None if it is the same reading as the one before.
+
+        Raises
+        ------
+        InvalidMessage
+            If the body cannot have moved like that; it is left out then.
+        """
+        taken = self._pose_check.take(time, (pose, orientation))
+        if taken is Taken.REPEATED:
+            return None
+        was_moved = self._was_moved or taken is Taken.NEW_SERIES
+        self._was_moved = False
+        self._without_joints += 1
+        self._without_imu += 1
+        self.imu_problem = self._silence_of_imu(time)
+        joints, imu = self._joints, self.imu_at(time)[0]
+        return Measurement(
+            time=time,
+            pose=pose,
+            tilt=max(tilt_of(orientation), 0.0 if imu is None else tilt_of(imu)),
+            joint_positions=None if joints is None else joints.positions,
+            joint_velocities=None if joints is None else joints.velocities,
+            orientation=orientation if imu is None else imu,
+            joint_efforts=None if joints is None else joints.efforts,
+            joint_time=None if joints is None else joints.time,
+            problem=self._problem(time),
+            was_moved=was_moved,
+        )
+
+    def _silence_of_imu(self, time: float) -> str:
+        """Say that an imu that was heard is not heard any more; empty if it is."""
+        options, since = self._options, self._imu_time
+        if since is None or time - since <= options.imu_timeout:
+            return ''
+        # After a pause of the machine odometry may be the first to come.
+        if self._without_imu < LEAST_MISSED:
+            return ''
+        silence = f'no imu for {time - since:.1f} s'
+        if options.odometry_has_attitude:
+            return f"{silence}: odometry's attitude takes its place"
+        if options.needs_attitude:
+            return f'{silence}, and odometry by legs does not tell roll and pitch'
+        return f'{silence}: the body is taken to be level'
+
+    def _problem(self, time: float) -> str:
+        """Say what is missing for a walk; empty if nothing is."""
+        problem = self._silence_of_joints(time)
+        options = self._options
+        if not problem and options.needs_attitude and not options.odometry_has_attitude:
+            return self.imu_problem
+        return problem
+
+    def _silence_of_joints(self, time: float) -> str:
+        """Say that joint states are missing; empty if they are not."""
+        if self._joints is None:
+            return self._joint_refusal or 'no joint states yet'
+        if self._joints_time is None:
+            # They came before anything told the time.
+            self._joints_time = time
+        since = self._joints_time
+        is_old = time - since > self._options.joint_timeout
+        # After a pause of the machine odometry may be the first to come.
+        if not is_old or self._without_joints < LEAST_MISSED:
+            return ''
+        # What is refused comes, and still nothing is known of the joints.
+        return self._joint_refusal or f'no joint states for {time - since:.1f} s'
+
+    def _check_ranges(self, readings: JointReadings) -> None:
+        limits = self._limits
+        outside = np.maximum(limits.lower - readings.positions, readings.positions - limits.upper)
+        if not np.all(outside <= RANGE_MARGIN):
+            joint = int(np.argmax(np.nan_to_num(outside, nan=np.inf)))
+            raise InvalidMessage(
+                'joint state',
+                f'{limits.joint_names[joint]} is at {readings.positions[joint]:.4g} rad; its '
+                f'range is {limits.lower[joint]:.3g} to {limits.upper[joint]:.3g} rad, and '
+                f'{RANGE_MARGIN:g} rad more for errors: does its encoder count turns?',
+            )
+        for what, values, most in (
+            ('velocity', readings.velocities, limits.velocity),
+            ('effort', readings.efforts, self._effort),
+        ):
+            if values is not None and not np.all(np.abs(values) <= _OVERLOAD * most):
+                joint = int(np.argmax(np.nan_to_num(np.abs(values) / most, nan=np.inf)))
+                raise InvalidMessage(
+                    'joint state',
+                    f'the {what} of {limits.joint_names[joint]} is {values[joint]:.4g}; '
+                    f'its limit is {most[joint]:.3g}',
+                )
+
+    def _joint_step(self, before: Array, after: Array, dt: float) -> str:
+        most = _OVERSPEED * self._limits.velocity * dt + _JOINT_NOISE
+        step = np.abs(after - before)
+        if np.all(step <= most):
+            return ''
+        joint = int(np.argmax(step / most))
+        return (
+            f'{self._limits.joint_names[joint]} would have turned by {step[joint]:.3f} rad '
+            f'in {dt:.3f} s; its largest speed is {self._limits.velocity[joint]:.3g} rad/s'
+        )
+
+
+def tilt_of(orientation: Array) -> float:
+    """Return the angle between the body's z axis and the vertical [rad], from a quaternion xyzw."""
+    x, y = float(orientation[0]), float(orientation[1])
+    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
+
+
+def _attitude_step(before: Array, after: Array, dt: float) -> str:
+    turn = 2.0 * math.acos(min(1.0, abs(float(np.dot(before, after)))))
+    if turn <= _TURN_SPEED * dt + _TURN_NOISE:
+        return ''
+    return f'the body would have turned by {math.degrees(turn):.0f} degrees in {dt:.3f} s'
+
+
+def _pose_step(before: tuple[Pose2D, Array], after: tuple[Pose2D, Array], dt: float) -> str:
+    way = before[0].distance_to(after[0])
+    if way > _BODY_SPEED * dt + _BODY_NOISE:
+        return f'the body would have moved by {way:.3g} m in {dt:.3f} s'
+    turn = abs(wrap_angle(after[0].yaw - before[0].yaw))
+    if turn > _TURN_SPEED * dt + _TURN_NOISE:
+        return f'the body would have turned by {math.degrees(turn):.0f} degrees in {dt:.3f} s'
+    return _attitude_step(before[1], after[1], dt)

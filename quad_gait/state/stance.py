@@ -1,0 +1,85 @@
+"""
+How a robot stands: its body, its feet, and what they bear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_gait.state.body_placement import BodyPose, angles_of
+from quad_gait.state.foot_forces import foot_forces
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stance:
+    """What is known of a robot at one instant."""
+
+    time: float
+    """[s]"""
+    body: BodyPose
+    """x, y and yaw in the plan's frame; z is measured from base_link, so it is 0 here."""
+    feet: Array
+    """Their centres in the same frame, shape (4, 3) [m]."""
+    joint_positions: Array
+    """Shape (4, 3) [rad]."""
+    find_loads: Callable[[], Array | None]
+    """Finds :attr:`loads`, when they are asked for: it takes longer than all the rest."""
+
+    @cached_property
+    def loads(self) -> Array | None:
+        """Vertical force on each foot, shape (4,) [N]; None where motors do not tell."""
+        return self.find_loads()
+
+    @classmethod
+    def measured(
+        cls,
+        robot: Robot,
+        time: float,
+        pose: Pose2D,
+        orientation: Array,
+        joint_positions: Array,
+        joint_efforts: Array | None,
+    ) -> Stance:
+        """
+        Find the feet and their loads.
+
+        Parameters
+        ----------
+        robot : Robot
+            The robot.
+        time : float
+            [s]
+        pose : Pose2D
+            base_link in the plan's frame.
+        orientation : ndarray, shape (4,)
+            Quaternion xyzw; its heading does not count.
+        joint_positions, joint_efforts : ndarray, shape (12,)
+            [rad] and [N m].
+
+        Returns
+        -------
+        Stance
+        """
+        roll, pitch, _ = angles_of(orientation)
+        body = BodyPose(np.array([pose.x, pose.y, 0.0]), roll, pitch, pose.yaw)
+        joints = joint_positions.reshape(4, 3)
+
+        def find_loads() -> Array | None:
+            if joint_efforts is None or not np.any(joint_efforts):
+                return None
+            up = body.rotation[2]
+            forces = foot_forces(robot, joints, joint_efforts.reshape(4, 3), up)
+            loads: Array = np.nan_to_num(forces @ up)
+            return loads
+
+        feet = body.transform(robot.foot_positions(joints))
+        return cls(time, body, feet, joints, find_loads)

@@ -1,0 +1,3 @@
+"""
+Walking over uneven ground, a swing at a time.
+"""

@@ -1,0 +1,197 @@
+"""
+What is known of the ground under a robot: the plane through its feet, and a height map.
+
+Heights are measured from the feet that stand: so a map's own zero does not matter, nor
+that of whoever says where the robot is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.maps.height_map import HeightMap
+
+Array = NDArray[np.float64]
+
+_ALONG = 0.02
+"""Between the points of a path at which a plane is looked up [m]."""
+
+_FLATTEST = 1e-3
+"""Feet on a line give no plane: slopes across it are taken to be level; squared [m^2]."""
+
+
+@dataclass(frozen=True)
+class GroundModel:
+    """
+    Heights of the ground, relative to some level that its maker chose.
+
+    A height map is believed where it knows a height, shifted so that it fits the feet;
+    elsewhere the plane is.
+    """
+
+    center: Array
+    """A point of the plane, shape (3,) [m]."""
+    slope: Array
+    """Rise of the plane along x and y, shape (2,)."""
+    height_map: HeightMap | None = None
+    shift: float = 0.0
+    """What is added to the map's heights [m]."""
+
+    @classmethod
+    def through(cls, points: Array, height_map: HeightMap | None = None) -> GroundModel:
+        """
+        Find the ground on which feet stand.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, 3)
+            Where they touch it, x and y in the map's frame, n > 0 [m].
+        height_map : HeightMap, optional
+            Of the ground.
+
+        Returns
+        -------
+        GroundModel
+            With the plane that fits the points best, and the map shifted by the median of
+            what it is off at them.
+        """
+        center = points.mean(axis=0)
+        arms = points - center
+        u, s, vt = np.linalg.svd(arms[:, :2], full_matrices=False)
+        usable = s > np.sqrt(_FLATTEST)
+        slope = vt[usable].T @ ((u[:, usable].T @ arms[:, 2]) / s[usable])
+        shift = 0.0
+        if height_map is not None:
+            off = points[:, 2] - height_map.height_at(points[:, :2])
+            known = off[np.isfinite(off)]
+            if len(known):
+                shift = float(np.median(known))
+            else:
+                height_map = None
+        return cls(center, slope, height_map, shift)
+
+    def height(self, points: Array) -> Array:
+        """
+        Return how high the ground is.
+
+        Parameters
+        ----------
+        points : ndarray, shape (..., 2)
+            [m]
+
+        Returns
+        -------
+        ndarray, shape (...)
+            [m]
+        """
+        plane: Array = self.center[2] + (points - self.center[:2]) @ self.slope
+        if self.height_map is None:
+            return plane
+        known = self.height_map.height_at(points) + self.shift
+        return np.where(np.isnan(known), plane, known)
+
+    def highest_between(self, start: Array, end: Array, radius: float) -> float:
+        """
+        Return the largest height that a foot passes.
+
+        Parameters
+        ----------
+        start, end : ndarray, shape (2,)
+            From where to where it goes, straight [m].
+        radius : float
+            How near to its way the ground counts [m].
+
+        Returns
+        -------
+        float
+            [m]
+        """
+        # No farther apart than cells: a corner between two points is in the way all the same.
+        apart = _ALONG if self.height_map is None else self.height_map.resolution
+        count = 2 + int(np.hypot(*(end - start)) / apart)
+        way = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        highest = float(np.max(self.height(way)))
+        if self.height_map is not None:
+            reach = radius + self.height_map.resolution / 2.0
+            near = self.height_map.highest_within(way, reach) + self.shift
+            highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
+        return highest
+
+    def best_foothold(self, wanted: Array, choice: FootholdChoice) -> Array:
+        """
+        Find the nearest place where a foot stands well: on no edge, in no hole, its shin free.
+
+        Parameters
+        ----------
+        wanted : ndarray, shape (2,)
+            Where it would stand on flat ground [m].
+        choice : FootholdChoice
+            How far to look, and for what.
+
+        Returns
+        -------
+        ndarray, shape (2,)
+            The place; the least rough one if none is good; the wanted one without a map.
+        """
+        heights = self.height_map
+        if heights is None:
+            return wanted
+        places = wanted + choice.offsets
+        height = self.height(places)
+        rough = heights.step_at(places, choice.radius)
+        # What is not known is no good place, but for want of a better one.
+        rough = np.where(np.isnan(rough), 2.0 * choice.largest_step, rough)
+        off = np.abs(height - (self.center[2] + (places - self.center[:2]) @ self.slope))
+        bad = np.maximum(rough - choice.largest_step, 0.0) + np.maximum(
+            off - choice.largest_offset, 0.0
+        )
+        bad += _lack_of_room(heights, places, choice)
+        away = np.hypot(*choice.offsets.T)
+        order = np.lexsort((away, np.round(bad, 4)))
+        best: Array = places[order[0]]
+        return best
+
+
+def _lack_of_room(heights: HeightMap, places: Array, choice: FootholdChoice) -> Array:
+    """Return by how much edges are too high, or too deep, so near to foot and shin, (n,) [m]."""
+    if not len(choice.shin):
+        return np.zeros(len(places))
+    # Cells as they are: between them heights are interpolated, which hides edges.
+    own = heights.highest_within(places, 0.0)
+    near = choice.shin_radius + heights.resolution / 2.0
+    beside = places[:, None] + choice.shin[:, :2]
+    room = own[:, None] + choice.shin[:, 2] - heights.highest_within(beside, near)
+    drop = np.nan_to_num(own - heights.lowest_within(places, near))
+    too_deep = np.maximum(drop - choice.shin[:, 2].min(), 0.0)
+    lack: Array = too_deep - np.nanmin(room, axis=1, initial=0.0)
+    return lack
+
+
+@dataclass(frozen=True)
+class FootholdChoice:
+    """Where a foot may stand."""
+
+    reach: float
+    """How far from where it would stand on flat ground [m]."""
+    radius: float
+    """So much around it counts [m]."""
+    largest_step: float
+    """Heights around it may differ by so much [m]."""
+    largest_offset: float
+    """From the plane through the feet [m]."""
+    shin: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """Where the middle of foot and shin is while the foot stands, in all postures, from the
+    point below the foot, shape (n, 3) [m]."""
+    shin_radius: float = 0.0
+    """Ground so near to it must not be higher than it is [m]."""
+
+    @property
+    def offsets(self) -> Array:
+        """Places to look at, relative to the wanted one, shape (n, 2) [m]."""
+        side = np.linspace(-self.reach, self.reach, 9)
+        grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        inside: Array = grid[np.hypot(*grid.T) <= self.reach + 1e-12]
+        return inside

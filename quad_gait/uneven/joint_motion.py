@@ -1,0 +1,174 @@
+"""
+A motion of the joints that is given out bit by bit, to somebody who may be slow to hear.
+
+A foot that feels for the ground must stop when it meets it. Were its whole way down given
+out at once, it would press on for as long as the answer takes. So only as much is given out
+as does no harm, and more while nothing has been met. How far the joints are is told by the
+joints themselves, not by a clock: nobody knows when a trajectory has come to them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+
+Array = NDArray[np.float64]
+
+_ALIKE = 5e-3
+"""Samples are as good a match as the best one if no joint is off by so much more [rad]."""
+
+_PATIENCE = 1.0
+"""After so long past its end a motion is taken to be over, wherever the joints are [s]."""
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """Evenly spaced samples of all joints."""
+
+    joint_names: tuple[str, ...]
+    """12 joints, leg by leg."""
+    times: Array
+    """From 0 on, shape (n,) [s]."""
+    positions: Array
+    """Shape (n, 4, 3) [rad]."""
+    velocities: Array
+    """Shape (n, 4, 3) [rad/s]."""
+    fastest: Array
+    """Largest speeds of the joints, shape (12,) [rad/s]."""
+    start: float
+    """When its first sample is reached, if it is heard of at once [s]."""
+    given: int
+    """Samples up to this one have been given out."""
+    since: int = 0
+    """What was given out last begins with this sample."""
+    done: int = 0
+    """Up to this one the joints have got, as far as is known."""
+
+    @property
+    def end(self) -> float:
+        """When the last sample is reached, if all are heard of at once [s]."""
+        return self.start + float(self.times[-1])
+
+    @property
+    def commanded(self) -> Array:
+        """Where the joints are commanded to be by now, shape (4, 3) [rad]."""
+        commanded: Array = self.positions[self.done]
+        return commanded
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the joints have got to the last sample."""
+        return self.done == len(self.times) - 1
+
+    def followed(self, time: float, joint_positions: Array) -> JointMotion:
+        """
+        Look how far the joints are.
+
+        Parameters
+        ----------
+        time : float
+            Of the measurement [s].
+        joint_positions : ndarray, shape (4, 3)
+            [rad]
+
+        Returns
+        -------
+        JointMotion
+            The same, with :attr:`done` brought up to date: the last sample that the joints may
+            be at by their angles and by the clock.
+        """
+        if time > self.end + _PATIENCE:
+            return replace(self, done=self.given)
+        period = self.times[1]
+        latest = min(self.given, int((time - self.start) / period + 1e-6))
+        if latest <= self.done:
+            return self
+        off = np.abs(self.positions[self.done : latest + 1] - joint_positions).max(axis=(1, 2))
+        alike = np.flatnonzero(off <= off.min() + _ALIKE)
+        return replace(self, done=self.done + int(alike[-1]))
+
+    def extended(self, time: float, reaction_time: float, samples: int) -> JointMotion | None:
+        """
+        Give out more, if the joints are soon at the end of what they have.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+        reaction_time : float
+            In which a trajectory comes to the joints [s].
+        samples : int
+            How many more.
+
+        Returns
+        -------
+        JointMotion or None
+            With a :attr:`start` that fits the new trajectory; None if nothing is to be given.
+        """
+        last = len(self.times) - 1
+        ahead = round(reaction_time / float(self.times[1]))
+        if self.given == last or self.given - self.done > ahead:
+            return None
+        since = min(self.done + ahead, self.given)
+        start = time + reaction_time - float(self.times[since])
+        given = min(self.given + samples, last)
+        return replace(self, since=since, given=given, start=start)
+
+    def trajectory(self, reaction_time: float) -> JointTrajectory:
+        """
+        Write what has been given out last.
+
+        Parameters
+        ----------
+        reaction_time : float
+            After its arrival, until its first point is reached [s].
+
+        Returns
+        -------
+        JointTrajectory
+            It starts on arrival and ends at rest.
+        """
+        part = slice(self.since, self.given + 1)
+        joints = len(self.joint_names)
+        velocities = self.velocities[part].reshape(-1, joints).copy()
+        times = reaction_time + self.times[part] - self.times[self.since]
+        velocities[-1] = 0.0
+        if len(times) > 1:
+            way = self.positions[self.given] - self.positions[self.given - 1]
+            least = braking_time(way.reshape(-1), velocities[-2], self.fastest)
+            times[-1] = max(times[-1], times[-2] + least)
+        return JointTrajectory(
+            joint_names=self.joint_names,
+            stamp=0.0,
+            times=times,
+            positions=self.positions[part].reshape(-1, joints),
+            velocities=velocities,
+        )
+
+
+def braking_time(way: Array, velocity: Array, fastest: Array) -> float:
+    """
+    Return the shortest time in which joints come to rest after a way, not exceeding their speed.
+
+    Parameters
+    ----------
+    way : ndarray, shape (n,)
+        To go [rad].
+    velocity : ndarray, shape (n,)
+        With which it begins [rad/s].
+    fastest : ndarray, shape (n,)
+        Largest speeds [rad/s].
+
+    Returns
+    -------
+    float
+        For cubics [s]. Their velocity, v0 (1-s)^2 + 2 m s (1-s) with m = 3 way / T - v0, has its
+        largest value m^2 / (2 m - v0), which is the limit L for m = L + sqrt(L (L - v0)).
+    """
+    ahead = np.clip(velocity * np.sign(way), -fastest, fastest)
+    most = fastest + np.sqrt(fastest * (fastest - ahead))
+    return float(np.max(3.0 * np.abs(way) / (most + ahead)))

@@ -1,0 +1,298 @@
+"""
+One gait cycle over ground that is not flat: a swing at a time, ended by what the foot meets.
+
+On flat ground a whole cycle is planned ahead. Here each swing is planned when it begins,
+from where the feet really stand: the body goes over the three others, level if the legs
+reach, the foot is lifted over what is in its way and lowered until it bears load. It may
+meet the ground early, or later than expected: the cycle goes on from there.
+"""
+
+from __future__ import annotations
+
+import enum
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import FootholdNotFound, GaitError, ParameterError
+from quad_common.maps.height_map import HeightMap
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import LEGS, Robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import Gait
+from quad_gait.state.foot_forces import GRAVITY
+from quad_gait.state.stance import Stance
+from quad_gait.uneven.ground_model import GroundModel
+from quad_gait.uneven.joint_motion import JointMotion
+from quad_gait.uneven.swing_planner import BIT, Swing, SwingPlanner, UnevenOptions
+
+Array = NDArray[np.float64]
+
+_SURE = 3.0
+"""So many times the load that counts as contact needs no second measurement."""
+
+
+def check_suits_uneven_ground(gait: Gait) -> None:
+    """Raise ParameterError for a gait whose cycles do not begin and end at rest."""
+    if gait.is_steady or not gait.is_static:
+        raise ParameterError(
+            'gait',
+            gait.name,
+            'one that rests between its cycles where the ground is uneven, as crawl and crab do',
+        )
+
+
+class _Phase(enum.Enum):
+    SEEKING = 'seeking'
+    SWINGING = 'swinging'
+    FINISHING = 'finishing'
+    OVER = 'over'
+
+
+class UnevenStride:
+    """
+    Carries one step of the body out, leg by leg.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        In whose order the legs swing.
+    motion : BodyMotion
+        Where the body goes.
+    pose : Pose2D
+        From where, in the plan's frame.
+    height_map : HeightMap, optional
+        Of the ground, in the plan's frame; without one the feet feel their way.
+    options : UnevenOptions
+        How.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        gait: Gait,
+        motion: BodyMotion,
+        pose: Pose2D,
+        height_map: HeightMap | None,
+        options: UnevenOptions,
+    ) -> None:
+        self._robot = robot
+        self._options = options
+        self._planner = SwingPlanner(robot, options, gait.swing_height)
+        self._order = [LEGS.index(swing.leg) for swing in gait.swings]
+        self._footholds = (pose @ motion.end).transform(robot.neutral_feet)[:, :2]
+        self.height_map = height_map
+        self._phase = _Phase.SEEKING
+        self._next = 0
+        self._untouched: Stance | None = None
+        self._touched: Stance | None = None
+        self._seeking: list[int] = []
+        self._sought: set[int] = set()
+        self._return_to: Array | None = None
+        self._has_lowered = False
+        self._swinging: Swing | None = None
+        self._left: Array = np.zeros((len(LEGS), 3))
+        self._motion: JointMotion | None = None
+        self.limit = ''
+        """What kept a leg from getting as far as it was to; empty if nothing did."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all legs have swung and the body is where it was to go."""
+        return self._phase is _Phase.OVER
+
+    @property
+    def end(self) -> float:
+        """When what was planned last is done [s]."""
+        return -np.inf if self._motion is None else self._motion.end
+
+    @property
+    def joint_positions(self) -> Array | None:
+        """Where the joints are commanded to end, shape (4, 3) [rad]; None before they move."""
+        return None if self._motion is None else self._motion.positions[-1]
+
+    @property
+    def footholds(self) -> Array:
+        """Where the feet would stand after it on even ground, shape (4, 3) [m]; z by the map."""
+        height: Array = np.zeros(len(LEGS))
+        if self.height_map is not None:
+            height = self.height_map.height_at(self._footholds, beyond=0.0)
+        return np.column_stack([self._footholds, height])
+
+    @property
+    def in_contact(self) -> NDArray[np.bool_]:
+        """Which feet stand, by what was measured last, shape (4,)."""
+        standing = np.ones(len(LEGS), dtype=bool)
+        motion, swing = self._motion, self._swinging
+        if self._phase is _Phase.SWINGING and motion is not None and swing is not None:
+            is_in_the_air = motion.done >= swing.lifted_at or self._return_to is not None
+            standing[self._order[self._next]] = not is_in_the_air
+        return standing
+
+    def update(self, now: Stance) -> JointTrajectory | None:
+        """
+        Take a measurement; plan on if a foot has met the ground, or a motion is over.
+
+        Parameters
+        ----------
+        now : Stance
+            The robot as it stands.
+
+        Returns
+        -------
+        JointTrajectory or None
+            What replaces the last one, if anything does.
+
+        Raises
+        ------
+        GaitError
+            If the legs do not reach, or a foot finds no ground.
+        """
+        if self._phase is _Phase.OVER:
+            return None
+        if self._motion is not None:
+            self._motion = self._motion.followed(now.time, now.joint_positions)
+        if self._phase is _Phase.SEEKING:
+            return self._seek(now)
+        if self._phase is _Phase.FINISHING:
+            if self._motion is not None and self._motion.is_done:
+                self._phase = _Phase.OVER
+            return None
+        assert self._swinging is not None
+        return self._feel(now, self._swinging)
+
+    # What to do next
+
+    def _feel(self, now: Stance, swing: Swing) -> JointTrajectory | None:
+        """Go on when the foot that swings has met the ground, or should have."""
+        motion, leg = self._motion, self._order[self._next]
+        assert motion is not None
+        if motion.done < swing.feels_from:
+            return None
+        share = self._load_share(now, leg)
+        if share <= self._options.contact_share:
+            self._untouched, self._touched = now, None
+        elif self._touched is None:
+            self._touched = now
+        if self._touched is not None:
+            is_second = now is not self._touched
+            if is_second or share > _SURE * self._options.contact_share:
+                return self._land(self._as_touched(now, leg))
+            return None
+        if not motion.is_done:
+            return self._give_more(now)
+        if now.loads is None:
+            return self._land(now)
+        if now.time < motion.end + self._options.reaction_time:
+            return None
+        if self._return_to is not None:
+            raise FootholdNotFound(LEGS[leg], swing.depth)
+        if not self._has_lowered:
+            self._has_lowered = True
+            with suppress(GaitError):
+                deeper = self._planner.search_deeper(now, self._commanded, leg, swing.depth)
+                return self._begin(deeper)
+        # No ground here: back to where the foot stood.
+        self._return_to = self._left[leg]
+        return self._swing(now)
+
+    def _give_more(self, now: Stance) -> JointTrajectory | None:
+        """Let a foot feel on, as nothing was met."""
+        assert self._motion is not None
+        more = self._motion.extended(now.time, self._options.reaction_time, BIT)
+        if more is None:
+            return None
+        self._motion = more
+        return more.trajectory(self._options.reaction_time)
+
+    def _load_share(self, now: Stance, leg: int) -> float:
+        """Return what a foot bears, as a share of the robot's weight."""
+        if now.loads is None:
+            return 0.0
+        return float(now.loads[leg]) / (self._robot.mass * GRAVITY)
+
+    def _has_load(self, now: Stance, leg: int) -> bool:
+        return self._load_share(now, leg) > self._options.contact_share
+
+    def _as_touched(self, now: Stance, leg: int) -> Stance:
+        """
+        Return the robot as it was when the foot met the ground.
+
+        Until the contact is sure the foot presses on, and tilts the body: the other feet are
+        where they were before, and this one belongs where it was at the first touch.
+        """
+        before, touched = self._untouched, self._touched
+        assert touched is not None
+        if before is None:
+            return now
+        joints = now.joint_positions.copy()
+        joints[leg] = touched.joint_positions[leg]
+        feet = before.body.transform(self._robot.foot_positions(joints))
+        return Stance(now.time, before.body, feet, joints, lambda: now.loads)
+
+    def _seek(self, now: Stance) -> JointTrajectory | None:
+        """Lower feet that bear nothing until all four stand."""
+        motion = self._motion
+        if motion is not None:
+            found = [leg for leg in self._seeking if self._has_load(now, leg)]
+            if not found and not motion.is_done:
+                return self._give_more(now)
+            self._sought.update(found or self._seeking)
+        if now.loads is None:
+            self._seeking = []
+        else:
+            little = 0.2 * self._options.contact_share * self._robot.mass * GRAVITY
+            self._seeking = [
+                leg
+                for leg in range(len(LEGS))
+                if now.loads[leg] < little and leg not in self._sought
+            ]
+        if not self._seeking:
+            self._phase = _Phase.SWINGING
+            return self._swing(now)
+        self._motion = self._planner.search(now, self._commanded, self._seeking)
+        return self._motion.trajectory(self._options.reaction_time)
+
+    def _land(self, now: Stance) -> JointTrajectory:
+        """Go on with the next leg, or bring the body to its place."""
+        self._return_to = None
+        self._next += 1
+        if self._next < len(self._order):
+            return self._swing(now)
+        self._phase = _Phase.FINISHING
+        self._next = len(self._order) - 1
+        self._motion = self._planner.shift(now, self._commanded, self._ground(now, None))
+        return self._motion.trajectory(self._options.reaction_time)
+
+    def _swing(self, now: Stance) -> JointTrajectory:
+        """Swing the leg that is next, or take it back to where it stood."""
+        leg, back_to = self._order[self._next], self._return_to
+        ground = self._ground(now, leg if back_to is not None else None)
+        if back_to is not None:
+            swing = self._planner.swing_back(now, self._commanded, ground, leg, back_to)
+        else:
+            place = self._footholds[leg]
+            swing = self._planner.swing(now, self._commanded, ground, leg, place)
+        self.limit = self.limit or swing.limit
+        self._left = now.feet
+        self._untouched = self._touched = None
+        self._has_lowered = False
+        return self._begin(swing)
+
+    def _begin(self, swing: Swing) -> JointTrajectory:
+        self._swinging, self._motion = swing, swing.motion
+        return swing.motion.trajectory(self._options.reaction_time)
+
+    @property
+    def _commanded(self) -> Array | None:
+        return None if self._motion is None else self._motion.commanded
+
+    def _ground(self, now: Stance, but: int | None) -> GroundModel:
+        """Find the ground under the feet that stand."""
+        standing = [leg for leg in range(len(LEGS)) if leg != but]
+        under = now.feet[standing] - np.array([0.0, 0.0, self._robot.foot_radius])
+        return GroundModel.through(under, self.height_map)

@@ -1,0 +1,188 @@
+"""
+Sends a node what nobody means well, on everything that it hears and answers.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from typing import Any
+
+import numpy as np
+from rcl_interfaces.msg import Parameter
+from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+
+from quad_common.planar_pose import Pose2D
+from quad_lab.attacks.messages.mutations import Mutator, random_bytes
+from quad_lab.attacks.stage.examples import example_of, made_up, plan_request
+from quad_lab.attacks.stage.graph import Interface, inputs_of
+from quad_lab.attacks.stage.stage import Stage
+
+_SHARE_BYTES = 0.08
+"""Of messages whose bytes are damaged, instead of a field."""
+
+_DISCOVERY = 0.5
+"""For publishers to be found by the node [s]."""
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_SOMEWHERE = Pose2D(1.2, 1.2, 0.0)
+"""On the map, where no odometry was heard yet."""
+
+_NOT_CHANGED = ('use_sim_time',)
+"""Parameters that are not attacked: what they change is which time is meant at all."""
+
+
+class Attacker:
+    """
+    Attacks one node.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where it runs.
+    name : str
+        Of the node.
+    rng : numpy.random.Generator
+        Of what is sent.
+    """
+
+    def __init__(self, stage: Stage, name: str, rng: np.random.Generator) -> None:
+        self._stage = stage
+        self.name = name
+        """Of the node."""
+        self._rng = rng
+        self._publishers: dict[str, Any] = {}
+        self._latched: list[Interface] = []
+        self._clients: dict[str, Any] = {}
+        self._mutators: dict[str, Mutator] = {}
+        self._parameters: list[Parameter] = []
+        self.inputs: list[Interface] = []
+        """What is attacked."""
+        self.recent: list[str] = []
+        """What was sent last, the newest last."""
+        self.slow: list[str] = []
+        """Requests that were answered late or never."""
+        self._connect()
+        self._turns = itertools.cycle(self.inputs)
+
+    def shoot(self) -> None:
+        """Send the next message or request."""
+        target = next(self._turns)
+        if target.is_service:
+            self._request(target)
+        else:
+            self._publish(target)
+
+    def restore_parameters(self) -> None:
+        """Give the node back the parameters that it had."""
+        request = SetParameters.Request(parameters=self._parameters)
+        self._stage.call(f'{self.name}/set_parameters', SetParameters, request)
+
+    def renew_latched(self) -> None:
+        """Take back what is latched: who starts late must not hear it."""
+        node = self._stage.node
+        for target in self._latched:
+            if target.name in self._publishers:
+                node.destroy_publisher(self._publishers[target.name])
+            self._publishers[target.name] = node.create_publisher(
+                target.type, target.name, _LATCHED
+            )
+        self._stage.spin(_DISCOVERY)
+
+    def close(self) -> None:
+        """End all publishers and clients, and with them what is latched."""
+        for publisher in self._publishers.values():
+            self._stage.node.destroy_publisher(publisher)
+        for client in self._clients.values():
+            self._stage.node.destroy_client(client)
+
+    def _connect(self) -> None:
+        node = self._stage.node
+        self._parameters = self._read_parameters()
+        for target in inputs_of(node, self.name):
+            self.inputs.append(target)
+            self._mutators[target.name] = Mutator(self._rng)
+            if target.is_service:
+                self._clients[target.name] = node.create_client(target.type, target.name)
+                continue
+            readers = node.get_subscriptions_info_by_topic(target.name)
+            if any(reader.qos_profile.durability == _LATCHED.durability for reader in readers):
+                self._latched.append(target)
+            else:
+                qos = QoSProfile(depth=10)
+                self._publishers[target.name] = node.create_publisher(target.type, target.name, qos)
+        self.renew_latched()
+
+    def _read_parameters(self) -> list[Parameter]:
+        listed = self._stage.call(f'{self.name}/list_parameters', ListParameters)
+        names = [] if listed is None else [n for n in listed.result.names if n not in _NOT_CHANGED]
+        request = GetParameters.Request(names=names)
+        answer = self._stage.call(f'{self.name}/get_parameters', GetParameters, request)
+        values = [] if answer is None else answer.values
+        return [Parameter(name=name, value=value) for name, value in zip(names, values)]
+
+    def _publish(self, target: Interface) -> None:
+        message = self.example(target)
+        if self._rng.random() < _SHARE_BYTES:
+            what, data = random_bytes(serialize_message(message), self._rng)
+            self._send_bytes(target, data, f'{target} {what}')
+        else:
+            mutation = self._mutators[target.name].draw(message)
+            self.send(target, mutation.message, f'{target} {mutation}')
+
+    def send(self, target: Interface, message: Any, what: str) -> None:
+        """
+        Publish a message that is not meant well.
+
+        Parameters
+        ----------
+        target : Interface
+            One of the node's topics.
+        message : message
+            Of that topic's type.
+        what : str
+            The message in words.
+        """
+        self._send_bytes(target, serialize_message(message), what)
+
+    def _send_bytes(self, target: Interface, data: bytes, what: str) -> None:
+        self._note(what)
+        self._stage.listener.ignore(data)
+        # Not everything passes the middleware itself.
+        with contextlib.suppress(RuntimeError):
+            self._publishers[target.name].publish(data)
+
+    def _request(self, target: Interface) -> None:
+        client = self._clients[target.name]
+        mutation = self._mutators[target.name].draw(self.example(target))
+        self._note(f'{target} {mutation}')
+        if not client.service_is_ready():
+            return
+        if target.name == '/reset':
+            self._stage.listener.forget_robot()
+        reaction = self._stage.reaction(self.name, client.call_async(mutation.message))
+        if reaction.is_hang and self.name not in self._stage.dead_nodes():
+            self.slow.append(f'{target} {mutation}: {reaction}')
+
+    def example(self, target: Interface) -> Any:
+        """Return a valid message: the last one that was heard, or one that is made up."""
+        if target.name.endswith(('/set_parameters', '/set_parameters_atomically')):
+            few = self._parameters
+            chosen = [few[int(self._rng.integers(len(few)))]] if few else []
+            return target.type.Request(parameters=chosen)
+        if target.name == '/get_plan':
+            return plan_request(self._stage.pose or _SOMEWHERE)
+        if target.is_service:
+            return example_of(target.type.Request)
+        heard = self._stage.listener.last
+        if target.name in heard:
+            return heard[target.name]
+        made = made_up(target.name, self._stage.pose or _SOMEWHERE, heard.get('/joint_states'))
+        return example_of(target.type) if made is None else made
+
+    def _note(self, what: str) -> None:
+        self.recent = [*self.recent[-19:], what]
+        self._stage.listener.context = f'after {what}'

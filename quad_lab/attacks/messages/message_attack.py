@@ -1,0 +1,272 @@
+"""
+Attack by messages: every topic and service of every node, the robot standing and walking.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from dataclasses import asdict
+
+import numpy as np
+from nav_msgs.msg import OccupancyGrid
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rich.console import Console
+from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import Marker, MarkerArray
+
+from quad_common.resources import sample_map
+from quad_common.robot.robot import load_robot
+from quad_lab.attacks.messages.attacker import Attacker
+from quad_lab.attacks.messages.nonsense import accepted_nonsense
+from quad_lab.attacks.stage.report import Report, bars_of
+from quad_lab.attacks.stage.scenes import MAP, QUICK_SCENES, SCENES, START
+from quad_lab.attacks.stage.stage import NotSeen, Stage
+from quad_lab.attacks.stage.state import growth
+from quad_lab.closed_loop.random_goals import GoalDrawer
+from quad_lab.tools.criterion import Bar
+from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
+
+MESSAGES = 2000
+"""To each node, with the robot standing, and as many with it walking."""
+
+QUICK_MESSAGES = 60
+
+LENGTH = 1.0
+"""Longest way to the good goal after an attack [m]."""
+
+QUICK_LENGTH = 0.4
+
+QUICK_NONSENSE = 8
+"""Messages that must be refused, to each node."""
+
+_BATCH = 20
+"""Messages between two looks whether all is well."""
+
+_WARM_UP = 0.3
+"""Fraction of the messages after which memory is measured first."""
+
+_GAP = 0.004
+"""Between two messages [s]."""
+
+_MOMENTS, _BETWEEN = 10, 0.1
+"""At which memory is measured, and the time between two of them [s]."""
+
+_ROBOT = 'titan_viii'
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def attack_messages(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Bar], dict[str, object]]:
+    """
+    Attack, and work out the bars.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress goes.
+    quick : bool
+        A small part of the messages.
+    seed : int
+        Of what is sent.
+
+    Returns
+    -------
+    tuple
+        The bars, and details for JSON.
+    """
+    count = QUICK_MESSAGES if quick else MESSAGES
+    reports: list[Report] = []
+    violations: dict[str, list[str]] = {}
+    counts: dict[str, int] = {}
+    tracebacks: list[str] = []
+    for scene in QUICK_SCENES if quick else SCENES:
+        with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
+            scene.start(stage)
+            for state, node in itertools.product(scene.states, scene.targets):
+                attack = MessageAttack(
+                    stage,
+                    Report(node, state),
+                    seed,
+                    scene.clearance,
+                    QUICK_LENGTH if quick else LENGTH,
+                )
+                if scene.has_nonsense and state == scene.states[0]:
+                    attack.try_nonsense(QUICK_NONSENSE if quick else None)
+                attack.run(count)
+                attack.walk_on()
+                reports.append(attack.report)
+                _say(console, attack.report, stage)
+            tracebacks += stage.tracebacks()
+            for kind, number in stage.listener.counts.items():
+                counts[kind] = counts.get(kind, 0) + number
+                violations.setdefault(kind, []).extend(stage.listener.examples[kind])
+    details: dict[str, object] = {
+        'attacks': [asdict(report) for report in reports],
+        'violations': violations,
+        'tracebacks': tracebacks,
+    }
+    return bars_of(reports, counts, tracebacks, quick), details
+
+
+class MessageAttack:
+    """
+    The attack on one node: sends, looks after the robot, measures.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where it runs.
+    report : Report
+        Report that is filled in.
+    seed : int
+        Of goals and messages.
+    clearance : float
+        Distance that goals keep beyond the planner's own [m].
+    longest : float
+        Longest way to the good goal after the attack [m].
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        report: Report,
+        seed: int,
+        clearance: float = 0.0,
+        longest: float = 1.0,
+    ) -> None:
+        self.report = report
+        self._longest = longest
+        self._stage = stage
+        self._goals = GoalDrawer(load_robot(_ROBOT), sample_map(MAP), seed, clearance=clearance)
+        self._rng = np.random.default_rng(seed)
+        self._attacker = Attacker(stage, report.node, self._rng)
+        self._maps = stage.node.create_publisher(OccupancyGrid, 'map', _LATCHED)
+        self._obstacles = stage.node.create_publisher(MarkerArray, 'obstacles', 10)
+        self._good_map = stage.listener.last['/map']
+        self._memory: dict[str, float] = {}
+        """Of each node after the warm-up [MB]."""
+
+    def try_nonsense(self, count: int | None) -> None:
+        """Send what must be refused."""
+        report = self.report
+        report.nonsense, report.accepted = accepted_nonsense(
+            self._stage, self._attacker, self._rng, count
+        )
+        self._look()
+
+    def run(self, count: int) -> None:
+        """Send so many messages; then take back what is latched, and what was changed."""
+        while self.report.messages < count:
+            self._keep_going()
+            for _ in range(_BATCH):
+                self._attacker.shoot()
+                self.report.messages += 1
+                self._stage.spin(_GAP)
+            self._look()
+            if not self._memory and self.report.messages >= _WARM_UP * count:
+                self._memory = self._held()
+        self.report.slow += self._attacker.slow
+        self._attacker.restore_parameters()
+        self._attacker.close()
+        self._release()
+
+    def walk_on(self) -> None:
+        """Give a good goal, see whether it is reached, and compare the memory with before."""
+        self._walk_to_goal()
+        self.report.memory_growth = growth(self._memory, self._held())
+        self._stage.listener.context = ''
+        for publisher in (self._maps, self._obstacles):
+            self._stage.node.destroy_publisher(publisher)
+
+    def _held(self) -> dict[str, float]:
+        """
+        Return how much memory each node holds for good [MB].
+
+        It is the least of some moments: what works on a picture has it several times over.
+        """
+        held = self._stage.memory()
+        for _ in range(_MOMENTS):
+            self._stage.spin(_BETWEEN)
+            now = self._stage.memory()
+            held = {name: min(held[name], now[name]) for name in held if name in now}
+        return held
+
+    def _look(self) -> None:
+        """See whether all nodes live, and answer soon."""
+        stage, report = self._stage, self.report
+        self._revive()
+        for name in stage.nodes:
+            reaction = stage.ping(name)
+            if reaction.is_hang and name not in stage.dead_nodes():
+                sent = ' | '.join(self._attacker.recent)
+                report.slow.append(f'{name}: {reaction}; sent last: {sent}')
+
+    def _revive(self) -> None:
+        """Start nodes again that have ended: the attack goes on, and their deaths count."""
+        stage = self._stage
+        while dead := stage.dead_nodes():
+            # What is latched would end them again.
+            self._attacker.renew_latched()
+            for name, death in dead.items():
+                sent = ' | '.join(self._attacker.recent)
+                self.report.deaths.append(f'{death}\nsent last: {sent}')
+                self._memory.pop(name, None)
+                stage.start_again(name)
+            stage.listener.forget_robot()
+            # Another one may end meanwhile, of what was sent before.
+            with contextlib.suppress(NodeDied):
+                stage.wait_until_found()
+
+    def _keep_going(self) -> None:
+        """Take back what a stranger may rightly ask for: a pause, a seat, a wall."""
+        stage = self._stage
+        self._release()
+        if self.report.state == 'walking' and stage.activity not in ('walking', 'turning'):
+            stage.give_goal(self._goals.draw(START, 0.3, 1.5))
+
+    def _release(self) -> None:
+        stage = self._stage
+        if stage.has_fallen:
+            if self.report.node != 'sim_node':
+                self.report.falls += 1
+            stage.listener.forget_robot()
+            stage.call('reset', Trigger)
+        stage.call('unpause', Trigger)
+        if '/emergency_stop' in dict(stage.node.get_service_names_and_types()):
+            stage.call('emergency_stop', SetBool, SetBool.Request(data=False))
+        if stage.activity in ('sitting', 'sitting down', 'stopped'):
+            stage.call('stand', Trigger)
+        self._maps.publish(self._good_map)
+        self._obstacles.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+
+    def _walk_to_goal(self) -> None:
+        stage, report = self._stage, self.report
+        try:
+            self._release()
+            if report.node == 'sim_node':
+                stage.listener.forget_robot()
+                stage.call('reset', Trigger)
+            stage.spin(1.0)
+            # What was released may only now be said.
+            self._release()
+            pose = stage.pose
+            assert pose is not None
+            stage.walk_to(self._goals.draw(pose, 0.2 * self._longest, self._longest))
+            report.has_reached_goal = True
+        except (NotSeen, NodeDied) as error:
+            report.problem = str(error)
+            if isinstance(error, NodeDied):
+                report.deaths.append(f'{error}\nafter the attack, on the way to a good goal')
+
+
+def _say(console: Console, report: Report, stage: Stage) -> None:
+    console.print(
+        f'{report.node}, {report.state}: {report.messages} messages, {len(report.deaths)} deaths, '
+        f'{len(report.slow)} slow, {len(report.accepted)} of {report.nonsense} accepted, '
+        f'{dict(stage.listener.counts)}, '
+        f'goal {"reached" if report.has_reached_goal else "NOT reached: " + report.problem}',
+        highlight=False,
+    )

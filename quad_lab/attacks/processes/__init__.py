@@ -1,0 +1,3 @@
+"""
+Starts and stops, and what they leave behind.
+"""

@@ -1,0 +1,3 @@
+"""
+Nodes under attack: started, listened to and judged.
+"""

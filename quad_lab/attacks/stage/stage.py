@@ -1,0 +1,307 @@
+"""
+Nodes as processes, and somebody who listens to all of them: what every attack needs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable
+from functools import partial
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from rcl_interfaces.srv import GetParameters
+from rclpy.node import NodeNameNonExistentError
+
+from quad_common.errors import QuadError
+from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.robot.robot import Robot
+from quad_common.ros.pose_conversions import pose_from_message
+from quad_common.ros.run_node import make_executor
+from quad_lab.attacks.stage.goal_topic import GoalTopic
+from quad_lab.attacks.stage.graph import inputs_of
+from quad_lab.attacks.stage.listener import TopicListener
+from quad_lab.attacks.stage.state import Reaction, processor_time, resident_memory, traceback_ends
+from quad_lab.topic_walk.node_processes import NodeDied, NodeProcess, NodeProcesses
+
+START_TIMEOUT = 90.0
+"""For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
+
+STALL_TIMEOUT = 20.0
+"""For simulated time to advance [s]."""
+
+_GIVE_UP = 20.0
+"""Wait for an answer [s]."""
+
+NEAR = 0.05
+"""Of a goal: the robot is there [m]."""
+
+_HEADING = 0.09
+"""Likewise [rad]."""
+
+
+class NotSeen(QuadError):
+    """Something that was waited for did not come."""
+
+    def __init__(self, what: str, waited: str, said: str) -> None:
+        self.what = what
+        super().__init__(f'not seen in {waited}: {what}; the nodes say: {said}')
+
+
+class Stage:
+    """
+    Starts nodes, ends them, listens to them, and gives goals.
+
+    Parameters
+    ----------
+    robot : Robot
+        Whose limits are checked.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._processes = NodeProcesses()
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context)
+        self.node = rclpy.create_node('faults', context=self._context)
+        self._executor = make_executor(self._context)
+        self._executor.add_node(self.node)
+        self.listener = TopicListener(self.node, robot)
+        self.nodes: dict[str, NodeProcess] = {}
+        """Every node that was started; the last one of a name."""
+        self._parameters: dict[str, dict[str, object]] = {}
+        self._goals = GoalTopic(self.node)
+        self._pings: dict[str, Any] = {}
+
+    def __enter__(self) -> Stage:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._processes.__exit__(kind, error, trace)
+        self.node.destroy_node()
+        self._executor.shutdown()
+        self._context.try_shutdown()
+
+    # ---- nodes ----
+
+    def start(self, name: str, **parameters: object) -> None:
+        """Start a node; it is listened to once it is found."""
+        self._parameters[name] = parameters
+        self.nodes[name] = self._processes.start(name, **parameters)
+
+    def start_again(self, name: str) -> None:
+        """Start a node that has ended, with the parameters it had."""
+        self.listener.statuses.pop(name, None)
+        self._goals.note_death(name)
+        self.start(name, **self._parameters[name])
+
+    def wait_until_found(self) -> None:
+        """Wait until every node is discovered, and listened to."""
+        for name in self.nodes:
+            self._wait_for_start(f'{name} is found', partial(self._is_found, name))
+
+    def wait_until_ready(self) -> None:
+        """Wait until a goal would be walked to."""
+        self.wait_until_found()
+        self._wait_for_start('planner and gait are ready', self.is_ready)
+
+    def is_ready(self) -> bool:
+        """Return whether planner and gait say that they could begin."""
+        planner = self.said('planner_node')
+        return (
+            planner.startswith(('ready', 'plan'))
+            and self.activity in ('standing', 'arrived')
+            and self._goals.is_heard()
+        )
+
+    def dead_nodes(self) -> dict[str, NodeDied]:
+        """Return those that have ended, each with how."""
+        dead = {}
+        for name, process in self.nodes.items():
+            try:
+                process.check()
+            except NodeDied as error:
+                dead[name] = error
+        return dead
+
+    def tracebacks(self) -> list[str]:
+        """Return a line for each traceback in the nodes' logs: how it ends."""
+        return [
+            f'{name}: {end}'
+            for name, process in self.nodes.items()
+            for end in traceback_ends(process.log_tail(1_000_000))
+        ]
+
+    def memory(self) -> dict[str, float]:
+        """Return how much memory of the machine each living node holds [MB]."""
+        held = {name: resident_memory(process.pid) for name, process in self.nodes.items()}
+        return {name: memory for name, memory in held.items() if memory is not None}
+
+    # ---- waiting ----
+
+    def spin(self, duration: float) -> None:
+        """Handle what comes in for some time [s]."""
+        end = time.monotonic() + duration
+        while (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
+    def wait_until(
+        self,
+        what: str,
+        condition: Callable[[], bool],
+        simulated_timeout: float = 300.0,
+        stall_timeout: float = STALL_TIMEOUT,
+    ) -> None:
+        """
+        Listen until a condition holds.
+
+        Parameters
+        ----------
+        what : str
+            The condition in words.
+        condition : callable
+            Returns whether it holds.
+        simulated_timeout : float
+            In which it must come to hold [s].
+        stall_timeout : float
+            On the wall clock, in which simulated time must advance [s].
+
+        Raises
+        ------
+        NotSeen
+            If it does not.
+        NodeDied
+            If a node ends meanwhile.
+        """
+        seen = self.listener.time
+        advanced, passed = time.monotonic(), 0.0
+        while not condition():
+            self._executor.spin_once(timeout_sec=0.05)
+            for process in self.nodes.values():
+                process.check()
+            now = self.listener.time
+            if now != seen:
+                passed += max(0.0, now - seen)
+                seen, advanced = now, time.monotonic()
+            if passed > simulated_timeout:
+                raise NotSeen(what, f'{passed:.0f} s of simulated time', self.all_said())
+            if time.monotonic() - advanced > stall_timeout:
+                raise NotSeen(what, f'{stall_timeout:.0f} s without advance', self.all_said())
+
+    def ping(self, name: str) -> Reaction:
+        """Measure how long a node takes to answer to a request for a parameter."""
+        if name not in self._pings:
+            self._pings[name] = self.node.create_client(GetParameters, f'{name}/get_parameters')
+        client = self._pings[name]
+        # Found first: discovery is not the node's own time.
+        began = time.monotonic()
+        while not client.service_is_ready() and time.monotonic() - began < _GIVE_UP:
+            self._executor.spin_once(timeout_sec=0.01)
+            if name in self.dead_nodes():
+                break
+        return self.reaction(name, client.call_async(GetParameters.Request(names=['robot'])))
+
+    def reaction(self, name: str, answer: Any) -> Reaction:
+        """Listen until a node has answered to a request; measure how long that takes."""
+        process = self.nodes[name]
+        began, computed = time.monotonic(), processor_time(process.pid)
+        while not answer.done() and time.monotonic() - began < _GIVE_UP:
+            self._executor.spin_once(timeout_sec=0.01)
+            if name in self.dead_nodes():
+                break
+        elapsed = time.monotonic() - began
+        return Reaction(elapsed, processor_time(process.pid) - computed, answer.done())
+
+    def call(self, name: str, kind: Any, request: Any = None) -> Any:
+        """Call a service and return its answer; None if there is none."""
+        client = self.node.create_client(kind, name)
+        end = time.monotonic() + _GIVE_UP
+        try:
+            if not client.wait_for_service(_GIVE_UP):
+                return None
+            answer = client.call_async(kind.Request() if request is None else request)
+            while not answer.done() and time.monotonic() < end:
+                self._executor.spin_once(timeout_sec=0.01)
+            return answer.result() if answer.done() else None
+        finally:
+            self.node.destroy_client(client)
+
+    # ---- the robot ----
+
+    @property
+    def activity(self) -> str:
+        """What the gait node says it does."""
+        return self.listener.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether the simulator says so."""
+        return self.listener.statuses.get('sim_node', (b'', '', {}))[2].get('has_fallen') == 'True'
+
+    @property
+    def contacts(self) -> str:
+        """What the simulator says of contacts that should not be."""
+        return self.listener.statuses.get('sim_node', (b'', '', {}))[2].get('contacts', '')
+
+    @property
+    def pose(self) -> Pose2D | None:
+        """Where the robot is; None before odometry was heard, and if that is nonsense."""
+        message = self.listener.last.get('/odom')
+        with contextlib.suppress(QuadError):
+            return None if message is None else pose_from_message(message.pose.pose)
+        return None
+
+    def said(self, name: str) -> str:
+        """Return what a node said last."""
+        return self.listener.statuses.get(name, (b'', '', {}))[1]
+
+    def all_said(self) -> str:
+        """Return what all nodes said last."""
+        return '; '.join(f'{name}: {self.said(name)[:200] or "nothing"}' for name in self.nodes)
+
+    def give_goal(self, goal: Pose2D) -> None:
+        """Publish a goal, once a living planner hears it."""
+        end = time.monotonic() + _GIVE_UP
+        while not self._goals.is_heard() and time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.05)
+        self._goals.publish(goal)
+
+    def is_at(self, goal: Pose2D) -> bool:
+        """Return whether the gait says that it has arrived, and the robot is at the goal."""
+        pose = self.pose
+        return (
+            self.activity == 'arrived'
+            and pose is not None
+            and pose.distance_to(goal) <= NEAR
+            and abs(wrap_angle(pose.yaw - goal.yaw)) <= _HEADING
+        )
+
+    def walk_to(self, goal: Pose2D, simulated_timeout: float = 400.0) -> None:
+        """Give a goal and wait until the robot is there."""
+        self.give_goal(goal)
+        self.wait_until(f'arrival at {goal}', lambda: self.is_at(goal), simulated_timeout)
+
+    def _wait_for_start(self, what: str, condition: Callable[[], bool]) -> None:
+        """Wait on the wall clock: simulated time may run, or not yet, while nodes start."""
+        end = time.monotonic() + START_TIMEOUT
+        while not condition():
+            self._executor.spin_once(timeout_sec=0.05)
+            for process in self.nodes.values():
+                process.check()
+            if time.monotonic() > end:
+                raise NotSeen(what, f'{START_TIMEOUT:.0f} s', self.all_said())
+
+    def _is_found(self, name: str) -> bool:
+        try:
+            if not inputs_of(self.node, name):
+                return False
+            self.listener.listen_to([name])
+        except (NodeNameNonExistentError, StopIteration):
+            return False
+        return name in self.listener.statuses

@@ -1,0 +1,3 @@
+"""
+Walks that are disturbed: kills, silence, load, drift.
+"""

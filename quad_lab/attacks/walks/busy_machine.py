@@ -1,0 +1,270 @@
+"""
+Part of ``quadwalk bench faults``: sound robots that walk on a busy machine, and are called sound.
+
+Every robot, gait, direction and kind of ground, with trajectories that come late or never and
+joints that are heard of late. Each walk follows from its seed and number alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import count, islice
+
+import numpy as np
+from rich.console import Console
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot, available_robots, load_robot
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.cycle.gait_check import DIRECTIONS
+from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.reference_path import circle_pieces
+from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
+from quad_lab.closed_loop.terrain_walk import COURSES, make_course
+from quad_lab.tools.criterion import Bar, at_most, figure
+from quad_lab.tools.workers import worker_pool
+
+HOURS, QUICK_WALKS = 10.0, 6
+"""Simulated time of the whole campaign [h], and number of walks of the quick one."""
+
+WALK, QUICK_WALK = 60.0, 12.0
+"""Simulated time of one walk [s]."""
+
+_GAITS = ('crawl', 'crab', 'wave', 'trot')
+_TURNINGS = ('in_place', 'crab', 'arc')
+_BEGIN = 0.5
+"""Time for which the robot stands at first [s]."""
+
+_TURNS = 3
+"""Number of pieces of a plan."""
+
+_SMALL = 0.25
+"""Relative size of robots for which the bumps of the courses would be too small."""
+
+_CHANGE = 8.0
+"""Time after which a robot that is steered gets another wish [s]."""
+
+
+@dataclass(frozen=True)
+class WatchedWalk:
+    """What one walk of the campaign is."""
+
+    robot: str
+    gait: str
+    kind: str
+    """``steered``, ``circle``, ``plan``, or a course of uneven ground."""
+    turning: str
+    """How a plan is followed."""
+    is_disturbed: bool
+    """Whether the machine is busy."""
+    seed: tuple[int, int]
+    """Seed and number of the walk."""
+    duration: float
+    """Longest time that it takes [s]."""
+
+
+@dataclass(frozen=True)
+class WatchedOutcome:
+    """What became of one walk."""
+
+    walk: WatchedWalk
+    duration: float
+    """Simulated time [s]."""
+    false_alarm: str
+    """Why a sound robot was called lame; empty if it was not."""
+    unfollowed: bool
+    """Whether it was said that nobody carries the trajectories out."""
+    has_fallen: bool
+    activity: str
+    """What the robot did last."""
+    late: int
+    """Number of trajectories that came late."""
+    lost: int
+    """Number of trajectories that did not come, or too late to be of use."""
+
+
+def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Bar]:
+    """
+    Walk sound robots, and count false alarms.
+
+    Parameters
+    ----------
+    quick : bool
+        A few short walks, in place of ten simulated hours.
+    seed : int
+        Of everything that is drawn.
+    processes : int
+        Number of walks at one time.
+
+    Returns
+    -------
+    list of Bar
+    """
+    hours = math.inf if quick else HOURS
+    walks = islice(drawn_walks(seed, QUICK_WALK if quick else WALK), QUICK_WALKS if quick else None)
+    outcomes = campaign(walks, hours, processes)
+    simulated = sum(outcome.duration for outcome in outcomes) / 3600.0
+    alarms = sum(bool(outcome.false_alarm) for outcome in outcomes)
+    quiet = [outcome for outcome in outcomes if not outcome.walk.is_disturbed]
+    return [
+        figure('sound robots walk, simulated', simulated, 'h'),
+        figure('sound robots: trajectories that came late', sum(o.late for o in outcomes), ''),
+        figure('sound robots: trajectories that were lost', sum(o.lost for o in outcomes), ''),
+        at_most('sound robots called lame', alarms, '', 0),
+        at_most(
+            'sound robots on a quiet machine said not to follow',
+            sum(outcome.unfollowed for outcome in quiet),
+            '',
+            0,
+        ),
+    ]
+
+
+def attack_by_load(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+    """Walk sound robots on a busy machine, as a part of ``quadwalk bench faults``."""
+    console.print('sound robots walk without topics, on a machine that is busy')
+    return watch_bars(quick, seed), {}
+
+
+def campaign(
+    walks: Iterator[WatchedWalk],
+    hours: float,
+    processes: int,
+    on_outcome: Callable[[WatchedOutcome], None] = lambda outcome: None,
+) -> list[WatchedOutcome]:
+    """
+    Walk until so much time has been simulated.
+
+    Parameters
+    ----------
+    walks : iterator of WatchedWalk
+        What to walk.
+    hours : float
+        Simulated time [h]; the walks may end before.
+    processes : int
+        Number of walks at one time.
+    on_outcome : callable
+        Called after each walk.
+
+    Returns
+    -------
+    list of WatchedOutcome
+        In the order of the walks.
+    """
+    outcomes: list[WatchedOutcome] = []
+    with worker_pool(processes) as pool:
+        while sum(outcome.duration for outcome in outcomes) < 3600.0 * hours:
+            batch = list(islice(walks, 4 * processes))
+            if not batch:
+                break
+            for outcome in pool.map(walk_watched, batch):
+                outcomes.append(outcome)
+                on_outcome(outcome)
+    return outcomes
+
+
+def drawn_walks(seed: int, duration: float) -> Iterator[WatchedWalk]:
+    """
+    Draw walks without end.
+
+    Parameters
+    ----------
+    seed : int
+        Of all walks.
+    duration : float
+        Of each of them [s].
+    """
+    names = available_robots()
+    for number in count():
+        rng = np.random.default_rng((seed, number))
+        robot = load_robot(names[number % len(names)])
+        gait = str(rng.choice([name for name in _GAITS if name in robot.gaits]))
+        kinds = ['steered', 'steered', 'circle', 'plan']
+        if gait in ('crawl', 'crab'):
+            kinds += ['uneven'] * 3
+        kind = str(rng.choice(kinds))
+        if kind == 'uneven':
+            kind = str(rng.choice(_courses_of(robot)))
+        turning = str(rng.choice(_TURNINGS))
+        is_disturbed = bool(rng.random() < 0.8)
+        yield WatchedWalk(robot.name, gait, kind, turning, is_disturbed, (seed, number), duration)
+
+
+def walk_watched(walk: WatchedWalk) -> WatchedOutcome:
+    """Walk once with a sound robot."""
+    robot = load_robot(walk.robot)
+    rng = np.random.default_rng((*walk.seed, 1))
+    gait = load_gait(walk.gait, robot)
+    is_uneven = walk.kind in COURSES
+    options = ControllerOptions(
+        least_margin=-math.inf if is_uneven else 0.005,
+        twist_timeout=math.inf,
+        uneven=UnevenOptions() if is_uneven else None,
+        follower=FollowerOptions(turning=walk.turning),
+    )
+    controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
+    disturbance = Disturbance() if walk.is_disturbed else UNDISTURBED
+    if is_uneven:
+        course = make_course(robot, walk.kind, int(rng.integers(1000)))
+        controller.set_height_map(course.height_map)
+        place = {'world': course.world, 'start': course.start}
+        walked = DisturbedWalk(robot, controller, disturbance, rng, **place)
+    else:
+        walked = DisturbedWalk(robot, controller, disturbance, rng)
+    unfollowed = False
+
+    def is_over() -> bool:
+        nonlocal unfollowed
+        unfollowed = unfollowed or controller.activity is Activity.NOT_EXECUTED
+        return controller.activity.is_disabled
+
+    try:
+        walked.run(_BEGIN)
+        if is_uneven:
+            controller.set_plan(course.plan)
+        while walked.time < walk.duration and not controller.activity.is_disabled:
+            if not is_uneven:
+                _wish(walk.kind, controller, walked.record.poses[-1], rng)
+            walked.run(_CHANGE, is_over)
+    finally:
+        walked.close()
+    return WatchedOutcome(
+        walk,
+        walked.time,
+        controller.reason if controller.activity is Activity.LAME else '',
+        unfollowed,
+        controller.activity is Activity.FALLEN,
+        controller.activity.value,
+        walked.late,
+        walked.lost,
+    )
+
+
+def _wish(kind: str, controller: WalkController, pose: Pose2D, rng: np.random.Generator) -> None:
+    """Wish for something new, if what was wished for is done."""
+    if kind == 'steered':
+        direction = DIRECTIONS[str(rng.choice(sorted(DIRECTIONS)))]
+        gear = controller.gears.of_twist(direction.rate(1.0))
+        wanted = direction.scaled(rng.uniform(0.3, 1.0) * gear.largest_share(direction))
+        controller.set_twist(wanted.rate(gear.period))
+    elif controller.activity not in (Activity.WALKING, Activity.TURNING):
+        size = 8.0 * controller.gears.walking.largest_share(BodyMotion(forward=1.0))
+        if kind == 'circle':
+            pieces = circle_pieces(pose, rng.uniform(0.3, 1.0) * size, 2.0 * math.pi)
+            controller.set_plan(Plan((pose, pieces[-1].end)), pieces)
+        else:
+            points = np.cumsum(rng.uniform(-size, size, (_TURNS, 2)), axis=0)
+            line = [(pose.x, pose.y), *(points + (pose.x, pose.y))]
+            controller.set_plan(Plan.through(line, float(rng.uniform(-math.pi, math.pi))))
+
+
+def _courses_of(robot: Robot) -> list[str]:
+    """Return the courses that there are for a robot of its size."""
+    return list(COURSES) if robot.relative_size > _SMALL else ['boxes']

@@ -1,0 +1,281 @@
+"""
+Attack by kills: nodes are killed, or stopped for five seconds, at random moments of walks.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from rich.console import Console
+
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.robot.robot import load_robot
+from quad_lab.attacks.stage.reasons import reason_for_standing
+from quad_lab.attacks.stage.stage import NotSeen, Stage
+from quad_lab.attacks.stage.violations import NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
+from quad_lab.closed_loop.random_goals import GoalDrawer
+from quad_lab.tools.criterion import Bar, at_least, at_most
+from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
+
+WALKS = 40
+QUICK_WALKS = 2
+
+NODES = ('planner_node', 'gait_node', 'sim_node')
+WAYS = ('SIGKILL', 'SIGSTOP')
+
+_STOPPED_FOR = 5.0
+"""A node that is stopped [s], on the wall clock."""
+
+_RESPAWN = 1.0
+"""After which a node that was killed is started again, as ``respawn_delay`` does [s]."""
+
+_LATEST = 12.0
+"""After a walk's beginning, for the kill [s], simulated."""
+
+_PATIENCE = 20.0
+"""For the robot to go on by itself, or to say why it does not [s], simulated."""
+
+_MOVING = ('walking', 'turning')
+
+_BEGINNING = 60.0
+"""For a robot that was given a goal to begin [s], simulated."""
+
+_ATTEMPTS = 3
+"""Times that the goal is given until it does."""
+
+_RATE = 3.0
+"""Simulated over real time."""
+
+_ROBOT = 'titan_viii'
+_MAP = 'room'
+_START = Pose2D(1.2, 1.2, 0.0)
+
+
+@dataclass
+class KilledWalk:
+    """What became of one walk."""
+
+    number: int
+    node: str
+    way: str
+    """SIGKILL, or SIGSTOP and SIGCONT after five seconds."""
+    moment: float = 0.0
+    """Of the kill, after the goal was given [s], simulated."""
+    goals: int = 1
+    """How often the goal had to be given."""
+    has_arrived: bool = False
+    has_fallen: bool = False
+    contacts: str = ''
+    has_stood: bool = False
+    """Whether the robot did not go on by itself."""
+    reason: str = ''
+    """Reason that the gait node gave for it; empty if it gave none."""
+    said: str = ''
+    """All that the nodes said then."""
+    without_effect: list[str] = field(default_factory=list)
+    """Goals at the beginning that had no effect: what the nodes said then."""
+    problem: str = ''
+    """Why it did not arrive."""
+
+    @property
+    def is_good(self) -> bool:
+        """Whether all that is promised came true."""
+        is_safe = not self.has_fallen and not self.contacts
+        is_heard = self.goals <= 2 and not self.without_effect
+        return is_safe and self.has_arrived and is_heard and self.says_why
+
+    @property
+    def says_why(self) -> bool:
+        """Whether the robot went on, or said why it did not."""
+        return not self.has_stood or bool(self.reason)
+
+
+def attack_by_kills(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Bar], dict[str, object]]:
+    """
+    Kill nodes in walks, and work out the bars.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress goes.
+    quick : bool
+        A few walks only.
+    seed : int
+        Of goals and moments.
+
+    Returns
+    -------
+    tuple
+        The bars, and details for JSON: every walk.
+    """
+    rng = np.random.default_rng(seed)
+    count = QUICK_WALKS if quick else WALKS
+    ways = [(node, way) for way in WAYS for node in NODES]
+    order = rng.permutation(len(ways))
+    walks: list[KilledWalk] = []
+    with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
+        start = [_START.x, _START.y, _START.yaw]
+        stage.start('sim_node', real_time_factor=_RATE, start_pose=start)
+        stage.start('planner_node')
+        stage.start('gait_node')
+        stage.wait_until_ready()
+        goals = GoalDrawer(load_robot(_ROBOT), sample_map(_MAP), seed)
+        for number in range(count):
+            node, way = ways[order[number % len(ways)]]
+            walk = KilledWalk(number, node, way)
+            _killed_walk(stage, walk, goals, float(rng.uniform(0.0, _LATEST)))
+            walks.append(walk)
+            _say(console, walk)
+            if not walk.is_good:
+                _begin_again(stage)
+        counts, examples = dict(stage.listener.counts), dict(stage.listener.examples)
+        tracebacks = stage.tracebacks()
+    return bars_of(walks, counts, len(tracebacks)), {
+        'walks': [asdict(walk) for walk in walks],
+        'tracebacks': tracebacks,
+        'violations': examples,
+    }
+
+
+def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: float) -> None:
+    """Walk to a goal; kill a node on the way."""
+    pose = stage.pose or _START
+    goal = goals.draw(pose, 0.4, 1.2)
+    walk.moment = moment
+    try:
+        _begin(stage, walk, goal)
+        begun = stage.listener.time
+        stage.wait_until(
+            'the moment of the kill',
+            lambda: stage.listener.time >= begun + moment or stage.is_at(goal),
+        )
+        _kill(stage, walk)
+        if not _goes_on(stage, goal):
+            # It has to say why; a new goal has to be enough.
+            walk.has_stood, walk.said = True, stage.all_said()
+            status = stage.listener.statuses.get('gait_node', (b'', '', {}))
+            walk.reason = reason_for_standing(*status)
+            walk.goals += 1
+            stage.give_goal(goal)
+        stage.wait_until(f'arrival at {goal}', lambda: stage.is_at(goal), 300.0)
+        walk.has_arrived = True
+    except (NotSeen, NodeDied) as error:
+        walk.problem = str(error)
+    walk.has_fallen, walk.contacts = stage.has_fallen, stage.contacts
+
+
+def _begin(stage: Stage, walk: KilledWalk, goal: Pose2D) -> None:
+    """Give a goal until the robot walks; note every one that has no effect."""
+    for attempt in range(1, _ATTEMPTS + 1):
+        stage.give_goal(goal)
+        try:
+            stage.wait_until('the robot walks', lambda: stage.activity in _MOVING, _BEGINNING)
+        except NotSeen:
+            # An answer, and no effect: the topic is lost, and the node is not.
+            ping = stage.ping('planner_node')
+            walk.without_effect.append(f'{stage.all_said()}; asked, planner_node: {ping}')
+            if attempt == _ATTEMPTS:
+                raise
+        else:
+            return
+
+
+def _kill(stage: Stage, walk: KilledWalk) -> None:
+    process = stage.nodes[walk.node]
+    if walk.way == 'SIGKILL':
+        process.kill()
+        stage.spin(_RESPAWN)
+        stage.start_again(walk.node)
+        stage.wait_until_found()
+    else:
+        os.kill(process.pid, signal.SIGSTOP)
+        try:
+            stage.spin(_STOPPED_FOR)
+        finally:
+            os.kill(process.pid, signal.SIGCONT)
+
+
+def _goes_on(stage: Stage, goal: Pose2D) -> bool:
+    """Return whether the robot reaches the goal by itself; if not, it has stood for a while."""
+    moved_at = seen = stage.listener.time
+
+    def is_over() -> bool:
+        nonlocal moved_at, seen
+        now = stage.listener.time
+        # A simulator that is started again begins at zero.
+        if now < seen or stage.activity in (*_MOVING, 'standing up'):
+            moved_at = now
+        seen = now
+        return stage.is_at(goal) or now - moved_at > _PATIENCE
+
+    stage.wait_until(f'arrival at {goal}, or a robot that stands', is_over, 300.0)
+    return stage.is_at(goal)
+
+
+def _begin_again(stage: Stage) -> None:
+    """Start all nodes anew: a walk that went wrong must not spoil the next one."""
+    for name in NODES:
+        stage.nodes[name].kill()
+    for name in NODES:
+        stage.start_again(name)
+    stage.wait_until_ready()
+
+
+def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) -> list[Bar]:
+    """
+    Work out the bars of some walks.
+
+    Parameters
+    ----------
+    walks : list of KilledWalk
+        What became of each.
+    counts : dict of str to int
+        How often each kind of violation was seen; see :mod:`quad_lab.attacks.stage.violations`.
+    tracebacks : int
+        How many are in the nodes' logs.
+
+    Returns
+    -------
+    list of Bar
+        What must hold.
+    """
+    total = len(walks)
+    good = sum(walk.is_good for walk in walks)
+    without_effect = sum(len(walk.without_effect) for walk in walks)
+    return [
+        at_least('walks that end well', good if total else None, f'of {total}', total),
+        at_most('falls', sum(walk.has_fallen for walk in walks), '', 0),
+        at_most('walks with contacts', sum(bool(walk.contacts) for walk in walks), '', 0),
+        at_most('goals given, at most', max((walk.goals for walk in walks), default=None), '', 2),
+        at_most('goals at the beginning without effect', without_effect, '', 0),
+        at_most(
+            'robots that stand and do not say why',
+            sum(not walk.says_why for walk in walks),
+            '',
+            0,
+        ),
+        *(
+            at_most(kind, counts.get(kind, 0), '', 0)
+            for kind in (NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE)
+        ),
+        at_most('tracebacks', tracebacks, '', 0),
+    ]
+
+
+def _say(console: Console, walk: KilledWalk) -> None:
+    outcome = 'arrived' if walk.has_arrived else f'did NOT arrive: {walk.problem}'
+    extra = f', {walk.goals} goals' if walk.goals > 1 else ''
+    extra += f', stood: {walk.reason or "did NOT say why"}' if walk.has_stood else ''
+    extra += f', {len(walk.without_effect)} goals WITHOUT EFFECT' if walk.without_effect else ''
+    extra += ', FELL' if walk.has_fallen else ''
+    extra += f', CONTACTS {walk.contacts}' if walk.contacts else ''
+    console.print(
+        f'{walk.number + 1} {walk.way} of {walk.node} after {walk.moment:.1f} s: {outcome}{extra}',
+        highlight=False,
+    )

@@ -1,0 +1,3 @@
+"""
+Benchmarks of walking and perception.
+"""

@@ -1,0 +1,256 @@
+"""
+Part of ``quadwalk bench terrain``: joints that fail in mid-walk, in physics.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Twist2D
+from quad_common.robot.robot import load_robot
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.terrain_walk import make_course
+from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.workers import worker_pool
+from quad_sim.engines.joint_failure import FAILURES, JointFailure
+from quad_sim.engines.simulator import Observation
+
+Array = NDArray[np.float64]
+
+_CASES, _QUICK_CASES = 20, 2
+
+_WALKS = (
+    ('titan_viii', 'crawl', 'flat'),
+    ('titan_viii', 'crawl', 'bumps'),
+    ('titan_viii', 'trot', 'flat'),
+    ('genibo', 'crawl', 'flat'),
+    ('genibo', 'crawl', 'bumps'),
+)
+"""Robot, gait and ground of each series."""
+
+_WITH_BAR = _WALKS[:2]
+"""Those that must not fall; of the others it is only to be known."""
+
+_BEGIN = {'flat': 2.0, 'bumps': 6.0}
+"""The robot has walked for so long before a joint may fail [s]."""
+
+_SPEED = {'crawl': 0.2, 'trot': 0.6}
+"""Of the largest stride per second."""
+
+_WATCHED = 10.0
+"""From the word that a joint has failed, at most so long [s]."""
+
+_UNNOTICED = 12.0
+"""A joint may fail and not be missed before its leg is needed, for so long at most [s]."""
+
+_PLACE, _TILT = 0.005, math.radians(0.5)
+"""A robot stands still when nothing moves it farther any more [m] of TITAN-VIII, [rad]."""
+
+_LARGEST_TILT = math.radians(30.0)
+"""A body tilted farther has fallen [rad]."""
+
+
+@dataclass(frozen=True)
+class FailureCase:
+    """A joint that fails at a time."""
+
+    robot: str
+    gait: str
+    ground: str
+    """``flat``, or one of :data:`quad_lab.closed_loop.terrain_walk.COURSES`."""
+    joint: int
+    kind: str
+    time: float
+    """[s]"""
+    seed: int
+    """Of the ground."""
+
+
+@dataclass(frozen=True)
+class FailureOutcome:
+    """What became of it."""
+
+    case: FailureCase
+    has_fallen: bool
+    largest_tilt: float
+    """After the failure [rad]."""
+    has_touched: bool
+    """Whether body or hips have touched the ground."""
+    is_named: bool
+    """Whether the robot says which joint it is."""
+    noticed: float
+    """After the failure [s]; infinite if never."""
+    still: float
+    """When it stands still, after the failure [s]; infinite if never."""
+    period: float
+    """Of a cycle, by the clock where the ground is uneven [s]."""
+    reason: str
+
+
+def joint_failure_bars(quick: bool, seed: int) -> list[Bar]:
+    """
+    Let joints fail in mid-walk.
+
+    Parameters
+    ----------
+    quick : bool
+        Two cases of each series, in place of 20.
+    seed : int
+        Of joints, kinds and times.
+
+    Returns
+    -------
+    list of Bar
+    """
+    count = _QUICK_CASES if quick else _CASES
+    cases = [
+        case
+        for k, walk in enumerate(_WALKS)
+        for case in random_cases(*walk, count, np.random.default_rng((seed, k)))
+    ]
+    with worker_pool() as pool:
+        outcomes = list(pool.map(walk_and_fail, cases))
+    bars = []
+    for walk in _WALKS:
+        series = [
+            outcome
+            for outcome in outcomes
+            if (outcome.case.robot, outcome.case.gait, outcome.case.ground) == walk
+        ]
+        bars += _bars_of(' '.join(walk), series, walk in _WITH_BAR)
+    return bars
+
+
+def _bars_of(name: str, series: list[FailureOutcome], has_bar: bool) -> list[Bar]:
+    name = f'a joint fails, {name}'
+    count = len(series)
+    fallen = sum(outcome.has_fallen for outcome in series)
+    still = sum(outcome.still <= 2.0 * outcome.period for outcome in series)
+    named = sum(outcome.is_named for outcome in series)
+    texts = (
+        f'{name}: falls, of {count}',
+        f'{name}: stands still within two cycles, of {count}',
+        f'{name}: says which joint, of {count}',
+    )
+    if has_bar:
+        bars = [
+            at_most(texts[0], fallen, '', 0.0),
+            at_least(texts[1], still, '', count),
+            at_least(texts[2], named, '', count),
+        ]
+    else:
+        bars = [figure(text, value, '') for text, value in zip(texts, (fallen, still, named))]
+    touched = sum(outcome.has_touched for outcome in series)
+    tilt = math.degrees(max(outcome.largest_tilt for outcome in series))
+    noticed = float(np.median([outcome.noticed for outcome in series]))
+    return [
+        *bars,
+        figure(f'{name}: body or hip touches the ground, of {count}', touched, ''),
+        figure(f'{name}: largest tilt', tilt, 'degrees'),
+        figure(f'{name}: noticed after, median', noticed, 's'),
+    ]
+
+
+def random_cases(
+    robot: str, gait: str, ground: str, count: int, rng: np.random.Generator
+) -> list[FailureCase]:
+    """Draw joints, kinds and times over a cycle and more."""
+    period = load_gait(gait, load_robot(robot)).cycle_period
+    return [
+        FailureCase(
+            robot,
+            gait,
+            ground,
+            int(rng.integers(12)),
+            str(rng.choice(FAILURES)),
+            float(_BEGIN[ground] + rng.uniform(0.0, max(2.0, 1.5 * period))),
+            int(rng.integers(1000)),
+        )
+        for _ in range(count)
+    ]
+
+
+def walk_and_fail(case: FailureCase) -> FailureOutcome:
+    """
+    Walk, let a joint fail, and see what the robot makes of it.
+
+    Parameters
+    ----------
+    case : FailureCase
+        Which joint, how and when.
+
+    Returns
+    -------
+    FailureOutcome
+    """
+    robot = load_robot(case.robot)
+    gait = load_gait(case.gait, robot)
+    scale = robot.relative_size
+    is_uneven = case.ground != 'flat'
+    options = ControllerOptions(
+        least_margin=-math.inf if is_uneven else 0.01 * scale,
+        uneven=UnevenOptions() if is_uneven else None,
+    )
+    controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
+    if is_uneven:
+        course = make_course(robot, case.ground, case.seed)
+        controller.set_height_map(course.height_map)
+        walk = DirectWalk(robot, controller, world=course.world, start=course.start)
+    else:
+        walk = DirectWalk(robot, controller)
+    name = robot.joint_names[case.joint]
+    walk.simulation.plan_failure(JointFailure(name, case.kind, case.time))
+    seen: list[Observation] = []
+    walk.on_observation.append(seen.append)
+    if is_uneven:
+        controller.set_plan(course.plan)
+    speed = _SPEED[case.gait] * robot.largest_stride
+
+    # Over uneven ground a cycle lasts as long as its feet need: new footholds tell of the next.
+    begun: list[float] = []
+    planned: Array = np.empty((0, 2))
+
+    def is_over() -> bool:
+        nonlocal planned
+        footholds = controller.footholds()[:, :2]
+        if len(footholds) and not np.array_equal(footholds, planned):
+            planned = footholds
+            begun.append(walk.time)
+        if not is_uneven:
+            controller.set_twist(Twist2D(speed, 0.0, 0.0))
+        return controller.activity.is_disabled
+
+    try:
+        is_noticed = walk.run(case.time + _UNNOTICED, is_over)
+        noticed = walk.time - case.time if is_noticed else math.inf
+        if is_noticed:
+            walk.run(_WATCHED)
+    finally:
+        walk.close()
+    after = [observation for observation in seen if observation.time >= case.time]
+    tilts = np.array(walk.record.tilts[-len(after) :])
+    places = np.array([observation.position for observation in after])
+    moves = (np.linalg.norm(places - places[-1], axis=1) > scale * _PLACE) | (
+        np.abs(tilts - tilts[-1]) > _TILT
+    )
+    last = int(np.flatnonzero(moves).max(initial=-1))
+    still = after[last + 1].time - case.time if is_noticed and last + 1 < len(after) else math.inf
+    return FailureOutcome(
+        case,
+        bool(tilts.max() > _LARGEST_TILT) or controller.activity is Activity.FALLEN,
+        float(tilts.max()),
+        any(observation.has_fallen for observation in after),
+        name in controller.reason,
+        noticed,
+        float(still),
+        float(np.median(np.diff(begun))) if is_uneven and len(begun) > 1 else gait.cycle_period,
+        controller.reason,
+    )

@@ -1,0 +1,3 @@
+"""
+Walks in one process, without topics.
+"""

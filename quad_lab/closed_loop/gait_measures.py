@@ -1,0 +1,372 @@
+"""
+What can be measured of a gait in physics: how far, how straight, how stable, at what cost.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline
+from quad_common.robot.robot import Robot
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import Gait, turning_gait_for
+from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.reference_path import circle_pieces
+from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
+from quad_gait.state.leg_odometry import LegOdometry
+from quad_lab.closed_loop.direct_walk import DirectWalk, Record
+from quad_sim.engines.simulator import Observation
+
+Array = NDArray[np.float64]
+
+_GRAVITY = 9.80665
+
+
+@dataclass(frozen=True)
+class SteadyWalk:
+    """One gait of one robot, steered in one direction for a time."""
+
+    asked: BodyMotion
+    """Of one cycle."""
+    done: BodyMotion
+    """Mean of one cycle."""
+    drift: float
+    """Sideways, per metre walked [m/m]; 0 for a turn."""
+    veer: float
+    """Change of heading that was not asked for, per metre [rad/m]; 0 for a turn."""
+    slip: float
+    """How far standing feet moved, all four together, per cycle [m]; rolling counts."""
+    least_margin: float
+    """Measured, static [m]."""
+    tilt_rms: float
+    """[rad]"""
+    torque_rms: float
+    """[N m]"""
+    transport_cost: float
+    """Mechanical energy over weight and way; nan for a turn."""
+    has_fallen: bool
+    is_finite: bool
+    joints_in_range: bool
+    contacts: tuple[str, ...]
+    """Of anything but feet with the ground."""
+
+
+def make_controller(
+    robot: Robot,
+    gait: Gait,
+    hold_course: bool = True,
+    compensation: SlipCompensation = NO_SLIP,
+    follower: FollowerOptions | None = None,
+    least_margin: float = 0.005,
+) -> WalkController:
+    """Make a controller for measuring: as gait_node does, with steering that never ends."""
+    options = ControllerOptions(
+        least_margin=least_margin,
+        settle_time=0.2,
+        hold_course=hold_course,
+        twist_timeout=math.inf,
+        follower=follower or FollowerOptions(),
+    )
+    return WalkController(robot, gait, turning_gait_for(gait, robot), options, compensation)
+
+
+def steady_walk(
+    robot: Robot,
+    gait: Gait,
+    direction: BodyMotion,
+    duration: float,
+    asked: BodyMotion | None = None,
+    least_margin: float = 0.005,
+) -> SteadyWalk:
+    """
+    Steer a robot in one direction.
+
+    Parameters
+    ----------
+    robot, gait
+        The robot, and a gait fitted to it.
+    direction : BodyMotion
+        Which way; its size does not matter.
+    duration : float
+        [s]
+    asked : BodyMotion, optional
+        Of one cycle; 60 % of the largest in that direction if not given.
+    least_margin : float
+        That cycles must keep [m].
+
+    Returns
+    -------
+    SteadyWalk
+        What was measured; ``done`` is nan if there was no time for four cycles.
+    """
+    controller = make_controller(robot, gait, least_margin=least_margin)
+    walk = DirectWalk(robot, controller)
+    try:
+        walk.run(0.1)
+        gear = controller.gears.of_twist(direction.rate(1.0))
+        period = gear.period
+        if asked is None:
+            asked = direction.scaled(0.6 * gear.largest_share(direction))
+        controller.set_twist(asked.rate(period))
+        walk.run(0.5)
+        ends = []
+        while walk.time < duration and not walk.record.has_fallen:
+            ends.append(walk.next_cycle_end())
+        return _steady_walk(robot, walk, asked, period, ends[2:])
+    finally:
+        walk.close()
+
+
+def _steady_walk(
+    robot: Robot, walk: DirectWalk, asked: BodyMotion, period: float, ends: list[Pose2D]
+) -> SteadyWalk:
+    record = walk.record
+    steps = [BodyMotion.reaching(a.inverse() @ b) for a, b in pairwise(ends)]
+    parts = np.array([(s.forward, s.left, s.turn) for s in steps]).reshape(-1, 3)
+    mean = parts.mean(axis=0) if len(parts) else np.full(3, math.nan)
+    way = math.hypot(asked.forward, asked.left)
+    walked = way * max(len(steps), 1)
+    drift = veer = 0.0
+    cost = math.nan
+    if way and ends:
+        course = math.atan2(asked.left, asked.forward)
+        moved = ends[0].inverse() @ ends[-1]
+        across = moved.y * math.cos(course) - moved.x * math.sin(course)
+        drift, veer = abs(across) / walked, abs(moved.yaw) / walked
+        speed = way / period
+        cost = float(np.mean(record.power)) / (robot.mass * _GRAVITY * speed)
+    joints = np.array(record.joints).reshape(-1, 4, 3)
+    cycles = max(record.times[-1] / period, 1.0)
+    return SteadyWalk(
+        asked=asked,
+        done=BodyMotion(*mean.tolist()),
+        drift=drift,
+        veer=veer,
+        slip=float(np.sum(record.slips)) / cycles,
+        least_margin=float(np.min(record.margins)),
+        tilt_rms=record.tilt_rms,
+        torque_rms=float(np.sqrt(np.mean(np.square(record.torques)))),
+        transport_cost=cost,
+        has_fallen=record.has_fallen,
+        is_finite=bool(np.all(np.isfinite(joints)) and np.all(np.isfinite(record.positions))),
+        joints_in_range=bool(
+            np.all(joints >= robot.lower - 0.01) and np.all(joints <= robot.upper + 0.01)
+        ),
+        contacts=tuple(sorted(map(str, walk.simulation.contacts_seen))),
+    )
+
+
+@dataclass(frozen=True)
+class CircleWalk:
+    """A circle, as S2's table IV has it."""
+
+    radius: float
+    """Of the circle that fits the body's way best [m]."""
+    steps_per_lap: float
+    """Gait cycles for a turn of 360 degrees."""
+    has_fallen: bool
+
+
+def circle_walk(
+    robot: Robot,
+    gait: Gait,
+    radius: float,
+    angle: float,
+    closed_loop: bool,
+    compensation: SlipCompensation = NO_SLIP,
+    laps: float = 2.0,
+) -> CircleWalk:
+    """
+    Walk on a circle to the left.
+
+    Parameters
+    ----------
+    robot, gait
+        The robot, and a gait fitted to it.
+    radius : float
+        [m]
+    angle : float
+        Of one cycle, S2's 2 delta [rad].
+    closed_loop : bool
+        Follow the circle; otherwise steer as if there were no slip, and do not look.
+    compensation : SlipCompensation
+        For the open loop.
+    laps : float
+        How far round, after the first few cycles.
+
+    Returns
+    -------
+    CircleWalk
+        What came of it.
+    """
+    period = gait.cycle_period
+    speed = radius * angle / period
+    options = FollowerOptions(largest_speed=speed)
+    controller = make_controller(
+        robot, gait, hold_course=False, compensation=compensation, follower=options
+    )
+    walk = DirectWalk(robot, controller)
+    try:
+        walk.run(0.1)
+        start = walk.record.poses[-1]
+        if closed_loop:
+            pieces = circle_pieces(start, radius, 2.0 * math.pi * (laps + 1.0))
+            controller.set_plan(Plan((start, pieces[-1].end)), pieces)
+        else:
+            controller.set_twist(Twist2D(speed, 0.0, angle / period))
+        walk.run(0.5)
+        ends = [walk.next_cycle_end() for _ in range(5)]
+        first = len(walk.record.times)
+        heading = [ends[-1].yaw]
+        while abs(heading[-1] - heading[0]) < 2.0 * math.pi * laps:
+            if walk.record.has_fallen or len(heading) > 10.0 * laps / angle:
+                break
+            yaw = walk.next_cycle_end().yaw
+            heading.append(heading[-1] + math.remainder(yaw - heading[-1], 2.0 * math.pi))
+        turned = abs(heading[-1] - heading[0])
+        return CircleWalk(
+            radius=fitted_radius(walk.record.positions[first:]),
+            steps_per_lap=(len(heading) - 1) * 2.0 * math.pi / turned if turned else math.nan,
+            has_fallen=walk.record.has_fallen,
+        )
+    finally:
+        walk.close()
+
+
+def fitted_radius(points: Array) -> float:
+    """Return the radius of the circle that fits points (n, 2) best, algebraically [m]."""
+    matrix = np.column_stack([2.0 * points, np.ones(len(points))])
+    x, y, c = np.linalg.lstsq(matrix, np.sum(points**2, axis=1), rcond=None)[0]
+    return float(np.sqrt(c + x * x + y * y))
+
+
+@dataclass(frozen=True)
+class PlanWalk:
+    """A plan that was walked to its end."""
+
+    arrived: bool
+    largest_distance: float
+    """From the plan's line, at any time [m]."""
+    largest_distance_at_ends: float
+    """Likewise, at the ends of cycles, where the body does not sway [m]."""
+    cycles: int
+    record: Record
+
+
+def plan_walk(
+    robot: Robot,
+    gait: Gait,
+    plan: Plan,
+    turning: str,
+    timeout: float,
+    least_margin: float = 0.005,
+) -> PlanWalk:
+    """
+    Follow a plan from its first pose.
+
+    Parameters
+    ----------
+    robot, gait
+        The robot, and a gait fitted to it.
+    plan : Plan
+        It must begin where the robot stands: at the origin.
+    turning : str
+        How it is followed.
+    timeout : float
+        Given up after so long [s].
+    least_margin : float
+        That cycles must keep [m].
+
+    Returns
+    -------
+    PlanWalk
+        How well.
+    """
+    follower = FollowerOptions(turning=turning)
+    controller = make_controller(robot, gait, follower=follower, least_margin=least_margin)
+    walk = DirectWalk(robot, controller)
+    at_ends = []
+    try:
+        walk.run(0.1)
+        controller.set_plan(plan)
+        walk.run(0.5)
+        while walk.time < timeout and controller.cycle_at(walk.time) is not None:
+            end = walk.next_cycle_end()
+            at_ends.append(distance_to_polyline((end.x, end.y), plan.corners))
+            walk.run(1.0, until=lambda: controller.cycle_at(walk.time) is not None)
+            if controller.activity.is_terminal:
+                break
+        corners = plan.corners
+        return PlanWalk(
+            arrived=controller.activity is Activity.ARRIVED,
+            largest_distance=max(
+                distance_to_polyline((pose.x, pose.y), corners) for pose in walk.record.poses
+            ),
+            largest_distance_at_ends=max(at_ends, default=math.nan),
+            cycles=len(at_ends),
+            record=walk.record,
+        )
+    finally:
+        walk.close()
+
+
+def leg_odometry_error(
+    robot: Robot, gait: Gait, direction: BodyMotion, duration: float
+) -> tuple[float, float]:
+    """
+    Compare leg odometry with where the robot really went.
+
+    Parameters
+    ----------
+    robot, gait
+        The robot, and a gait fitted to it.
+    direction : BodyMotion
+        Which way it is steered, at 60 % of the most.
+    duration : float
+        [s]
+
+    Returns
+    -------
+    tuple of float
+        Error of the position over the distance walked, and of the heading [rad] over the
+        turns made, or over one turn if there were fewer.
+    """
+    controller = make_controller(robot, gait)
+    walk = DirectWalk(robot, controller)
+    odometry = LegOdometry(robot)
+    turned = [0.0]
+
+    def listen(seen: Observation) -> None:
+        # Without the imu's absolute heading: its rate alone, as a cheap imu gives it.
+        rate = float(seen.angular_velocity_base_in_base[2])
+        odometry.update(seen.time, seen.joint_positions, None, None, rate)
+        turned[0] += rate * 0.02
+
+    walk.on_observation.append(listen)
+    try:
+        walk.run(0.1)
+        gear = controller.gears.of_twist(direction.rate(1.0))
+        asked = direction.scaled(0.6 * gear.largest_share(direction))
+        controller.set_twist(asked.rate(gear.period))
+        walk.run(duration)
+        last = walk.record.poses[-1]
+        # The controller's own record of the way, not the straight line: turns come back.
+        way = float(np.linalg.norm(np.diff(_smoothed(walk.record), axis=0), axis=1).sum())
+        error = odometry.pose.inverse() @ last
+        turns = max(abs(turned[0]) / (2.0 * math.pi), 1.0)
+        return math.hypot(error.x, error.y) / max(way, 0.1), abs(error.yaw) / turns
+    finally:
+        walk.close()
+
+
+def _smoothed(record: Record) -> Array:
+    """Positions once in a second: the way without the body's sway."""
+    return record.positions[::50]

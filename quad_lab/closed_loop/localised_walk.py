@@ -1,0 +1,204 @@
+"""
+Walks a robot to a goal on a map by odometry that drifts and a localiser, without topics.
+
+What the nodes decide is decided by the same parts: the planner's session, what places odometry on
+the map, and the controller of the gait.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from quad_common.frames.frame_tree import FrameTransform
+from quad_common.frames.map_frame import MapFrame
+from quad_common.maps.map_file import load_map
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_gait.behaviours.activity import Activity
+from quad_gait.cycle.gait import load_gait
+from quad_gait.state.measurement import Measurement
+from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.gait_measures import make_controller
+from quad_planner.grid.traversability import GroundLimits
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import planner_from_parameters
+from quad_planner.session.planning_map import PlanningMap
+from quad_planner.session.planning_session import PlanningSession, SessionOptions
+from quad_sim.engines.simulator import Observation
+from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
+from quad_sim.world.world import world_from_map
+
+_ENDS = (Activity.ARRIVED, Activity.BLOCKED, Activity.NOT_EXECUTED)
+"""After one of these a walk is over; one that has stopped off its path gets a new plan."""
+
+
+@dataclass
+class LocalisedRecord:
+    """How a walk went."""
+
+    has_arrived: bool = False
+    """Whether the robot says that it has."""
+    reason: str = ''
+    """What it says last."""
+    duration: float = 0.0
+    """Time that it took [s]."""
+    position_error: float = float('nan')
+    """True distance to the goal in the map at the end [m]."""
+    heading_error: float = float('nan')
+    """True angle to the goal's heading at the end [rad]."""
+    odometry_error: float = float('nan')
+    """Distance by which odometry is wrong at the end [m]."""
+    largest_pose_error: float = 0.0
+    """Largest distance between where the robot was and where it took itself to be [m]."""
+    plans: int = 0
+    """Number of plans, those that were made again included."""
+    contacts: set[str] = field(default_factory=set)
+    """Contacts of anything but feet with the ground."""
+
+
+class LocalisedWalk:
+    """
+    A robot on a map, its planner's session and its gait.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    map_file : Path
+        Map of Nav2's format.
+    start, goal : Pose2D
+        From where to where, in the map.
+    localisation : LocalisationOptions
+        How odometry drifts and is corrected.
+    backend : str
+        ``bullet`` or ``kinematic``.
+    time_constant : float
+        Of the filter of corrections [s].
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        map_file: Path,
+        start: Pose2D,
+        goal: Pose2D,
+        localisation: LocalisationOptions,
+        backend: str = 'bullet',
+        time_constant: float = PlannerParameters().correction_time_constant,
+    ) -> None:
+        grid = load_map(map_file)
+        self._goal = goal
+        self._localisation = SimulatedLocalisation(localisation)
+        self._frame = MapFrame('map', time_constant)
+        self._controller = make_controller(robot, load_gait('crawl', robot))
+        world = world_from_map(grid)
+        self._walk = _LocatedWalk(robot, self._controller, backend, world, start)
+        self._walk.locate = self._locate
+        self._walk.on_observation.append(self._note_contacts)
+        self._odometry = start
+        self._followed: tuple[Plan, int] | None = None
+        self._stamp = 0
+        self.record = LocalisedRecord()
+        parameters = PlannerParameters(any_angle=True)
+        planner = planner_from_parameters(parameters, robot, None, lambda: 0.0, lambda: False)
+        limits = GroundLimits.of(robot, parameters.step_height, parameters.largest_slope)
+        self._session = PlanningSession(
+            PlanningMap(planner, self._frame, limits),
+            self,
+            self,
+            SessionOptions(parameters.replan_distance),
+        )
+        self._session.take_grid(grid, self._frame.name)
+        self._session.give_goal(self._frame.name, goal)
+
+    def run(self, timeout: float) -> LocalisedRecord:
+        """Walk until the robot has arrived or given up; at most so long [s], simulated."""
+        self._walk.run(timeout, until=self._is_over)
+        record, controller = self.record, self._controller
+        true = self._walk.simulation.observe().pose
+        error = true.inverse() @ self._goal
+        record.has_arrived = controller.activity is Activity.ARRIVED
+        record.reason = controller.reason
+        record.duration = self._walk.time
+        record.position_error = true.distance_to(self._goal)
+        record.heading_error = abs(error.yaw)
+        record.odometry_error = true.distance_to(self._odometry)
+        return record
+
+    def _is_over(self) -> bool:
+        activity = self._controller.activity
+        return activity in _ENDS or activity.is_disabled
+
+    def close(self) -> None:
+        """Release the simulator."""
+        self._walk.close()
+
+    # What the planner's session asks for
+
+    def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
+        """Work on a search at once."""
+        done(work)
+
+    def publish_plan(self, plan: Plan | None) -> int:
+        """Hand a plan to the gait."""
+        self._stamp += 1
+        self.record.plans += plan is not None
+        self._controller.set_plan(plan)
+        if plan is not None and self._controller.wanted_plan is plan:
+            self._followed = plan, self._stamp
+        return self._stamp
+
+    def show_map(self) -> None:
+        """Nobody looks."""
+
+    def say(self, sentence: str) -> None:
+        """Nobody listens."""
+
+    def update_status(self) -> None:
+        """Nobody asks."""
+
+    # The robot
+
+    def _locate(self, seen: Observation) -> tuple[Pose2D, Pose2D]:
+        """Return where the robot takes itself to be in the map, and its odometry."""
+        told = self._localisation.observe(seen)
+        correction = self._localisation.correction(seen, told)
+        if correction is not None:
+            self._frame.add([_transform(self._frame.name, correction)])
+        self._odometry = told.pose
+        pose = self._frame.locate(seen.time, 'odom', told.pose)
+        self.record.largest_pose_error = max(
+            self.record.largest_pose_error, pose.distance_to(seen.pose)
+        )
+        self._session.take_pose(seen.time, pose)
+        if self._followed is not None and self._controller.wanted_plan is not self._followed[0]:
+            self._session.take_followed(self._followed[1], self._frame.name, None)
+            self._followed = None
+        return pose, told.pose
+
+    def _note_contacts(self, seen: Observation) -> None:
+        self.record.contacts |= {str(contact) for contact in seen.contacts}
+
+
+class _LocatedWalk(DirectWalk):
+    """A walk whose controller is told where the robot takes itself to be."""
+
+    locate: Callable[[Observation], tuple[Pose2D, Pose2D]]
+    """Returns that pose in the map, and the one by odometry."""
+
+    def _measurement(self, seen: Observation) -> Measurement | None:
+        pose, odometry = self.locate(seen)
+        now = super()._measurement(seen)
+        return None if now is None else replace(now, pose=pose, odometry=odometry)
+
+
+def _transform(frame: str, pose: Pose2D) -> FrameTransform:
+    half = pose.yaw / 2.0
+    return FrameTransform(
+        frame, 'odom', (pose.x, pose.y, 0.0), (0.0, 0.0, math.sin(half), math.cos(half))
+    )

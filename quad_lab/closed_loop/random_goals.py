@@ -1,0 +1,104 @@
+"""
+Goals at random that have a plan.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from quad_common.errors import PlannerError, QuadError
+from quad_common.maps.map_file import load_map
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.methods.planner import Planner, make_planner
+from quad_planner.parameters import PlannerParameters
+
+_TRIES = 2000
+"""Goals that are drawn before it is given up."""
+
+
+class GoalDrawer:
+    """
+    Draws goals on a map.
+
+    Parameters
+    ----------
+    robot : Robot
+        Whose clearance counts.
+    map_file : Path
+        The map.
+    seed : int
+        Of the drawing.
+    method : str
+        The planning method that must find a way.
+    clearance : float
+        Distance to obstacles beyond the one that the planner keeps [m].
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        map_file: Path,
+        seed: int,
+        method: str = 'mesh',
+        clearance: float = 0.0,
+    ) -> None:
+        self._rng = np.random.default_rng(seed)
+        self._grid = load_map(map_file)
+        self._planner: Planner[SafetyMap] = make_planner(
+            method,
+            mesh_size=robot.mesh_size,
+            clearance_radius=robot.footprint_radius
+            + PlannerParameters().safety_distance
+            + clearance,
+            # A robot stands a little beside the goal that it was given.
+            start_tolerance=PlannerParameters().safety_distance + clearance,
+        )
+        self._planner.set_map(self._grid)
+
+    def draw(self, start: Pose2D, shortest: float = 0.5, longest: float = 2.0) -> Pose2D:
+        """
+        Draw a goal.
+
+        Parameters
+        ----------
+        start : Pose2D
+            Where the robot is.
+        shortest, longest : float
+            Bounds of the plan's length [m].
+
+        Returns
+        -------
+        Pose2D
+            A goal that has a plan from there.
+
+        Raises
+        ------
+        QuadError
+            If none is found.
+        """
+        for _ in range(_TRIES):
+            # Not far as the crow flies either: most of the room need not be tried.
+            distance = self._rng.uniform(0.5 * shortest, longest)
+            direction, yaw = self._rng.uniform(-math.pi, math.pi, 2)
+            goal = Pose2D(
+                round(start.x + distance * math.cos(direction), 2),
+                round(start.y + distance * math.sin(direction), 2),
+                float(yaw),
+            )
+            if shortest <= self._length(start, goal) <= longest:
+                return goal
+        raise QuadError(
+            f'no goal of {_TRIES} has a plan of {shortest:g} to {longest:g} m from '
+            f'({start.x:.2f}, {start.y:.2f}) m'
+        )
+
+    def _length(self, start: Pose2D, goal: Pose2D) -> float:
+        try:
+            return self._planner.plan(start, goal).length
+        except PlannerError:
+            return -1.0

@@ -1,0 +1,3 @@
+"""
+Papers' figures drawn again, one file a paper.
+"""

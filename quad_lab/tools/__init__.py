@@ -1,0 +1,3 @@
+"""
+What benchmarks share: criteria, worker processes, maps.
+"""

@@ -1,0 +1,3 @@
+"""
+Walks of real nodes over topics, observed and recorded.
+"""

@@ -1,0 +1,246 @@
+"""
+One walk over topics: starts the nodes, gives the goal, watches until it ends.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from quad_common.errors import QuadError
+from quad_common.maps.map_file import load_map
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_gait.behaviours.activity import Activity
+from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
+from quad_lab.topic_walk.recording import Recording
+from quad_lab.topic_walk.walk_observer import WalkObserver
+from quad_lab.topic_walk.walk_record import WalkRecord
+
+START_TIMEOUT = 90.0
+"""For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
+
+PLAN_TIMEOUT = 15.0
+"""For the planner to answer to the goal [s]."""
+
+STALL_TIMEOUT = 20.0
+"""For simulated time to advance at all [s]."""
+
+_PATIENCE = 30.0
+"""For a robot that has given up to go on after all, with a new plan [s], simulated."""
+
+_WORST_SPEED = 0.004
+"""A robot slower than this over its whole path gets nowhere [m/s]."""
+
+_CAMERA_VIEW = math.radians(70.0)
+"""Field of view of the camera under the ceiling [rad]."""
+
+_CAMERA_MARGIN = 1.05
+"""It hangs so much higher than it must to see the whole map."""
+
+CAMERA_MAP_RESOLUTION = 0.05
+"""Side of the cells of the map that the camera makes [m]."""
+
+_FASTEST_ON_TERRAIN = 3.0
+"""Feet that feel for the ground are told by topics when to stop: at most so much faster than
+in real time."""
+
+
+class WalkFailed(QuadError):
+    """The walk could not be begun or came to nothing."""
+
+
+@dataclass(frozen=True)
+class WalkOptions:
+    """What to walk, and how."""
+
+    map_file: Path
+    start: Pose2D
+    goal: Pose2D
+    robot: str = 'titan_viii'
+    method: str = 'mesh'
+    gait: str = 'crawl'
+    turning: str = 'in_place'
+    """How the plan is followed; see gait_node."""
+    backend: str = 'bullet'
+    safety_distance: float | None = None
+    """The planner's default if None [m]."""
+    seed: int = 0
+    real_time_factor: float = 0.0
+    """0: as fast as possible."""
+    gui: bool = False
+    recording: Path | None = None
+    terrain: str = 'flat'
+    """What the ground is; see sim_node's parameter ``terrain``."""
+    perception: str = 'truth'
+    """``truth``: map, goal and pose come from the simulator; ``camera``: from its pictures."""
+    odom_drift: float = 0.0
+    """Drift of odometry as a fraction of the way; see sim_node."""
+    localiser_rate: float = 0.0
+    """Corrections of odometry in a second [Hz]."""
+
+
+def walk(
+    options: WalkOptions,
+    on_progress: Callable[[WalkObserver], None] = lambda observer: None,
+) -> WalkRecord:
+    """
+    Walk once, with the three nodes as processes that talk over topics only.
+
+    Parameters
+    ----------
+    options : WalkOptions
+        What to walk.
+    on_progress : callable
+        Called several times a second with the observer.
+
+    Returns
+    -------
+    WalkRecord
+        What happened; also if the robot did not arrive.
+
+    Raises
+    ------
+    WalkFailed
+        If the nodes do not become ready.
+    NodeDied
+        If a node ends on its own.
+    """
+    with isolated_domain(), NodeProcesses() as nodes:
+        _start_nodes(nodes, options)
+        by_marker = options.perception == 'camera'
+        by_truth = options.odom_drift > 0.0
+        if options.recording is None:
+            with WalkObserver(options.goal, None, by_marker, by_truth) as observer:
+                return _watch(observer, nodes, on_progress)
+        with (
+            Recording(options.recording) as recording,
+            WalkObserver(options.goal, recording, by_marker, by_truth) as observer,
+        ):
+            return _watch(observer, nodes, on_progress)
+
+
+def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
+    simulator: dict[str, object] = {
+        'robot': options.robot,
+        'map_file': str(options.map_file.resolve()),
+        'start_pose': [float(v) for v in (options.start.x, options.start.y, options.start.yaw)],
+        'real_time_factor': float(options.real_time_factor),
+        'backend': options.backend,
+        'seed': options.seed,
+        'gui': options.gui,
+        'odom_drift': float(options.odom_drift),
+        'localiser_rate': float(options.localiser_rate),
+    }
+    planner: dict[str, object] = {
+        'robot': options.robot,
+        'method': options.method,
+        'any_angle': True,
+        'gait': options.gait,
+    }
+    gait: dict[str, object] = {
+        'robot': options.robot,
+        'gait': options.gait,
+        'turning': options.turning,
+    }
+    if options.terrain != 'flat':
+        simulator |= {'terrain': options.terrain, 'terrain_seed': options.seed}
+        if not options.real_time_factor:
+            simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
+        gait['ground'] = 'uneven'
+    if options.safety_distance is not None:
+        planner['safety_distance'] = options.safety_distance
+    if options.perception == 'camera':
+        # One camera under the ceiling is all that tells of the room; the legs tell between
+        # its pictures.
+        place = camera_over(load_map(options.map_file))
+        simulator |= {'camera': True, 'publish_map': False, 'publish_tf': False, **place}
+        planner['odom_topic'] = 'odom/camera'
+        gait |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
+        position, yaw = place['camera_position'], place['camera_yaw']
+        nodes.start(
+            'ceiling_camera_node',
+            robot=options.robot,
+            camera_position=position,
+            camera_yaw=yaw,
+            resolution=CAMERA_MAP_RESOLUTION,
+        )
+    nodes.start('sim_node', **simulator)
+    nodes.start('planner_node', **planner)
+    nodes.start('gait_node', **gait)
+
+
+def camera_over(grid: OccupancyGrid) -> dict[str, object]:
+    """Hang a camera where it sees a whole map."""
+    middle = grid.map_to_world(np.array([grid.width / 2.0, grid.height / 2.0]))
+    half = grid.resolution * max(grid.width, grid.height) / 2.0
+    height = half / math.tan(_CAMERA_VIEW / 2.0) * _CAMERA_MARGIN
+    return {
+        'camera_position': [float(middle[0]), float(middle[1]), height],
+        'camera_yaw': grid.origin.yaw,
+        'camera_field_of_view': _CAMERA_VIEW,
+    }
+
+
+def _watch(
+    observer: WalkObserver,
+    nodes: NodeProcesses,
+    on_progress: Callable[[WalkObserver], None],
+) -> WalkRecord:
+    _wait_until_ready(observer, nodes)
+    record = observer.record
+    observer.give_goal()
+    began = advanced = time.monotonic()
+    seen = start_time = moved = observer.time
+    while not record.has_arrived and not record.problem:
+        observer.listen(0.1)
+        nodes.check()
+        on_progress(observer)
+        now = time.monotonic()
+        if observer.time > seen:
+            seen, advanced = observer.time, now
+        if observer.activity is None or not observer.activity.is_terminal:
+            moved = seen
+        record.wall_time = now - began
+        record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
+        if not record.problem and seen - moved > _PATIENCE:
+            record.problem = observer.statuses['gait_node'][1]
+    return record
+
+
+def _wait_until_ready(observer: WalkObserver, nodes: NodeProcesses) -> None:
+    deadline = time.monotonic() + START_TIMEOUT
+    while not (observer.planner_is_ready() and observer.activity is Activity.STANDING):
+        observer.listen(0.05)
+        nodes.check()
+        if time.monotonic() > deadline:
+            said = '; '.join(f'{name}: {status[1]}' for name, status in observer.statuses.items())
+            raise WalkFailed(
+                f'the nodes were not ready within {START_TIMEOUT:.0f} s '
+                f'({said or "nothing was heard of them"})'
+            )
+
+
+def _problem(observer: WalkObserver, waited: float, stalled: float, walked: float) -> str:
+    """Say why the walk will not succeed; empty while it may."""
+    record = observer.record
+    said = {name: status[1] for name, status in observer.statuses.items()}
+    if record.has_fallen:
+        return said.get('sim_node', 'the robot has fallen')
+    if observer.activity is not None and observer.activity.is_disabled:
+        return said['gait_node']
+    values = observer.statuses.get('planner_node', (b'', '', {}))[2]
+    if not record.plans and values.get('error_code', '0') != '0':
+        return said['planner_node']
+    if not record.plans and waited > PLAN_TIMEOUT:
+        return f'no plan within {PLAN_TIMEOUT:.0f} s: {said.get("planner_node", "no word")}'
+    if stalled > STALL_TIMEOUT:
+        return f'simulated time stands still since {STALL_TIMEOUT:.0f} s'
+    if record.plans and walked > 120.0 + record.plans[0].length / _WORST_SPEED:
+        return f'not there after {walked:.0f} s of walking: {said.get("gait_node", "no word")}'
+    return ''

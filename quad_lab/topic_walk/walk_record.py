@@ -1,0 +1,125 @@
+"""
+What happened in a walk, and the figures that are read from it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.maps.height_map import HeightMap
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class WalkRecord:
+    """What an observer of the topics has noted down."""
+
+    goal: Pose2D
+    times: list[float] = field(default_factory=list)
+    """Of the poses, simulated [s]."""
+    poses: list[Pose2D] = field(default_factory=list)
+    """True poses of base_link."""
+    path_distances: list[float] = field(default_factory=list)
+    """From each pose to the plan in force [m]; only while there is a plan."""
+    plans: list[Plan] = field(default_factory=list)
+    """Every plan, the one in force last."""
+    footholds: list[Array] = field(default_factory=list)
+    """Planned footholds of each cycle, shape (4, 3) [m]."""
+    height_map: HeightMap | None = None
+    """Of the ground; None if nobody has told."""
+    least_margin: float = math.inf
+    """Least stability margin heard of [m]."""
+    cycles: int = 0
+    contacts: str = ''
+    """Contacts of anything but feet with the ground, as the simulator reports them."""
+    has_fallen: bool = False
+    late_trajectories: int = 0
+    """Trajectories that reached the simulator after their first movement was due."""
+    has_arrived: bool = False
+    """The gait node said so."""
+    problem: str = ''
+    """Why it ended, if not on arrival."""
+    wall_time: float = 0.0
+    """From the goal to the end, on the wall clock [s]."""
+    seconds_in_physics: float = 0.0
+    """Share of the wall time that the simulator spent in its physics [s]."""
+    seconds_publishing: float = 0.0
+    """Share of the wall time that the simulator spent observing and publishing [s]."""
+
+    def note_pose(self, time: float, pose: Pose2D) -> None:
+        """Take down where the robot is."""
+        self.times.append(time)
+        self.poses.append(pose)
+        if self.plans:
+            corners = self.plans[-1].corners
+            self.path_distances.append(distance_to_polyline((pose.x, pose.y), corners))
+
+    def result(self) -> WalkResult:
+        """Work the figures out."""
+        duration = self.times[-1] - self.times[0] if self.times else 0.0
+        last = self.poses[-1] if self.poses else None
+        track = np.array([(pose.x, pose.y) for pose in self.poses]).reshape(-1, 2)
+        return WalkResult(
+            arrived=self.has_arrived and not self.has_fallen,
+            problem=self.problem,
+            position_error=None if last is None else last.distance_to(self.goal),
+            heading_error=None
+            if last is None
+            else abs(math.degrees(wrap_angle(last.yaw - self.goal.yaw))),
+            largest_path_distance=max(self.path_distances, default=None),
+            least_stability_margin=None if math.isinf(self.least_margin) else self.least_margin,
+            walking_time=duration,
+            path_length=self.plans[-1].length if self.plans else None,
+            turning_points=len(self.plans[-1].poses) if self.plans else 0,
+            walked_distance=float(np.sum(np.linalg.norm(np.diff(track, axis=0), axis=1))),
+            cycles=self.cycles,
+            plans=len(self.plans),
+            contacts=self.contacts,
+            fallen=self.has_fallen,
+            late_trajectories=self.late_trajectories,
+            wall_time=self.wall_time,
+            real_time_factor=duration / self.wall_time if self.wall_time > 0.0 else None,
+        )
+
+
+@dataclass(frozen=True)
+class WalkResult:
+    """The figures of one walk."""
+
+    arrived: bool
+    problem: str
+    position_error: float | None
+    """From the goal at the end [m]."""
+    heading_error: float | None
+    """From the goal's heading at the end [deg]."""
+    largest_path_distance: float | None
+    """From the plan in force, of base_link [m]."""
+    least_stability_margin: float | None
+    """As planned [m]."""
+    walking_time: float
+    """Simulated [s]."""
+    path_length: float | None
+    """[m]"""
+    turning_points: int
+    walked_distance: float
+    """Of base_link, sway included [m]."""
+    cycles: int
+    plans: int
+    contacts: str
+    fallen: bool
+    late_trajectories: int
+    wall_time: float
+    """[s]"""
+    real_time_factor: float | None
+    """Simulated over wall-clock time."""
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the figures for JSON."""
+        return asdict(self)

@@ -1,0 +1,3 @@
+"""
+What one picture shows: colors, floor, obstacles, markers.
+"""

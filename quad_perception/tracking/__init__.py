@@ -1,0 +1,3 @@
+"""
+What a series of pictures shows: a steady map, the pose of the robot.
+"""

@@ -1,0 +1,3 @@
+"""
+Cells of maps: bits, inflation, traversable ground and lines of sight.
+"""

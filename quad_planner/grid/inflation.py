@@ -1,0 +1,402 @@
+"""
+The safety boundary: where the robot's centre may be (S0 section 3).
+
+An obstacle is a whole cell, a square, not the point at its centre. The map's outside is
+no obstacle: what is not on the map takes no room from the robot, whose centre has to
+stay on the map all the same. Whoever wants a wall around the map draws one.
+
+Two distances are used, and the first is never larger than the second:
+
+- from a *cell* to the nearest blocked cell (`inflate`): one look-up tells it for every
+  point of the cell, so it serves for thousands of segments (`segments_allowed`);
+- from a *point or segment* to the nearest blocked cell, exactly (`clearance`,
+  `segment_clearance`): for the few that the robot's own place asks about.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import ParameterError
+from quad_common.maps.occupancy_grid import FREE, OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.grid.bit_grid import BitMask, Bits, dilated, is_set, packed_cells
+from quad_planner.grid.compiled import compiled, compiled_part
+
+Mask = NDArray[np.bool_]
+Points = NDArray[np.float64]
+
+_SLACK = 1e-6
+"""Relative slack of the inflation radius, for a radius that is a whole number of cells."""
+
+_LOOK_FIRST = 32.0
+"""The nearest obstacle is looked for so far off first, then farther [cells]."""
+
+_EPSILON = 1e-6
+"""A point so near to a cell's edge counts as on it [cells]."""
+
+
+def blocked_cells(
+    grid: OccupancyGrid,
+    *,
+    occupied_threshold: int = OCCUPIED_THRESHOLD,
+    unknown_is_free: bool = False,
+) -> BitMask:
+    """Return where the robot must not be near: occupied cells, and by default unknown ones."""
+    info = np.iinfo(np.int8)
+    least = info.min if unknown_is_free else FREE
+    most = min(max(occupied_threshold - 1, info.min), info.max)
+    return BitMask(packed_cells(np.ascontiguousarray(grid.cells), least, most), grid.width)
+
+
+def inflate(
+    grid: OccupancyGrid,
+    radius: float,
+    *,
+    occupied_threshold: int = OCCUPIED_THRESHOLD,
+    unknown_is_free: bool = False,
+) -> Mask:
+    """
+    Find the cells in which the robot's centre could come too near to an obstacle.
+
+    Two cells that lie (dx, dy) cells apart have squares that lie
+    hypot(max(|dx| - 1, 0), max(|dy| - 1, 0)) apart: as far as the one centre from the
+    nearest of the other's 3 x 3 block of centres. So blocked cells forbid others by rows
+    of known widths, 64 cells at a time.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    radius : float
+        Distance that the robot's centre keeps from every blocked cell, >= 0 [m].
+    occupied_threshold : int
+        Cells of at least this value are blocked.
+    unknown_is_free : bool
+        Whether cells of which nothing is known are free.
+
+    Returns
+    -------
+    ndarray of bool, shape (height, width)
+        True where some point of the cell is nearer than `radius` to a blocked cell, and
+        in the blocked cells themselves.
+
+    Raises
+    ------
+    ParameterError
+        If `radius` is negative or not finite.
+    """
+    if not (math.isfinite(radius) and radius >= 0.0):
+        raise ParameterError('radius', radius, 'a finite distance of at least 0 m')
+    blocked = blocked_cells(
+        grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
+    )
+    return grown(blocked, radius / grid.resolution).unpacked()
+
+
+def grown(blocked: BitMask, radius: float) -> BitMask:
+    """
+    Find the cells that are too near to blocked ones, as :func:`inflate` does.
+
+    Parameters
+    ----------
+    blocked : BitMask
+        The blocked cells.
+    radius : float
+        Least distance between squares, finite, >= 0 [cells].
+
+    Returns
+    -------
+    BitMask
+        The blocked cells, and those that are nearer.
+    """
+    reaches = _reaches(radius * (1.0 - _SLACK))
+    if len(reaches) == 0:
+        return blocked
+    return BitMask(dilated(blocked.words, reaches), blocked.width)
+
+
+def grown_anew(
+    forbidden: BitMask, blocked: BitMask, radius: float, changed: tuple[int, int]
+) -> tuple[BitMask, tuple[int, int]]:
+    """
+    Find them again where blocked cells have changed.
+
+    Parameters
+    ----------
+    forbidden : BitMask
+        What :func:`grown` made of the cells as they were.
+    blocked : BitMask
+        The blocked cells.
+    radius : float
+        As for :func:`grown`.
+    changed : tuple of int
+        In rows from the first up to, but without, the second cells have changed.
+
+    Returns
+    -------
+    BitMask
+        What :func:`grown` would make of the blocked cells.
+    tuple of int
+        The rows in which it may differ from what it was.
+    """
+    reaches = _reaches(radius * (1.0 - _SLACK))
+    far = max(len(reaches) - 1, 0)
+    first, last = max(changed[0] - far, 0), min(changed[1] + far, blocked.height)
+    words = forbidden.words.copy()
+    if len(reaches) == 0:
+        words[first:last] = blocked.words[first:last]
+    else:
+        below = max(first - far, 0)
+        near = dilated(blocked.words[below : min(last + far, blocked.height)], reaches)
+        words[first:last] = near[first - below : last - below]
+    return BitMask(words, forbidden.width), (first, last)
+
+
+def _reaches(radius: float) -> NDArray[np.int64]:
+    """
+    List how far to either side cells are too near, by the number of rows off.
+
+    Parameters
+    ----------
+    radius : float
+        Squares nearer than this are too near [cells].
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+        For 0, 1, ... n - 1 rows off.
+    """
+    between_rows = np.maximum(np.arange(math.ceil(radius) + 1) - 1, 0)
+    between_rows = between_rows[between_rows < radius]
+    if radius <= 0.0:
+        return np.empty(0, dtype=np.int64)
+    reaches: NDArray[np.int64] = np.ceil(np.sqrt(radius**2 - between_rows**2)).astype(np.int64)
+    return reaches
+
+
+def points_allowed(allowed: Mask, points: Points) -> Mask:
+    """
+    Return which points lie in an allowed cell, whose edges belong to it.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+    points : ndarray, shape (..., 2)
+        Cell coordinates on the map.
+
+    Returns
+    -------
+    ndarray of bool, shape (...)
+        True where one of the one, two or four cells that hold the point is allowed.
+    """
+    last = np.array(allowed.shape[::-1]) - 1
+    low = np.clip(np.floor(points - _EPSILON).astype(np.intp), 0, last)
+    high = np.clip(np.floor(points + _EPSILON).astype(np.intp), 0, last)
+    result: Mask = (
+        allowed[low[..., 1], low[..., 0]]
+        | allowed[low[..., 1], high[..., 0]]
+        | allowed[high[..., 1], low[..., 0]]
+        | allowed[high[..., 1], high[..., 0]]
+    )
+    return result
+
+
+def segments_allowed(allowed: Mask, starts: Points, step: NDArray[np.float64]) -> Mask:
+    """
+    Return which segments of one shape stay in allowed cells all along.
+
+    A segment is cut where it crosses the lines between the cells. A piece lies in one
+    cell, and its midpoint tells which: nothing is sampled, nothing can be missed. As no
+    point of an allowed cell is nearer to an obstacle than the safety distance, no point
+    of the segment is.
+
+    Parameters
+    ----------
+    allowed : ndarray of bool, shape (height, width)
+        The allowed cells.
+    starts : ndarray, shape (n, 2)
+        Where the segments start, in cell coordinates.
+    step : ndarray, shape (2,)
+        From start to end of each [cells].
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        Whether the robot fits along the whole segment.
+    """
+    cuts = [np.zeros((len(starts), 1)), np.ones((len(starts), 1))]
+    for axis in (0, 1):
+        if step[axis] != 0.0:
+            first = np.floor(np.minimum(starts[:, axis], starts[:, axis] + step[axis]))
+            lines = first[:, None] + np.arange(1, math.ceil(abs(step[axis])) + 1)
+            cuts.append(np.clip((lines - starts[:, axis, None]) / step[axis], 0.0, 1.0))
+    t = np.sort(np.concatenate(cuts, axis=1), axis=1)
+    midpoints = starts[:, None] + 0.5 * (t[:, 1:] + t[:, :-1])[..., None] * step
+    # A piece of no length is where the segment touches a corner: the next piece decides.
+    touches = np.diff(t, axis=1) * np.abs(step).max() < _EPSILON
+    result: Mask = (touches | points_allowed(allowed, midpoints)).all(axis=1)
+    return result
+
+
+def clearance(
+    grid: OccupancyGrid,
+    x: float,
+    y: float,
+    *,
+    occupied_threshold: int = OCCUPIED_THRESHOLD,
+    unknown_is_free: bool = False,
+) -> float:
+    """
+    Measure how far a point is from the nearest blocked cell.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    x, y : float
+        The point in the world [m].
+    occupied_threshold : int
+        Cells of at least this value are blocked.
+    unknown_is_free : bool
+        Whether cells of which nothing is known are free.
+
+    Returns
+    -------
+    float
+        Distance to the cell's square, 0 inside; infinite if nothing is blocked [m].
+    """
+    blocked = blocked_cells(
+        grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
+    )
+    point = grid.world_to_map(np.array([x, y]))
+    return segment_clearance(blocked, point, point) * grid.resolution
+
+
+def segment_clearance(
+    blocked: Mask | BitMask, start: Points, end: Points, within: float = math.inf
+) -> float:
+    """
+    Measure how far a segment is from the nearest blocked cell, in cells.
+
+    Parameters
+    ----------
+    blocked : ndarray of bool, shape (height, width), or BitMask
+        The blocked cells.
+    start, end : ndarray, shape (2,)
+        Ends of the segment in cell coordinates; equal for a point.
+    within : float
+        Look no further than this; what is farther off may be reported as infinite [cells].
+
+    Returns
+    -------
+    float
+        Least distance between the segment and a blocked cell's square, 0 if they touch;
+        infinite if there is no blocked cell in reach [cells].
+    """
+    mask = blocked if isinstance(blocked, BitMask) else BitMask.of(blocked)
+    (ax, ay), (bx, by) = ((float(x), float(y)) for x, y in (start, end))
+    farthest = min(within, mask.width + mask.height + abs(ax) + abs(ay))
+    reach = min(_LOOK_FIRST, farthest)
+    while True:
+        apart = _least_distance(mask.words, mask.width, ax, ay, bx, by, reach)
+        if apart <= reach or reach >= farthest:
+            return apart
+        reach = min(4.0 * reach, farthest)
+
+
+@compiled
+def _least_distance(
+    blocked: Bits, width: int, ax: float, ay: float, bx: float, by: float, reach: float
+) -> float:
+    """Return how far a segment is from blocked squares, at least of those in reach of it."""
+    left, right = _span(min(ax, bx) - reach, max(ax, bx) + reach, width)
+    bottom, top = _span(min(ay, by) - reach, max(ay, by) + reach, len(blocked))
+    squared = np.inf
+    for row in range(bottom, top):
+        for column in range(left, right):
+            if is_set(blocked, row, column):
+                x, y = column + 0.5, row + 0.5
+                squared = min(squared, _squared_distance(x, y, ax, ay, bx, by))
+    return math.sqrt(squared)
+
+
+@compiled_part
+def _span(low: float, high: float, size: int) -> tuple[int, int]:
+    """Return the range of cells of a map, as wide as this, between two places."""
+    return (
+        math.floor(min(max(low, 0.0), float(size))),
+        math.ceil(min(max(high, 0.0), float(size))),
+    )
+
+
+@compiled_part
+def _squared_distance(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the squared distance between a square of side 1 and a segment."""
+    abx, aby = bx - ax, by - ay
+    # They are apart if an axis separates them: x, y, or the normal of the segment.
+    if (
+        abs(x - 0.5 * (ax + bx)) <= 0.5 * abs(abx) + 0.5
+        and abs(y - 0.5 * (ay + by)) <= 0.5 * abs(aby) + 0.5
+        and abs(abx * (y - ay) - aby * (x - ax)) <= 0.5 * (abs(abx) + abs(aby))
+    ):
+        return 0.0
+    # Apart, they are nearest at an end of the segment or at a corner of the square.
+    squared = np.inf
+    for px, py in ((ax, ay), (bx, by)):
+        dx, dy = max(abs(x - px) - 0.5, 0.0), max(abs(y - py) - 0.5, 0.0)
+        squared = min(squared, dx * dx + dy * dy)
+    for corner_x, corner_y in ((-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)):
+        acx, acy = x + corner_x - ax, y + corner_y - ay
+        t = (acx * abx + acy * aby) / max(abx * abx + aby * aby, 1e-30)
+        t = min(max(t, 0.0), 1.0)
+        dx, dy = acx - t * abx, acy - t * aby
+        squared = min(squared, dx * dx + dy * dy)
+    return squared
+
+
+@dataclass(frozen=True, eq=False)
+class CombinedObstacles:
+    """Obstacles with their boundaries; those too near each other have become one (S0)."""
+
+    count: int
+    """Number of combined obstacles."""
+    labels: NDArray[np.int32]
+    """Shape (height, width): 1 to `count` in a combined obstacle, 0 in the allowed zone."""
+    outlines: tuple[Points, ...]
+    """
+    Closed lines, each of shape (n, 2), in the world [m], through the centres of the
+    outermost forbidden cells: around each obstacle, and along each hole in it.
+    """
+
+
+def combined_obstacles(grid: OccupancyGrid, forbidden: Mask) -> CombinedObstacles:
+    """
+    Join the obstacles between which the robot does not fit.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    forbidden : ndarray of bool, shape (height, width)
+        The forbidden zone, from `inflate`.
+
+    Returns
+    -------
+    CombinedObstacles
+        The connected parts of the forbidden zone and the lines around them.
+    """
+    # Imported late: plans can do without.
+    import cv2
+
+    image = forbidden.astype(np.uint8)
+    count, labels = cv2.connectedComponents(image, connectivity=8)
+    contours, _ = cv2.findContours(image, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    outlines = tuple(
+        grid.map_to_world(contour.reshape(-1, 2).astype(float) + 0.5) for contour in contours
+    )
+    return CombinedObstacles(int(count) - 1, labels.astype(np.int32), outlines)

@@ -1,0 +1,3 @@
+"""
+Planning methods: from a request to the turning points of a plan.
+"""

@@ -1,0 +1,97 @@
+"""
+What every planning method can be told, and what follows from it for a map and a search.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
+from quad_common.maps.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.grid.bit_grid import BitMask
+from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.methods.cell_costs import CostLayer
+
+
+def _never() -> bool:
+    return False
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannerOptions:
+    """
+    The options that planning methods share.
+
+    Raises
+    ------
+    ParameterError
+        If a length is not finite, or not above zero where it must be.
+    """
+
+    clearance_radius: float
+    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
+    start_tolerance: float = 0.10
+    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
+    occupied_threshold: int = OCCUPIED_THRESHOLD
+    """Cells of at least this value are obstacles."""
+    unknown_is_free: bool = False
+    """Whether cells of which nothing is known are free."""
+    time_limit: float | None = None
+    """How long a search may take; needs a clock [s]."""
+    clock: Callable[[], float] | None = None
+    """Returns the time, for example `time.monotonic` [s]."""
+
+    costs: tuple[CostLayer, ...] = ()
+    """Reasons why ways through some cells are dearer, for methods that know of costs."""
+    is_superseded: Callable[[], bool] = _never
+    """Asked again and again during a search, which ends where it returns true."""
+
+    knows_costs: ClassVar[bool] = False
+    """Whether the method looks at `costs`."""
+
+    def __post_init__(self) -> None:
+        """Check the lengths, and whether the method can do what is asked of it."""
+        radius, tolerance = self.clearance_radius, self.start_tolerance
+        if not (math.isfinite(radius) and radius > 0.0):
+            raise ParameterError('clearance_radius', radius, 'a finite length above 0 m')
+        if not (math.isfinite(tolerance) and tolerance >= 0.0):
+            raise ParameterError('start_tolerance', tolerance, 'a finite length of at least 0 m')
+        if self.costs and not self.knows_costs:
+            layers = ', '.join(type(layer).__name__ for layer in self.costs)
+            raise ParameterError('costs', layers, 'left out: this method compares other things')
+
+    def safety_map(self, grid: OccupancyGrid) -> SafetyMap:
+        """Return a map with the zone that the robot's centre must keep out of."""
+        return SafetyMap.of(
+            grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
+        )
+
+    def zones_changed_to(
+        self, before: SafetyMap, grid: OccupancyGrid, changed: tuple[int, int]
+    ) -> tuple[BitMask, BitMask, tuple[int, int]]:
+        """Return the zones of a map whose rows changed: :meth:`SafetyMap.zones_changed_to`."""
+        return before.zones_changed_to(grid, self.occupied_threshold, self.unknown_is_free, changed)
+
+    def timer(self) -> Callable[[], None]:
+        """
+        Begin to measure the time of a search.
+
+        Returns
+        -------
+        callable
+            To be called again and again. It raises PlannerTimedOut when the time is over,
+            and PlanSuperseded when nobody waits for the plan any more.
+        """
+        clock, limit = self.clock, self.time_limit
+        began = 0.0 if clock is None else clock()
+
+        def check() -> None:
+            if self.is_superseded():
+                raise PlanSuperseded
+            if clock is not None and limit is not None and clock() - began > limit:
+                raise PlannerTimedOut(limit)
+
+        return check

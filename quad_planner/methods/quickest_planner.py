@@ -1,0 +1,105 @@
+"""
+The quickest path: the fewest gait cycles, of walking straight and of turning on the spot.
+
+S0 (sec. 3) says that a path should cost the least time, and minimises distance. Here it
+is the time: over cells and eight headings (:mod:`quad_planner.search.lattice_search`), or at any
+angle over corners (:mod:`quad_planner.search.corner_search`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.pace import Pace
+from quad_planner.methods.cell_request import CellRequest
+from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
+from quad_planner.search.corner_search import quickest_corners
+from quad_planner.search.lattice_search import quickest_path
+
+_ROUNDING = 2
+"""By so many cycles a way from a cell's centre may be slower than one from beside it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuickestPlanner(ShortestPlanner):
+    """Plan the way that takes the least time; prepares maps as `ShortestPlanner` does."""
+
+    pace: Pace
+    """How far the cycles of the robot's gait go."""
+
+    knows_costs: ClassVar[bool] = False
+
+    def plan(self, prepared: PreparedCells, start: Pose2D, goal: Pose2D) -> Plan:
+        """
+        Find the quickest plan.
+
+        Over cells it is exact for a start and a goal in the centres of cells; elsewhere
+        the first and the last stretch lead there. At any angle it is exact for all paths
+        that turn at corners of the safety boundary, or where the path over cells turns,
+        and never slower than that.
+
+        Parameters
+        ----------
+        prepared, start, goal
+            As for :meth:`ShortestPlanner.plan`.
+
+        Returns
+        -------
+        Plan
+            The turning points.
+
+        Raises
+        ------
+        PlannerError
+            As :meth:`ShortestPlanner.plan`.
+        """
+        request = CellRequest.of(prepared, start, goal, self.start_tolerance, self.timer())
+        if request.is_turn:
+            return Plan((goal,))
+
+        def cost(plan: Plan) -> tuple[int, float]:
+            """Of two plans that take as many cycles, the shorter one is better."""
+            return self.pace.cycles(start, plan), plan.length
+
+        best = request.plan(self._line(prepared, request))
+        over_cells = self._over_cells(prepared, request, cost(best)[0] + _ROUNDING)
+        best = min(over_cells or best, best, key=cost)
+        if self.any_angle:
+            at_any_angle = self._at_any_angle(prepared, request, best, cost(best)[0])
+            best = min(at_any_angle or best, best, key=cost)
+        return best
+
+    def _over_cells(self, prepared: PreparedCells, request: CellRequest, bound: int) -> Plan | None:
+        """Return the quickest plan over the cells, None if it takes no fewer cycles."""
+        first, last = request.ends
+        if first == last:
+            return None
+        path = quickest_path(
+            prepared.search.grid, first, last, *self._yaws(request), self.pace,
+            prepared.grid.resolution, bound, request.check,
+        )  # fmt: skip
+        if path is None:
+            return None
+        return request.plan(request.joined(path.cells + np.float64(0.5)))
+
+    def _at_any_angle(
+        self, prepared: PreparedCells, request: CellRequest, known: Plan, bound: int
+    ) -> Plan | None:
+        """Return the quickest plan over corners and a known plan's turning points."""
+        between = prepared.grid.world_to_map(known.corners[1:-1])
+        way = quickest_corners(
+            prepared.forbidden_bits,
+            np.vstack((*request.tips, between, prepared.corners)),
+            *self._yaws(request), self.pace, prepared.grid.resolution, bound, request.check,
+        )  # fmt: skip
+        return None if way is None else request.plan(request.joined(way))
+
+    def _yaws(self, request: CellRequest) -> tuple[float, float]:
+        """Return the headings at start and goal in the frame of the cells [rad]."""
+        origin = request.safety.grid.origin.yaw
+        return request.start.yaw - origin, request.goal.yaw - origin

@@ -1,0 +1,3 @@
+"""
+Potentials over a map, and their descent.
+"""

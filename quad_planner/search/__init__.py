@@ -1,0 +1,3 @@
+"""
+Searches over cells, headings and corners.
+"""

@@ -1,0 +1,334 @@
+"""
+Quickest paths at any angle, from corner to corner, in whole gait cycles (S0 sec. 3).
+
+A state is a point and the direction in which the robot comes to it; the points are the
+start, the goal, the convex corners of the forbidden zone, and any others that are given.
+Costs are those of :class:`quad_common.robot.pace.Pace`: a stretch ends where the robot has to
+turn on the spot, and goes on through a bend. A* over the states is exact for these
+points: the bound on what is left is the length of the shortest way, without turns.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.pace import LENGTH_SLACK, Pace
+from quad_planner.grid.bit_grid import BitMask, Bits
+from quad_planner.grid.bucket_queue import (
+    BucketQueue,
+    bucket_queue,
+    has_room,
+    is_empty,
+    next_bucket,
+    pop,
+    push,
+    with_room,
+)
+from quad_planner.grid.compiled import compiled, compiled_part
+from quad_planner.grid.inflation import Mask, Points
+from quad_planner.grid.line_of_sight import sees
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_DONE, _PAUSED, _FULL = 0, 1, 2
+
+_AT_A_TIME = 50_000
+"""Expansions between two looks at the time."""
+
+_TINY = 1e-9
+"""Of a cycle."""
+
+
+class _Edges(NamedTuple):
+    """Which points see which: of point v, the edges from firsts[v] to firsts[v + 1]."""
+
+    firsts: Indices
+    ends: Indices
+    """Where each edge leads."""
+    starts: Indices
+    """Where each edge comes from."""
+    strides: Floats
+    """Length of each edge, in strides."""
+    angles: Floats
+    """Its direction [rad]."""
+    left: Floats
+    """Of each point, the shortest way to the goal, in strides."""
+
+
+class _Cycles(NamedTuple):
+    """The numbers of a pace."""
+
+    turn: float
+    stopping: float
+    bend: float
+    goal_yaw: float
+    heading_tolerance: float
+
+
+def quickest_corners(
+    forbidden: BitMask,
+    points: Points,
+    start_yaw: float,
+    goal_yaw: float,
+    pace: Pace,
+    resolution: float,
+    bound: int,
+    check: Callable[[], None] = lambda: None,
+) -> Points | None:
+    """
+    Find a path over points that takes the fewest gait cycles.
+
+    Parameters
+    ----------
+    forbidden : BitMask
+        The forbidden cells; their edges are allowed.
+    points : ndarray, shape (n, 2)
+        The start, the goal, and where the path may turn [cells].
+    start_yaw, goal_yaw : float
+        Headings in the frame of the cells [rad].
+    pace : Pace
+        How far cycles go.
+    resolution : float
+        Side of a cell [m].
+    bound : int
+        Cycles: a path must take less.
+    check : callable
+        Called now and then; raises to end the search.
+
+    Returns
+    -------
+    ndarray, shape (m, 2) or None
+        From the start over the points where it turns to the goal; None if there is none
+        within the bound.
+    """
+    stride = pace.stride * (1.0 + LENGTH_SLACK) / resolution
+    # In `bound - 1` cycles the robot gets no farther than this, even without a turn.
+    longest = (bound - 1 - pace.stopping) * stride + _TINY
+    to_goal = np.hypot(*(points - points[1]).T)
+    near = np.hypot(*(points - points[0]).T) + to_goal <= longest
+    if not near[0]:
+        return None
+    points = points[near]
+    edges = _edges(forbidden, points, longest, stride, check)
+    cycles = _Cycles(
+        pace.turn * (1.0 + LENGTH_SLACK), pace.stopping, pace.bend, goal_yaw, pace.heading_tolerance
+    )
+    costs = np.full(len(edges.ends), np.inf)
+    parents = np.full(len(edges.ends), -1)
+    is_done = np.zeros(len(edges.ends), dtype=np.bool_)
+    # Of each point, a state that is good for all directions: its cost and direction.
+    best = np.column_stack((np.full(len(points), np.inf), np.zeros(len(points))))
+    goal = np.array([float(bound), -1.0])
+    queue = with_room(bucket_queue(bound), len(points))
+    _begin(edges, start_yaw, cycles, bound, costs, queue)
+    while True:
+        result = _search(
+            edges, cycles, costs, parents, is_done, best, goal, queue, bound, _AT_A_TIME
+        )
+        if result == _DONE:
+            break
+        if result == _FULL:
+            queue = with_room(queue, max(len(points), len(queue.entries)))
+        check()
+    edge = int(goal[1])
+    if edge < 0:
+        return None
+    way = [1]
+    while edge >= 0:
+        way.append(int(edges.starts[edge]))
+        edge = int(parents[edge])
+    return points[way[::-1]]
+
+
+def _edges(
+    forbidden: BitMask, points: Points, longest: float, stride: float, check: Callable[[], None]
+) -> _Edges:
+    """
+    Find out which points see which, as far as they may be on a short enough path.
+
+    Dijkstra's algorithm from the goal: a point's view is looked at only if the shortest
+    way from it to the goal, and the straight line from the start, are short enough.
+    """
+    count = len(points)
+    from_start = np.hypot(*(points - points[0]).T)
+    left = np.full(count, np.inf)
+    left[1] = 0.0
+    is_done = np.zeros(count, dtype=np.bool_)
+    views: dict[int, Indices] = {}
+    sights: dict[int, list[int]] = {}
+    heap = [(0.0, 1)]
+    while heap:
+        length, at = heapq.heappop(heap)
+        if is_done[at]:
+            continue
+        is_done[at] = True
+        check()
+        # What was looked from before has seen this point, or not.
+        is_open = (~is_done) & (from_start <= longest - length)
+        new = _view(forbidden.words, forbidden.width, points, at, np.flatnonzero(is_open))
+        views[at] = np.concatenate((new, np.array(sights.pop(at, []), dtype=np.int64)))
+        further = length + np.hypot(*(points[new] - points[at]).T)
+        for seen, total in zip(new.tolist(), further.tolist()):
+            sights.setdefault(seen, []).append(at)
+            if total < left[seen] and total + from_start[seen] <= longest:
+                left[seen] = total
+                heapq.heappush(heap, (total, seen))
+    firsts: Indices = np.zeros(count + 1, dtype=np.int64)
+    for at, view in views.items():
+        # Only to where the way goes on.
+        views[at] = view[is_done[view]]
+        firsts[at + 1] = len(views[at])
+    firsts = np.cumsum(firsts)
+    starts = np.repeat(np.arange(count), np.diff(firsts))
+    ends = np.concatenate([views[at] for at in sorted(views)] or [np.empty(0, dtype=np.int64)])
+    steps = points[ends] - points[starts]
+    angles = np.arctan2(steps[:, 1], steps[:, 0])
+    return _Edges(firsts, ends, starts, np.hypot(*steps.T) / stride, angles, left / stride)
+
+
+@compiled
+def _view(forbidden: Bits, width: int, points: Floats, at: int, others: Indices) -> Indices:
+    """Return which of the others a point sees, other than those in the same place."""
+    seen = np.empty(len(others), dtype=np.int64)
+    count = 0
+    x, y = points[at, 0], points[at, 1]
+    for other in others:
+        to_x, to_y = points[other, 0], points[other, 1]
+        if (to_x != x or to_y != y) and sees(forbidden, width, x, y, to_x, to_y):
+            seen[count] = other
+            count += 1
+    return seen[:count]
+
+
+@compiled_part
+def _apart(a: float, b: float) -> float:
+    """Return the angle between two directions, 0 to pi [rad]."""
+    return float(abs((a - b + np.pi) % (2.0 * np.pi) - np.pi))
+
+
+@compiled_part
+def _turn_cycles(angle: float, cycles: _Cycles) -> float:
+    """Return how many cycles a change of heading takes (`Pace.turn_cycles`)."""
+    if angle <= cycles.bend:
+        return 0.0
+    return float(max(1, math.ceil(angle / cycles.turn + cycles.stopping)))
+
+
+@compiled_part
+def _rest(cost: float) -> float:
+    """Return what a state costs when the robot has come to rest there."""
+    return float(math.ceil(cost - _TINY))
+
+
+@compiled_part
+def _leaving(cost: float, direction: float, onward: float, cycles: _Cycles) -> float:
+    """Return what a state costs when the robot leaves it in another direction."""
+    angle = _apart(direction, onward)
+    if angle <= cycles.bend:
+        return cost
+    return _rest(cost) + _turn_cycles(angle, cycles) + cycles.stopping
+
+
+@compiled_part
+def _bucket(cost: float, left: float, least: int) -> int:
+    """Return how many whole cycles a state will cost at least, no less than before."""
+    return max(least, int(_rest(cost + left)))
+
+
+@compiled
+def _begin(
+    edges: _Edges,
+    start_yaw: float,
+    cycles: _Cycles,
+    bound: int,
+    costs: Floats,
+    queue: BucketQueue,
+) -> None:
+    """Let the edges from the start wait; there must be room."""
+    for edge in range(edges.firsts[0], edges.firsts[1]):
+        turns = _turn_cycles(_apart(start_yaw, edges.angles[edge]), cycles)
+        cost = turns + cycles.stopping + edges.strides[edge]
+        bucket = _bucket(cost, edges.left[edges.ends[edge]], 0)
+        if bucket < bound:
+            costs[edge] = cost
+            push(queue.heads, queue.entries, queue.state, edge, 0, bucket)
+
+
+@compiled
+def _search(
+    edges: _Edges,
+    cycles: _Cycles,
+    costs: Floats,
+    parents: Indices,
+    is_done: Mask,
+    best: Floats,
+    goal: Floats,
+    queue: BucketQueue,
+    bound: int,
+    at_a_time: int,
+) -> int:
+    """
+    Go on with a search, for so many expansions at a time.
+
+    A state is an edge: the robot at its end, in its direction. Returns ``_DONE``,
+    ``_PAUSED``, or ``_FULL`` if the queue must grow.
+    """
+    for _ in range(at_a_time):
+        if is_empty(queue.state):
+            return _DONE
+        bucket = next_bucket(queue.heads, queue.state)
+        if goal[0] <= bucket:
+            return _DONE
+        if not has_room(queue.entries, queue.state, len(edges.left)):
+            return _FULL
+        state, _ = pop(queue.heads, queue.entries, queue.state)
+        if is_done[state]:
+            continue
+        is_done[state] = True
+        at, cost, direction = edges.ends[state], costs[state], edges.angles[state]
+        if at == 1:
+            angle = _apart(direction, cycles.goal_yaw)
+            total = _rest(cost)
+            if angle > cycles.heading_tolerance:
+                total += max(1.0, _turn_cycles(angle, cycles))
+            if total < goal[0]:
+                goal[0], goal[1] = total, state
+            continue
+        if _is_no_better(cost, direction, best[at, 0], best[at, 1], cycles):
+            continue
+        if cost < best[at, 0]:
+            best[at, 0], best[at, 1] = cost, direction
+        for edge in range(edges.firsts[at], edges.firsts[at + 1]):
+            onward = _leaving(cost, direction, edges.angles[edge], cycles) + edges.strides[edge]
+            if onward < costs[edge] - _TINY:
+                further = _bucket(onward, edges.left[edges.ends[edge]], bucket)
+                if further < bound:
+                    costs[edge] = onward
+                    parents[edge] = state
+                    is_done[edge] = False
+                    push(queue.heads, queue.entries, queue.state, edge, 0, further)
+    return _PAUSED
+
+
+@compiled_part
+def _is_no_better(
+    cost: float, direction: float, best: float, best_direction: float, cycles: _Cycles
+) -> bool:
+    """
+    Return whether the robot would do as well to turn from another state in the same place.
+
+    Turning by that much more never costs more cycles than a turn through both angles and
+    a bend.
+    """
+    if not best < np.inf:
+        return False
+    between = _apart(direction, best_direction) + cycles.bend
+    turned = math.ceil(between / cycles.turn + cycles.stopping) + cycles.stopping
+    return bool(_rest(best) + turned <= cost)

@@ -1,0 +1,470 @@
+"""
+Quickest paths over cells and eight headings, in whole gait cycles (S0 sec. 3).
+
+A state is a cell and the heading in which the robot stands or walks there. Straight on it
+walks stretches, which cost whole cycles by the stride; at any cell it may end a stretch
+and turn, which costs whole cycles by the turn. So a state's cost grows by the length of
+each step and is rounded up to a whole cycle at each turn; of two ways to one state the
+cheaper is the better one for all that may follow, and A* is exact.
+
+Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
+for a cycle, so equal costs are equal. The bound on what is left (:func:`_least_turns`) is
+the length over free ground, and the least turns that a way over free ground takes. States
+wait in one bucket for each whole cycle of cost and bound together, so the first bucket in
+which the goal is reached holds the least time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.pace import LENGTH_SLACK, Pace
+from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
+from quad_planner.grid.bucket_queue import (
+    BucketQueue,
+    bucket_queue,
+    has_room,
+    is_empty,
+    next_bucket,
+    pop,
+    push,
+    with_room,
+)
+from quad_planner.grid.compiled import compiled, compiled_part
+from quad_planner.search.jump_points import DIAGONAL, STRAIGHT
+
+Cells = NDArray[np.int64]
+Numbers = NDArray[np.int64]
+
+HEADINGS = 8
+"""Heading k points at k times 45 degrees."""
+
+_DX = np.array([1, 1, 0, -1, -1, -1, 0, 1])
+_DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
+
+_SCALES = ((470832, 665857), (80782, 114243), (13860, 19601), (2378, 3363))
+"""Straight and diagonal steps in whole numbers: the nearer to sqrt 2, the larger."""
+
+
+def _leading() -> NDArray[np.bool_]:
+    """Tabulate whether headings a and b lead into sector s (`_sector`), shape (16, 8, 8)."""
+    sector, low, high = np.ogrid[:16, :16:2, :16:2]
+    cone = (high - low) % 16
+    is_between: NDArray[np.bool_] = (cone < 8) & ((sector - low) % 16 <= cone)
+    return is_between | is_between.transpose(0, 2, 1)
+
+
+_LEADS = _leading()
+
+# How a state was reached: from heading k by a turn, or as follows.
+_BY_A_STEP = np.uint8(8)
+_AT_THE_START = np.uint8(9)
+_PREVIOUS = np.uint8(15)
+_EXPANDED = np.uint8(16)
+
+_DONE, _PAUSED, _FULL = 0, 1, 2
+
+_AT_A_TIME = 200_000
+"""Expansions between two looks at the time."""
+
+_NOT_REACHED = 2**31 - 1
+_LARGEST = 2**30
+"""Costs up to here are looked at: there is room for what is added to them."""
+
+
+@dataclass(frozen=True)
+class LatticePath:
+    """A quickest path."""
+
+    cells: Cells
+    """Where it begins, turns and ends: x and y, shape (n, 2)."""
+    cycles: int
+    """Gait cycles, of walking and turning."""
+    expansions: int
+    """How many states were looked at."""
+
+
+class _Costs(NamedTuple):
+    """What steps, cycles and turns cost, in whole numbers."""
+
+    straight: int
+    """Of a step to a cell beside."""
+    diagonal: int
+    """Of a diagonal step."""
+    cycle: int
+    """Of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
+    bucket: int
+    """States wait together whose costs, with the bound on what is left, are so near."""
+    longest: int
+    """A path must cost less."""
+    turns: Numbers
+    """Shape (8, 8): of a turn and the pause of the stretch that follows it."""
+    first_turns: Numbers
+    """Shape (8,): from the start's heading to each of the eight, likewise."""
+    last_turns: Numbers
+    """Shape (8,): from each to the goal's heading."""
+    least_turns: Numbers
+    """Shape (8, 17), see :func:`_least_turns`."""
+
+
+class _Reached(NamedTuple):
+    """What the search knows; state 8 c + k is heading k in cell c."""
+
+    cost: NDArray[np.int32]
+    """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
+    by: NDArray[np.uint8]
+    """From where, and whether the search went on from there."""
+    best: NDArray[np.int64]
+    """The least cost at the goal and the heading in which it is reached; expansions."""
+
+
+def quickest_path(
+    grid: BitGrid,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    start_yaw: float,
+    goal_yaw: float,
+    pace: Pace,
+    resolution: float,
+    bound: int,
+    check: Callable[[], None] = lambda: None,
+) -> LatticePath | None:
+    """
+    Find a path that takes the fewest gait cycles.
+
+    Parameters
+    ----------
+    grid : BitGrid
+        The free cells.
+    start, goal : tuple of int
+        x and y of two different cells of the map.
+    start_yaw, goal_yaw : float
+        Headings in the frame of the cells [rad].
+    pace : Pace
+        How far cycles go.
+    resolution : float
+        Side of a cell [m].
+    bound : int
+        Cycles: a path must take less.
+    check : callable
+        Called now and then; raises to end the search.
+
+    Returns
+    -------
+    LatticePath or None
+        None if there is no path, or none within the bound, or an end is not free.
+    """
+    for x, y in (start, goal):
+        if not (0 <= x < grid.width and 0 <= y < grid.height):
+            return None
+        if not is_set(grid.rows, y + 1, x + 1):
+            return None
+    costs = _count(pace, resolution, start_yaw, goal_yaw, bound)
+    found = _find(grid, start, goal, costs, check)
+    if found is None:
+        return None
+    cells, cost, expansions = found
+    return LatticePath(cells, cost // costs.cycle, expansions)
+
+
+def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda: None) -> Cells:
+    """
+    Find, of all shortest paths over the cells, one with the fewest turning points.
+
+    A turn costs so little that all turns together cost less than the difference of two
+    lengths.
+
+    Parameters
+    ----------
+    grid : BitGrid
+        The free cells.
+    known : ndarray of int, shape (n, 2), n >= 2
+        Where a shortest path begins, turns and ends: x and y.
+    check : callable
+        Called now and then; raises to end the search.
+
+    Returns
+    -------
+    ndarray of int, shape (m, 2)
+        The same of a path that is as short, m <= n; the known one if no path turns less.
+    """
+    start, goal = (tuple(map(int, known[at])) for at in (0, -1))
+    steps = np.abs(np.diff(known, axis=0))
+    diagonal = int(steps.min(axis=1).sum())
+    straight = int(steps.max(axis=1).sum()) - diagonal
+    length = straight * STRAIGHT + diagonal * DIAGONAL
+    # The path itself turns n - 2 times.
+    most = len(known) - 1
+    if most < 2 or length * most > _LARGEST:
+        return known
+    turns = np.ones((HEADINGS, HEADINGS), dtype=np.int64) - np.eye(HEADINGS, dtype=np.int64)
+    none = np.zeros(HEADINGS, dtype=np.int64)
+    costs = _Costs(
+        straight=STRAIGHT * most,
+        diagonal=DIAGONAL * most,
+        cycle=1,
+        bucket=STRAIGHT * most // 4,
+        longest=length * most + most - 1,
+        turns=turns,
+        first_turns=none,
+        last_turns=none,
+        least_turns=_least_turns(turns, none),
+    )
+    found = _find(grid, (start[0], start[1]), (goal[0], goal[1]), costs, check)
+    return known if found is None else found[0]
+
+
+def _find(
+    grid: BitGrid,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    costs: _Costs,
+    check: Callable[[], None],
+) -> tuple[Cells, int, int] | None:
+    """Search; return where the path begins, turns and ends, its cost, and expansions."""
+    width = grid.width + 2
+    cells = width * (grid.height + 2)
+    queue = bucket_queue(costs.longest // costs.bucket + 1)
+    reached = _Reached(
+        np.zeros(HEADINGS * cells, dtype=np.int32),
+        np.zeros(HEADINGS * cells, dtype=np.uint8),
+        np.array([_NOT_REACHED, 0, 0]),
+    )
+    first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
+    _begin(grid.rows, width, first, last, costs, reached, queue)
+    while True:
+        result = _search(grid.rows, width, last, costs, reached, queue, _AT_A_TIME)
+        if result == _DONE:
+            break
+        if result == _FULL:
+            queue = with_room(queue, len(queue.entries))
+        check()
+    best, heading, expansions = reached.best.tolist()
+    if best == _NOT_REACHED:
+        return None
+    return _turning_points(reached.by, width, last, heading), best, expansions
+
+
+def _count(pace: Pace, resolution: float, start_yaw: float, goal_yaw: float, bound: int) -> _Costs:
+    """Count the costs of a pace on the finest scale that can hold the bound's cycles."""
+    strides = pace.stride / resolution * (1.0 + LENGTH_SLACK)
+    scale = 0
+    while scale + 1 < len(_SCALES) and bound * strides * _SCALES[scale][0] > _LARGEST:
+        scale += 1
+    straight, diagonal = _SCALES[scale]
+    cycle = max(1, math.floor(strides * straight))
+    pause = round(pace.stopping * cycle)
+    headings = [math.radians(45.0 * k) for k in range(HEADINGS)]
+    turns = [[pace.turn_cycles(b - a) * cycle + pause for b in headings] for a in headings]
+    first = [pace.turn_cycles(b - start_yaw) * cycle + pause for b in headings]
+    last = np.array([pace.last_turn_cycles(goal_yaw - a) * cycle for a in headings])
+    longest = min(bound * cycle, _LARGEST // cycle * cycle)
+    least = _least_turns(np.array(turns), last)
+    return _Costs(
+        straight, diagonal, cycle, cycle, longest, np.array(turns), np.array(first), last, least
+    )
+
+
+def _least_turns(turns: Numbers, last_turns: Numbers) -> Numbers:
+    """
+    Tabulate the least that turns may cost on the way to the goal over free ground.
+
+    A way over free ground goes along one heading or two (of more, two would do: any
+    displacement in the plane lies between two of those it is made of).
+
+    Parameters
+    ----------
+    turns, last_turns : ndarray of int, shapes (8, 8) and (8,)
+        What turns cost.
+
+    Returns
+    -------
+    ndarray of int, shape (8, 17)
+        By the heading of the robot and the sector in which the goal lies, see `_sector`.
+    """
+    # To be content with nearly the goal's heading may save a cycle in an earlier turn: two
+    # turns may then cost less than one.
+    least_last = np.minimum(last_turns, (turns + last_turns).min(axis=1))
+    to_other = np.where(np.eye(HEADINGS, dtype=np.bool_), 0, turns)
+    # From the robot's heading to a, walk, to b, walk, and to the goal's.
+    ways = to_other[:, :, None] + (to_other + least_last)
+    over_ground = np.where(_LEADS, ways[:, None], _NOT_REACHED).min(axis=(2, 3))
+    return np.column_stack((over_ground, least_last))
+
+
+@compiled_part
+def _sector(dx: int, dy: int) -> int:
+    """
+    Return where a displacement points.
+
+    2 k along heading k, 2 k + 1 between headings k and k + 1, 16 for none.
+    """
+    along, across = abs(dx), abs(dy)
+    if along == 0 and across == 0:
+        return 16
+    if across == 0:
+        return 0 if dx > 0 else 8
+    if along == 0:
+        return 4 if dy > 0 else 12
+    quarter = 1 if along > across else (2 if along == across else 3)
+    if dy > 0:
+        return quarter if dx > 0 else 8 - quarter
+    return 16 - quarter if dx > 0 else 8 + quarter
+
+
+@compiled_part
+def _total(cost: int, dx: int, dy: int, heading: int, costs: _Costs) -> int:
+    """Return a cost and the least that is left, so far from the goal in a heading."""
+    along, across = abs(dx), abs(dy)
+    length = costs.straight * max(along, across)
+    length += (costs.diagonal - costs.straight) * min(along, across)
+    return cost + length + int(costs.least_turns[heading, _sector(dx, dy)])
+
+
+@compiled_part
+def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
+    """Return whether a step from a free cell is free; a diagonal needs both beside it."""
+    dx, dy = int(_DX[heading]), int(_DY[heading])
+    if not is_set(rows, y + dy, x + dx):
+        return False
+    if heading & 1:
+        return is_set(rows, y, x + dx) and is_set(rows, y + dy, x)
+    return True
+
+
+@compiled_part
+def _wait(queue: BucketQueue, bucket: int, state: int) -> None:
+    push(queue.heads, queue.entries, queue.state, state, 0, bucket)
+
+
+def _begin(
+    rows: Bits,
+    width: int,
+    start: int,
+    goal: int,
+    costs: _Costs,
+    reached: _Reached,
+    queue: BucketQueue,
+) -> None:
+    """Let the start's eight headings wait."""
+    x, y = start % width, start // width
+    dx, dy = goal % width - x, goal // width - y
+    cycle = costs.cycle
+    for k in range(HEADINGS):
+        cost = int(costs.first_turns[k])
+        total = _total(cost, dx, dy, k, costs)
+        if total > costs.longest - cycle or not _may_step(rows, x, y, k):
+            continue
+        state = HEADINGS * start + k
+        reached.cost[state] = cost + 1
+        reached.by[state] = _AT_THE_START
+        _wait(queue, (total + costs.bucket - 1) // costs.bucket, state)
+
+
+@compiled
+def _search(
+    rows: Bits,
+    width: int,
+    goal: int,
+    costs: _Costs,
+    reached: _Reached,
+    queue: BucketQueue,
+    at_a_time: int,
+) -> int:
+    """
+    Go on with a search, for so many expansions at a time.
+
+    Returns ``_DONE``, ``_PAUSED``, or ``_FULL`` if the queue must grow.
+    """
+    cycle, best = costs.cycle, reached.best
+    goal_x, goal_y = goal % width, goal // width
+    for _ in range(at_a_time):
+        if is_empty(queue.state):
+            return _DONE
+        bucket = next_bucket(queue.heads, queue.state)
+        # The first whole cycle above all that waited in the buckets before.
+        if best[0] <= ((bucket - 1) * costs.bucket // cycle + 1) * cycle:
+            return _DONE
+        # A state lets those wait that it turns to, and the one ahead.
+        if not has_room(queue.entries, queue.state, HEADINGS):
+            return _FULL
+        state, _ = pop(queue.heads, queue.entries, queue.state)
+        by = reached.by[state]
+        if by & _EXPANDED:
+            continue
+        reached.by[state] = by | _EXPANDED
+        best[2] += 1
+        cell, k = state // HEADINGS, state % HEADINGS
+        x, y = cell % width, cell // width
+        cost = int(reached.cost[state]) - 1
+        rest = (cost + cycle - 1) // cycle * cycle
+        if cell == goal:
+            total = rest + costs.last_turns[k]
+            if total < min(best[0], costs.longest):
+                best[0], best[1] = total, k
+            continue
+        if by & _PREVIOUS == _BY_A_STEP:
+            for j in range(HEADINGS):
+                if j != k:
+                    turned = rest + int(costs.turns[k, j])
+                    total = _total(turned, goal_x - x, goal_y - y, j, costs)
+                    other = HEADINGS * cell + j
+                    if _is_new(other, turned, total, costs, reached) and _may_step(rows, x, y, j):
+                        _reach(other, turned, np.uint8(k), total, bucket, costs, reached, queue)
+        if _may_step(rows, x, y, k):
+            x, y = x + int(_DX[k]), y + int(_DY[k])
+            cost += costs.diagonal if k & 1 else costs.straight
+            total = _total(cost, goal_x - x, goal_y - y, k, costs)
+            state = HEADINGS * (y * width + x) + k
+            if _is_new(state, cost, total, costs, reached):
+                _reach(state, cost, _BY_A_STEP, total, bucket, costs, reached, queue)
+    return _PAUSED
+
+
+@compiled_part
+def _is_new(state: int, cost: int, total: int, costs: _Costs, reached: _Reached) -> bool:
+    """Return whether a state was not reached as cheaply, and may be on a path in the bound."""
+    known = int(reached.cost[state])
+    return total <= costs.longest - costs.cycle and (known == 0 or cost + 1 < known)
+
+
+@compiled_part
+def _reach(
+    state: int,
+    cost: int,
+    by: np.uint8,
+    total: int,
+    bucket: int,
+    costs: _Costs,
+    reached: _Reached,
+    queue: BucketQueue,
+) -> None:
+    """Note how a state was reached, and let it wait."""
+    reached.cost[state] = cost + 1
+    reached.by[state] = by
+    # The bound on what is left may fall by more than a step costs: never back.
+    _wait(queue, max(bucket, (total + costs.bucket - 1) // costs.bucket), state)
+
+
+def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
+    """Go back from the goal to the start; list where the path begins, turns and ends."""
+    offsets = (_DY * width + _DX).tolist()
+    step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
+    # Python's own numbers: quick to read one by one, and nothing to compile.
+    ways = reached_by.data
+    places = [goal]
+    cell, by = goal, step
+    while by != start:
+        by = ways[HEADINGS * cell + heading] & previous
+        if by == step:
+            cell -= offsets[heading]
+        else:
+            places.append(cell)
+            heading = by
+    return np.array([[place % width - 1, place // width - 1] for place in reversed(places)])

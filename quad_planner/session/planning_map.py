@@ -1,0 +1,137 @@
+"""
+What is planned on: the map that was heard, with the ground of the height map added to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from quad_common.errors import InvalidMessage
+from quad_common.frames.map_frame import MapFrame
+from quad_common.maps.height_map import HeightMap
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.quoting import quoted
+from quad_planner.grid.traversability import Ground, GroundLimits
+from quad_planner.methods.planner import Planner
+
+
+class PlanningMap:
+    """
+    Hands maps to a planning method; an error leaves those before in force.
+
+    Parameters
+    ----------
+    planner : Planner
+        The planning method.
+    frame : MapFrame
+        What relates frames to the map's; its name becomes that of the map that is heard.
+    limits : GroundLimits
+        Limits of the ground that the robot walks on.
+    occupied_threshold : int
+        Least occupancy of an obstacle [%].
+    steps_over_low : bool
+        Whether obstacles that the height map shows to be low are none.
+    warn : callable
+        Is told what a user should know.
+    """
+
+    def __init__(
+        self,
+        planner: Planner[Any],
+        frame: MapFrame,
+        limits: GroundLimits,
+        occupied_threshold: int = 65,
+        steps_over_low: bool = False,
+        warn: Callable[[str], object] = lambda sentence: None,
+    ) -> None:
+        self.planner = planner
+        """The planning method."""
+        self.frame = frame
+        """What relates frames to the map's."""
+        self._limits = limits
+        self._occupied_threshold = occupied_threshold
+        self._steps_over_low = steps_over_low
+        self._warn = warn
+        self._grid: OccupancyGrid | None = None
+        self._ground: Ground | None = None
+        self._waiting: tuple[HeightMap, str] | None = None
+
+    def take_grid(self, grid: OccupancyGrid, frame: str) -> bool:
+        """
+        Take a map.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map.
+        frame : str
+            Of the map.
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
+
+        Raises
+        ------
+        QuadError
+            If it cannot be planned on.
+        """
+        is_moved = self._ground is not None and frame != self.frame.name
+        has_changed = self._take(grid, frame, None if is_moved else self._ground)
+        if is_moved:
+            self._warn(
+                f'the map is in frame {quoted(frame)} now: the height map is left out until one is'
+            )
+        return has_changed
+
+    def take_heights(self, heights: HeightMap, frame: str) -> bool:
+        """
+        Take a height map; without a map it waits for one, which tells what frame it has to be in.
+
+        Parameters
+        ----------
+        heights : HeightMap
+            Of the ground.
+        frame : str
+            Of the height map.
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
+
+        Raises
+        ------
+        InvalidMessage
+            If it is in another frame than the map.
+        """
+        if self._grid is None:
+            self._waiting = heights, frame
+            return False
+        name = self.frame.name
+        if frame != name:
+            raise InvalidMessage(
+                'height map', f'it is in frame {quoted(frame)}; give it in {quoted(name)}'
+            )
+        if self._ground is not None and self._ground.is_like(heights):
+            return False
+        return self._take(self._grid, name, Ground(heights, self._limits))
+
+    def take_waiting_heights(self) -> bool:
+        """Take the height map that came before the map, if any; see :meth:`take_heights`."""
+        waiting, self._waiting = self._waiting, None
+        return waiting is not None and self.take_heights(*waiting)
+
+    def _take(self, grid: OccupancyGrid, frame: str, ground: Ground | None) -> bool:
+        before, combined = self.planner.prepared, grid
+        if ground is not None:
+            combined = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
+        self.planner.set_map(combined)
+        self._grid, self._ground = grid, ground
+        if self.planner.prepared is before and frame == self.frame.name:
+            # The same map again: what was planned on it stands.
+            return False
+        self.frame.rename(frame)
+        return True

@@ -1,0 +1,375 @@
+"""
+What is planned, and when: as maps, goals, the robot's pose and the plan it follows change.
+
+The session knows no topics and no clock. Its node tells it what was heard, and publishes what it
+decides; searches run wherever the requests are worked on.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+from quad_common.errors import PlannerError, QuadError, WrongFrame, without_frames
+from quad_common.maps.height_map import HeightMap
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_planner.session.planning_map import PlanningMap
+from quad_planner.session.pose_age import PoseAge
+
+_CHECK_PERIOD = 0.2
+"""How often it is checked whether the robot has left its path [s]."""
+
+_REMEMBERED_PLANS = 64
+"""Plans of one's own that are known again when they are followed."""
+
+_ARRIVED = 0.1
+"""A robot whose plan has ended this near to its goal has arrived [m]."""
+
+_ARRIVED_TURN = 0.2
+"""And turned away from its heading by no more than this [rad]."""
+
+
+class Requests(Protocol):
+    """What works on searches; see :class:`quad_planner.session.latest_request.LatestRequest`."""
+
+    def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
+        """Take a request; those before it are given up."""
+
+
+class Output(Protocol):
+    """What becomes of a session's decisions."""
+
+    def publish_plan(self, plan: Plan | None) -> int:
+        """Publish a plan, or take the last one back; return its stamp, each another one [ns]."""
+
+    def show_map(self) -> None:
+        """Show what is planned on now."""
+
+    def say(self, sentence: str) -> None:
+        """Log a sentence."""
+
+    def update_status(self) -> None:
+        """Say what goes on."""
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """A goal to plan to."""
+
+    frame: str
+    goal: Pose2D
+    is_given: bool
+    """Whether it was just given; else it is planned to again."""
+
+
+@dataclass(frozen=True)
+class SessionOptions:
+    """When to plan, and on what."""
+
+    replan_distance: float = 0.3
+    """Distance from its path at which a robot is planned for again [m]."""
+    odom_timeout: float = 1.0
+    """Age of a pose from which no plan is made any more [s]."""
+
+
+class PlanningSession:
+    """
+    Plans when a goal comes, when a map changes, and when the robot leaves its path.
+
+    Parameters
+    ----------
+    planning_map : PlanningMap
+        The map, and the planning method that works on it.
+    requests : Requests
+        What works on searches.
+    output : Output
+        What is told of decisions.
+    options : SessionOptions
+        When to plan, and on what.
+    """
+
+    def __init__(
+        self,
+        planning_map: PlanningMap,
+        requests: Requests,
+        output: Output,
+        options: SessionOptions,
+    ) -> None:
+        self._map = planning_map
+        self._planner = planning_map.planner
+        self._frame = planning_map.frame
+        self._requests = requests
+        self._output = output
+        self._options = options
+        self._pose: Pose2D | None = None
+        self._age = PoseAge()
+        self._checked_at = 0.0
+        self._waiting: _Wish | None = None
+        self._pending: _Wish | None = None
+        self._goal: Pose2D | None = None
+        self._is_plan_void = False
+        self._void_at: Pose2D | None = None
+        # Stamps of the plans to the goal in force, and of all plans.
+        self._stamps_to_goal: deque[int] = deque(maxlen=_REMEMBERED_PLANS)
+        self._stamps: deque[int] = deque(maxlen=_REMEMBERED_PLANS)
+        self._is_new = True
+        self.plan: Plan | None = None
+        """Plan that was published last, unless it was taken back."""
+        self.planned_from: Pose2D | None = None
+        """Pose of the robot from which it was planned."""
+        self.problem: QuadError | None = None
+        """Reason why the last goal was refused, or has no plan."""
+
+    @property
+    def pending_goal(self) -> Pose2D | None:
+        """Goal that is being searched for."""
+        return None if self._pending is None else self._pending.goal
+
+    @property
+    def has_pose(self) -> bool:
+        """Whether the robot's pose was heard."""
+        return self._pose is not None
+
+    @property
+    def silence(self) -> float:
+        """Time since the last pose [s]; 0 as long as it is recent enough to plan from."""
+        seconds = self._age.seconds
+        return seconds if self.has_pose and seconds > self._options.odom_timeout else 0.0
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the plan that was published last leads to no goal any more."""
+        return self.plan is not None and self._goal is None
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a goal waits for a map, or for a pose."""
+        return self._waiting is not None
+
+    # Maps
+
+    def take_grid(self, grid: OccupancyGrid, frame: str) -> None:
+        """
+        Plan on this map from now on.
+
+        Raises
+        ------
+        QuadError
+            If it cannot be planned on, or a height map that waited for it does not go with it.
+        """
+        if self._map.take_grid(grid, frame):
+            self._plan_on_new_map()
+        if self._map.take_waiting_heights():
+            self._plan_on_new_map()
+
+    def take_heights(self, heights: HeightMap, frame: str) -> None:
+        """Plan over this ground from now on; see :meth:`PlanningMap.take_heights`."""
+        if self._map.take_heights(heights, frame):
+            self._plan_on_new_map()
+
+    def _plan_on_new_map(self) -> None:
+        self.problem = None
+        self._output.show_map()
+        wish = self._pending
+        if wish is None and self._goal is not None:
+            wish = _Wish(self._frame.name, self._goal, is_given=False)
+        if self._waiting is None and wish is not None and self._pose is not None:
+            self._search(wish, is_plan_void=True)
+        self._try_waiting_goal()
+        self._output.update_status()
+
+    # Goals
+
+    def give_goal(self, frame: str, goal: Pose2D) -> None:
+        """Plan to a goal as soon as map and pose are known."""
+        self._is_new = False
+        self._waiting = _Wish(frame, goal, is_given=True)
+        self._try_waiting_goal()
+        self._output.update_status()
+
+    def pose_on_map(self, frame: str, pose: Pose2D, what: str) -> Pose2D:
+        """Bring a pose into the map; WrongFrame if nothing relates its frame to the map's."""
+        placed = self._frame.on_map(frame, pose)
+        if placed is None:
+            raise WrongFrame(what, frame, self._frame.name)
+        return placed
+
+    def _try_waiting_goal(self) -> None:
+        """Plan to the goal that came last, as soon as map and pose are known."""
+        wish = self._waiting
+        if wish is None or self._planner.prepared is None or self._pose is None or self.silence:
+            return
+        self._waiting = None
+        try:
+            goal = self.pose_on_map(wish.frame, wish.goal, 'goal')
+        except PlannerError as error:
+            self.problem = without_frames(error)
+            return
+        self._search(_Wish(self._frame.name, goal, wish.is_given))
+
+    # The robot
+
+    def take_pose(self, time: float, pose: Pose2D) -> None:
+        """
+        Take the robot's pose, and look whether it has left its path.
+
+        Parameters
+        ----------
+        time : float
+            Of the odometry [s].
+        pose : Pose2D
+            base_link in the map.
+        """
+        is_first, was_silent = self._pose is None, bool(self.silence)
+        self._pose = pose
+        self._age.hear(time)
+        if is_first or was_silent:
+            self._try_waiting_goal()
+            self._output.update_status()
+        if self._pending is None and abs(time - self._checked_at) >= _CHECK_PERIOD:
+            self._checked_at = time
+            self._look_where_it_is(pose)
+
+    def _look_where_it_is(self, pose: Pose2D) -> None:
+        """Plan again for a robot that has left its path, if it is still to get to its goal."""
+        farthest = self._options.replan_distance
+        if self.plan is None:
+            # Its plan was taken back, for the map left no path: until then the robot stands.
+            if self._void_at is not None and pose.distance_to(self._void_at) > farthest:
+                self._output.say('the robot was moved meanwhile: its goal is given up')
+                self._goal = self._void_at = None
+            return
+        distance = distance_to_polyline((pose.x, pose.y), self.plan.corners)
+        if distance <= farthest:
+            return
+        if self._goal is not None:
+            self._output.say(f'the robot is {distance:.2f} m from its path: planning anew')
+            self._search(_Wish(self._frame.name, self._goal, is_given=False))
+        else:
+            # Who hears it late must not walk to it again.
+            self._publish(None)
+
+    def tick(self, wall: float, clock: float) -> None:
+        """Let time go on: the wall clock's, and that of the node [s]."""
+        was_silent = bool(self.silence)
+        self._age.tick(wall, clock)
+        if bool(self.silence) != was_silent:
+            self._output.update_status()
+
+    def take_followed(self, stamp: int, frame: str, plan: Plan | None) -> None:
+        """
+        Take note of the plan that the robot wants to follow.
+
+        Parameters
+        ----------
+        stamp : int
+            Of that plan, or of the one that has ended [ns].
+        frame : str
+            Of the plan.
+        plan : Plan or None
+            None: the plan of that stamp has ended.
+        """
+        if plan is None:
+            if stamp in self._stamps_to_goal:
+                self._end_goal()
+            return
+        if stamp in self._stamps:
+            return
+        if self._is_new:
+            self._is_new = False
+            goal = plan.poses[-1]
+            self._output.say(
+                f'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from '
+                f'before this planner began: that goal is taken over'
+            )
+            self._stamps_to_goal.append(stamp)
+            self._stamps.append(stamp)
+            self._waiting = _Wish(frame, goal, is_given=False)
+            self._try_waiting_goal()
+            self._output.update_status()
+        elif self._goal is not None and self._pending is None:
+            self._output.say('the robot follows the plan of somebody else: its goal here has ended')
+            self._goal = None
+            self._output.update_status()
+
+    def _end_goal(self) -> None:
+        """Plan no more, whatever moves the robot, until a new goal comes."""
+        goal, self._goal = self._goal, None
+        self._stamps_to_goal.clear()
+        if self._waiting is not None and not self._waiting.is_given:
+            self._waiting = None
+        if self._pending is not None and not self._pending.is_given:
+            # It was planned to again: the answer is not wanted any more.
+            self._give_up_search()
+        has_arrived = goal is not None and self._pose is not None and _is_at(self._pose, goal)
+        if self.plan is not None and not has_arrived and self._pending is None:
+            # Who hears it late must not walk to it again.
+            self._publish(None)
+        self._output.update_status()
+
+    # Searches
+
+    def _search(self, wish: _Wish, is_plan_void: bool = False) -> None:
+        """
+        Begin to search a plan; searches before it are given up.
+
+        If it fails the last goal and plan stay, unless the plan led through a map that is
+        no longer true: then it is taken back.
+        """
+        self._is_plan_void = self._is_plan_void or is_plan_void
+        if self.silence:
+            # Where the robot is now is not known: the plan waits for its pose.
+            self._give_up_search()
+            self._waiting = wish
+            return
+        assert self._pose is not None
+        start, goal = self._pose, wish.goal
+        self._pending = wish
+        self._requests.submit(
+            lambda: self._planner.plan(start, goal), partial(self._on_result, start, wish)
+        )
+
+    def _give_up_search(self) -> None:
+        if self._pending is not None:
+            self._pending = None
+            self._requests.submit(lambda: None, lambda result: result())
+
+    def _on_result(self, start: Pose2D, wish: _Wish, result: Callable[[], Plan]) -> None:
+        self._pending = None
+        try:
+            plan = result()
+        except PlannerError as error:
+            self.problem = without_frames(error)
+            if self._is_plan_void:
+                self._publish(None)
+                # That the robot follows it no more is no news.
+                self._stamps_to_goal.clear()
+                self._void_at = start
+        else:
+            if wish.is_given:
+                self._stamps_to_goal.clear()
+            self._goal, self.planned_from = wish.goal, start
+            self._void_at = None
+            self.problem = None
+            if plan.remark:
+                self._output.say(plan.remark)
+            self._publish(plan)
+        self._is_plan_void = False
+        self._output.update_status()
+
+    def _publish(self, plan: Plan | None) -> None:
+        self.plan = plan
+        stamp = self._output.publish_plan(plan)
+        if plan is not None:
+            self._stamps_to_goal.append(stamp)
+            self._stamps.append(stamp)
+
+
+def _is_at(pose: Pose2D, goal: Pose2D) -> bool:
+    turn = abs(wrap_angle(pose.yaw - goal.yaw))
+    return pose.distance_to(goal) <= _ARRIVED and turn <= _ARRIVED_TURN

@@ -1,0 +1,3 @@
+"""
+Simulators behind one protocol: PyBullet, and one that follows commands exactly.
+"""

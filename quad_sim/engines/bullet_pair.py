@@ -1,0 +1,208 @@
+"""
+A planar pair of legs in PyBullet's physics, with some of its joints held and the others free.
+
+What :mod:`quad_common.planar_pair.active_pair` works out, physics must find by themselves: the body
+slides along x and z and turns in their plane, without friction, with two legs on it; each foot is
+pinned to its place by a constraint, as on a ball joint. What is held has a motor; what is free
+has none, and only the slight damping that lets it come to rest. Gravity pulls at all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from quad_common.errors import ParameterError
+from quad_common.planar_pair.planar_pair import ActivePair, PairPosture, points_of, posture_of, wrap
+from quad_common.process.temporary_folder import temporary_folder
+
+JOINTS = ('hip_x', 'hip_z', 'theta', 'u1_i', 'u2_i', 'u1_j', 'u2_j')
+"""What may be held: hip i's place, the body's angle, the angles of the legs' joints."""
+
+_TIME_STEP = 2.5e-4
+"""Short: what pins and motors give way to gravity goes with it [s]."""
+
+_ITERATIONS = 100
+
+_GRAVITY = 9.80665
+
+_FORCE = 2e3
+"""The most that a motor or a pin exerts [N or N m]."""
+
+_DAMPING = 0.2
+"""Of every joint [N m s]."""
+
+_RAMP = 0.5
+"""How long motors take from where they start to what they hold in the end [s]."""
+
+_REST = 3e-4
+"""Joint speed that counts as rest [rad/s and m/s]."""
+
+_LONGEST = 2.5
+"""After which a pair that still moves is left [s]."""
+
+
+@dataclass(frozen=True)
+class SettledPair:
+    """Where a pair came to rest."""
+
+    posture: PairPosture
+    """As the joints of the simulation say it."""
+    foot_error: float
+    """By how much the pins gave: the larger distance of a foot from its place [m]."""
+    speed: float
+    """Largest joint speed at the end [rad/s or m/s]."""
+    time: float
+    """How long it took, in simulated time [s]."""
+
+
+def settle(
+    client: Any,
+    pair: ActivePair,
+    start: PairPosture,
+    held: Mapping[str, float],
+) -> SettledPair:
+    """
+    Let a pair go from one posture to where it settles with three of its freedoms held.
+
+    Parameters
+    ----------
+    client : BulletClient
+        An empty world, as ``quad_sim.engines.bullet_simulator.headless_client`` makes it; what is
+        put into it is taken away again.
+    pair : ActivePair
+        The pair.
+    start : PairPosture
+        Where it starts: one posture. The feet are pinned where they are in it.
+    held : mapping of str to float
+        Some of :data:`JOINTS`, and where motors bring them within half a second [m or rad]. The
+        others have no motor.
+
+    Returns
+    -------
+    SettledPair
+        Where it came to rest.
+
+    Raises
+    ------
+    ParameterError
+        If something else than :data:`JOINTS` is to be held.
+    """
+    for name in held:
+        if name not in JOINTS:
+            raise ParameterError('held', name, f'one of {", ".join(JOINTS)}')
+    client.resetSimulation()
+    client.setGravity(0.0, 0.0, -_GRAVITY)
+    client.setPhysicsEngineParameter(fixedTimeStep=_TIME_STEP, numSolverIterations=_ITERATIONS)
+    with temporary_folder() as folder:
+        path = folder / 'pair.urdf'
+        path.write_text(_urdf(pair), encoding='utf-8')
+        body = client.loadURDF(
+            str(path), useFixedBase=True, flags=client.URDF_USE_INERTIA_FROM_FILE
+        )
+    first = {
+        'hip_x': float(start.hip_i.real),
+        'hip_z': float(start.hip_i.imag),
+        **{name: float(getattr(start, name)) for name in JOINTS[2:]},
+    }
+    number = {
+        client.getJointInfo(body, index)[1].decode(): index
+        for index in range(client.getNumJoints(body))
+    }
+    for name, value in first.items():
+        client.resetJointState(body, number[name], value)
+        # Every joint has a motor at first, which holds still: none is left.
+        client.setJointMotorControl2(body, number[name], client.VELOCITY_CONTROL, force=0.0)
+    points = points_of(pair, start)
+    pins = {'u1_i': (pair.leg_i, points.foot_i), 'u1_j': (pair.leg_j, points.foot_j)}
+    for knee, (leg, foot) in pins.items():
+        # Places in a link count from its centre of mass.
+        place = (leg.lower / 2.0, 0.0, 0.0)
+        world = (float(foot.real), 0.0, float(foot.imag))
+        kind = client.JOINT_POINT2POINT
+        pin = client.createConstraint(
+            body, number[knee], -1, -1, kind, (0.0, 0.0, 0.0), place, world
+        )
+        client.changeConstraint(pin, maxForce=_FORCE)
+    ways = {
+        name: (first[name], _way(name, first[name], float(value))) for name, value in held.items()
+    }
+    speed, steps = np.inf, 0
+    while steps * _TIME_STEP < _LONGEST and (steps * _TIME_STEP < _RAMP or speed > _REST):
+        steps += 1
+        share = min(steps * _TIME_STEP / _RAMP, 1.0)
+        for name, (begin, way) in ways.items():
+            client.setJointMotorControl2(
+                body,
+                number[name],
+                client.POSITION_CONTROL,
+                targetPosition=begin + way * share * share * (3.0 - 2.0 * share),
+                force=_FORCE,
+            )
+        client.stepSimulation()
+        states = {name: client.getJointState(body, number[name])[:2] for name in JOINTS}
+        speed = max(abs(state[1]) for state in states.values())
+    angles = [states[name][0] for name in JOINTS[2:]]
+    posture = posture_of(pair, complex(states['hip_x'][0], states['hip_z'][0]), *angles)
+    ends = points_of(pair, posture)
+    off = max(abs(ends.foot_i - points.foot_i), abs(ends.foot_j - points.foot_j))
+    client.resetSimulation()
+    return SettledPair(posture, float(off), float(speed), steps * _TIME_STEP)
+
+
+def difference(pair: ActivePair, one: PairPosture, other: PairPosture) -> tuple[float, float]:
+    """
+    Compare two postures.
+
+    Returns
+    -------
+    tuple of float
+        Largest difference of an angle [rad], and of the place of a hip, knee or foot [m].
+    """
+    angle = max(
+        float(np.max(np.abs(wrap(np.asarray(getattr(one, name)) - getattr(other, name)))))
+        for name in JOINTS[2:]
+    )
+    places = zip(points_of(pair, one), points_of(pair, other))
+    return angle, max(float(np.max(np.abs(here - there))) for here, there in places)
+
+
+def _way(name: str, begin: float, end: float) -> float:
+    """Return how far it is, for angles the shorter way."""
+    return end - begin if name.startswith('hip') else float(wrap(np.asarray(end - begin)))
+
+
+def _urdf(pair: ActivePair) -> str:
+    """
+    Write the pair as a URDF, every link along its own x axis.
+
+    Axes of rotation are -y, so that angles are counter-clockwise from x towards z.
+    """
+    i, j = pair.leg_i, pair.leg_j
+    slider = ('prismatic', 0.0, 0.1, 0.1)
+    parts = (
+        # Joint, its kind, child link's centre, length and mass, axis, parent and place on it.
+        ('hip_x', slider, '1 0 0', 'world', 0.0),
+        ('hip_z', slider, '0 0 1', 'hip_x', 0.0),
+        ('theta', ('continuous', pair.span / 2.0, abs(pair.span), 4.0), '0 -1 0', 'hip_z', 0.0),
+        ('u2_i', ('continuous', i.upper / 2.0, i.upper, 0.5), '0 -1 0', 'theta', 0.0),
+        ('u1_i', ('continuous', i.lower / 2.0, i.lower, 0.3), '0 -1 0', 'u2_i', i.upper),
+        ('u2_j', ('continuous', j.upper / 2.0, j.upper, 0.5), '0 -1 0', 'theta', pair.span),
+        ('u1_j', ('continuous', j.lower / 2.0, j.lower, 0.3), '0 -1 0', 'u2_j', j.upper),
+    )
+    text = ['<robot name="pair"><link name="world"/>']
+    for name, (kind, center, length, mass), axis, parent, place in parts:
+        # A rod's inertia, of a thickness that keeps the matrix regular.
+        inertia = mass * length * length / 12.0 + 1e-4 * mass
+        limit = '<limit lower="-100" upper="100" effort="1e6" velocity="1e3"/>'
+        text.append(
+            f'<link name="{name}"><inertial><origin xyz="{center} 0 0"/><mass value="{mass}"/>'
+            f'<inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/>'
+            f'</inertial></link><joint name="{name}" type="{kind}"><parent link="{parent}"/>'
+            f'<child link="{name}"/><origin xyz="{place} 0 0"/><axis xyz="{axis}"/>{limit}'
+            f'<dynamics damping="{_DAMPING}" friction="0"/></joint>'
+        )
+    return ''.join([*text, '</robot>'])

@@ -1,0 +1,471 @@
+"""
+The robot in PyBullet's physics. The only file that imports pybullet.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import sys
+from collections import defaultdict
+from collections.abc import Hashable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import MissingOptionalDependency, ParameterError
+from quad_common.planar_pose import Pose2D
+from quad_common.process.temporary_folder import temporary_folder
+from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.urdf import urdf_from_robot
+from quad_common.vision.camera_file import quaternion_from_matrix
+from quad_sim.engines.bullet_ground import lay_ground
+from quad_sim.engines.bullet_scene import BulletScene
+from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
+from quad_sim.engines.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
+from quad_sim.world.appearance import Appearance
+from quad_sim.world.standing import standing_on
+from quad_sim.world.world import OF_WORLD, Obstacle, World
+
+
+@contextlib.contextmanager
+def _silenced() -> Iterator[None]:
+    """Keep PyBullet's greetings off the output, which may be somebody's JSON."""
+    streams = (sys.stdout, sys.stderr)
+    with Path(os.devnull).open('wb') as nothing:
+        for stream in streams:
+            stream.flush()
+        saved = [os.dup(number) for number in (1, 2)]
+        try:
+            for number in (1, 2):
+                os.dup2(nothing.fileno(), number)
+            yield
+        finally:
+            # Python and C keep what they print to a pipe or a file until later.
+            for stream in streams:
+                stream.flush()
+            ctypes.CDLL(None).fflush(None)
+            for number, was in zip((1, 2), saved):
+                os.dup2(was, number)
+                os.close(was)
+
+
+try:
+    with _silenced():
+        import pybullet
+        from pybullet_utils.bullet_client import BulletClient
+except ImportError as error:
+    raise MissingOptionalDependency(
+        'pybullet', 'pip install pybullet (wheels for Python up to 3.11; later ones compile it)'
+    ) from error
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.80665
+"""[m/s^2]"""
+
+_SOLVER_ITERATIONS = 25
+"""Half of Bullet's own: a walking body tilts by 0.2 degrees, not 0.1; a step is a third faster."""
+
+_POSITION_GAIN = 0.3
+_VELOCITY_GAIN = 1.0
+_TILE = 4.0
+"""Obstacles are put into one mesh per square of this size, so that far ones cost nothing [m]."""
+
+
+def headless_client() -> Any:
+    """Open an empty world without a window, a ``BulletClient`` of one's own."""
+    with _silenced():
+        return BulletClient(pybullet.DIRECT)
+
+
+class BulletSimulator:
+    """
+    A rigid-body simulation of one robot in one world.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    world : World
+        Ground and obstacles.
+    time_step : float
+        Fixed step [s].
+    gui : bool
+        Show PyBullet's own window.
+    appearance : Appearance, optional
+        Of the world in pictures.
+
+    Raises
+    ------
+    MissingOptionalDependency
+        On import of this module, if PyBullet is not installed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        world: World,
+        time_step: float = 0.005,
+        gui: bool = False,
+        appearance: Appearance | None = None,
+    ) -> None:
+        self.time_step = time_step
+        self.failures: tuple[str, ...] = FAILURES
+        self._robot = robot
+        self._world = world
+        self._appearance = Appearance() if appearance is None else appearance
+        self._scene: BulletScene | None = None
+        self._goal: Pose2D | None = None
+        self._placed: dict[Hashable, tuple[Obstacle, int]] = {}
+        self._steps = 0
+        with _silenced():
+            self._bullet: Any = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
+        self._bullet.setGravity(0.0, 0.0, -GRAVITY)
+        self._bullet.setPhysicsEngineParameter(
+            fixedTimeStep=time_step,
+            numSolverIterations=_SOLVER_ITERATIONS,
+            deterministicOverlappingPairs=1,
+        )
+        self._grounds = lay_ground(self._bullet, world)
+        self._make_walls(world)
+        for index, obstacle in enumerate(world.obstacles):
+            self.put_obstacle((OF_WORLD, index), obstacle)
+        self._body, self._joints, self._link_names = self._load_robot()
+        self._feet = frozenset(f'{leg}_foot' for leg in LEGS)
+        self._falls = {Contact('base_link', 'ground')}
+        self._falls |= {Contact(f'{leg}_hip', 'ground') for leg in LEGS}
+        self._last_velocity = np.zeros(3)
+        self.reset(Pose2D(0.0, 0.0, 0.0))
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the simulator was made [s]."""
+        return self._steps * self.time_step
+
+    def reset(self, pose: Pose2D) -> None:
+        """
+        Stand the robot at a pose, in its initial posture, at rest, with all joints sound.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Of base_link, in the world. On uneven ground the body is as parallel to the ground and
+            as near to it as no foot in the ground allows.
+        """
+        orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
+        base = np.array([pose.x, pose.y, self._robot.standing_height])
+        if self._world.terrain is not None:
+            base, rotation = standing_on(self._robot, self._world.terrain, pose)
+            orientation = quaternion_from_matrix(rotation)
+        center = base + self._to_world(orientation) @ self._robot.body_center
+        self._bullet.resetBasePositionAndOrientation(self._body, center, orientation)
+        self._bullet.resetBaseVelocity(self._body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        self._last_velocity = np.zeros(3)
+        self._free: list[int] = []
+        self._stuck: dict[int, float] = {}
+        angles = self._robot.initial_joint_angles.reshape(-1)
+        for joint, angle in zip(self._joints, angles):
+            self._bullet.resetJointState(self._body, joint, float(angle))
+        self._command(angles, np.zeros_like(angles))
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """
+        Let a joint fail from now on, until :meth:`reset`.
+
+        Parameters
+        ----------
+        joint : int
+            Its place in ``Robot.joint_names``.
+        kind : str
+            One of :data:`quad_sim.engines.joint_failure.FAILURES`.
+        """
+        if kind == 'free':
+            self._free.append(joint)
+        else:
+            self._stuck[joint] = self._bullet.getJointState(self._body, self._joints[joint])[0]
+
+    def step(self, joint_positions: Array, joint_velocities: Array) -> None:
+        """
+        Advance by one time step.
+
+        Parameters
+        ----------
+        joint_positions : ndarray, shape (12,)
+            Wanted [rad], in the order of ``Robot.joint_names``.
+        joint_velocities : ndarray, shape (12,)
+            Wanted [rad/s].
+
+        Raises
+        ------
+        ParameterError
+            If one of them is not finite: that would stay in Bullet's world for ever.
+        """
+        for name, values in (('positions', joint_positions), ('velocities', joint_velocities)):
+            if not np.isfinite(values).all():
+                raise ParameterError(f'joint_{name}', list(values), 'finite numbers')
+        self._command(joint_positions, joint_velocities)
+        self._last_velocity = np.array(self._bullet.getBaseVelocity(self._body)[0])
+        self._bullet.stepSimulation()
+        self._steps += 1
+
+    def observe(self) -> Observation:
+        """Return the robot's state."""
+        # Bullet speaks of the body's centre of mass; base_link is its own point.
+        center, orientation = self._bullet.getBasePositionAndOrientation(self._body)
+        velocity, spin = (np.array(v) for v in self._bullet.getBaseVelocity(self._body))
+        to_world = self._to_world(orientation)
+        to_base = to_world.T
+        to_center = to_world @ self._robot.body_center
+        acceleration = (velocity - self._last_velocity) / self.time_step
+        states = self._bullet.getJointStates(self._body, self._joints)
+        contacts = self._contacts()
+        efforts = np.array([state[3] for state in states])
+        # What Bullet's motor gives there is the gear's friction.
+        efforts[self._free] = 0.0
+        tilted = tilt_of(np.array(orientation)) > TILT_OF_A_FALL
+        return Observation(
+            time=self.time,
+            position=center - to_center,
+            orientation=np.array(orientation),
+            linear_velocity_base_in_base=to_base @ (velocity - _cross(spin, to_center)),
+            angular_velocity_base_in_base=to_base @ spin,
+            specific_force_in_base=to_base @ (acceleration + (0.0, 0.0, GRAVITY)),
+            joint_positions=np.array([state[0] for state in states]),
+            joint_velocities=np.array([state[1] for state in states]),
+            joint_efforts=efforts,
+            contacts=contacts,
+            has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
+        )
+
+    def foot_forces(self) -> Array:
+        """
+        Return what presses against each foot, as no robot can measure it.
+
+        Returns
+        -------
+        ndarray, shape (4,)
+            Of ``LEGS``: normal forces of the ground and of obstacles in the last step, added up
+            over the points of contact; 0 in the air [N].
+        """
+        forces = dict.fromkeys((f'{leg}_foot' for leg in LEGS), 0.0)
+        for point in self._bullet.getContactPoints(bodyA=self._body):
+            name = self._link_names[point[3]]
+            if name in forces and point[2] != self._body:
+                forces[name] += point[9]
+        return np.array(list(forces.values()))
+
+    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
+        """
+        Put an obstacle, in the place of the one of that name if there is one.
+
+        Parameters
+        ----------
+        name : hashable
+            Of the obstacle; those of the world are ('room', 0), ('room', 1) and so on.
+        obstacle : Obstacle
+            It stands fast.
+        """
+        self.remove_obstacle(name)
+        bottom, top = self._world.span_of(obstacle)
+        half = (obstacle.length / 2.0, obstacle.width / 2.0, (top - bottom) / 2.0)
+        if obstacle.kind == 'box':
+            shape = self._bullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
+        else:
+            shape = self._bullet.createCollisionShape(
+                pybullet.GEOM_CYLINDER, radius=half[0], height=top - bottom
+            )
+        pose = obstacle.pose
+        turned = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
+        place = (pose.x, pose.y, bottom + half[2])
+        body = self._bullet.createMultiBody(0, shape, -1, place, turned)
+        self._placed[name] = obstacle, body
+        if self._scene is not None:
+            self._scene.put_obstacle(name, obstacle)
+
+    def remove_obstacle(self, name: Hashable) -> None:
+        """Take an obstacle away, if it is there."""
+        if name in self._placed:
+            self._bullet.removeBody(self._placed.pop(name)[1])
+        if self._scene is not None:
+            self._scene.remove_obstacle(name)
+
+    @property
+    def obstacles(self) -> dict[Hashable, Obstacle]:
+        """Those that stand there now, besides the walls."""
+        return {name: obstacle for name, (obstacle, _) in self._placed.items()}
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it; nothing collides with it."""
+        self._goal = pose
+        if self._scene is not None:
+            self._scene.put_goal_marker(pose)
+
+    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw a picture, which physics do not notice; see `simulated_camera.Scene`."""
+        if self._scene is None:
+            self._scene = self._make_scene()
+        center, orientation = self._bullet.getBasePositionAndOrientation(self._body)
+        states = self._bullet.getJointStates(self._body, self._joints)
+        self._scene.put_robot(center, orientation, [state[0] for state in states])
+        return self._scene.render(view, projection, width, height)
+
+    def close(self) -> None:
+        """Disconnect from the physics server."""
+        if self._scene is not None:
+            self._scene.close()
+        if self._bullet.isConnected():
+            self._bullet.disconnect()
+
+    def _to_world(self, orientation: Sequence[float]) -> Array:
+        matrix = self._bullet.getMatrixFromQuaternion(orientation)
+        return np.reshape(matrix, (3, 3))
+
+    def _command(self, positions: Array, velocities: Array) -> None:
+        count = len(self._joints)
+        if self._stuck:
+            positions, velocities = positions.copy(), velocities.copy()
+            for joint, angle in self._stuck.items():
+                positions[joint], velocities[joint] = angle, 0.0
+        self._bullet.setJointMotorControlArray(
+            self._body,
+            self._joints,
+            pybullet.POSITION_CONTROL,
+            targetPositions=positions,
+            targetVelocities=velocities,
+            forces=self._efforts,
+            positionGains=[_POSITION_GAIN] * count,
+            velocityGains=[_VELOCITY_GAIN] * count,
+        )
+        for joint in self._free:
+            self._bullet.setJointMotorControl2(
+                self._body,
+                self._joints[joint],
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=FRICTION_SHARE * self._efforts[joint],
+            )
+
+    def _make_scene(self) -> BulletScene:
+        """Make what pictures are taken of, a second world with the same things in it."""
+        client = headless_client()
+        body = _load_urdf(client, self._robot)
+        names = _joint_indices(client, body)
+        joints = [names[name] for name in self._robot.joint_names]
+        scene = BulletScene(client, body, joints, self._robot, self._world, self._appearance)
+        for name, obstacle in self.obstacles.items():
+            scene.put_obstacle(name, obstacle)
+        if self._goal is not None:
+            scene.put_goal_marker(self._goal)
+        return scene
+
+    def _make_walls(self, world: World) -> None:
+        """Build the boxes as one static mesh per tile of the floor."""
+        tiles: dict[tuple[int, int], list[Array]] = defaultdict(list)
+        for box in world.boxes:
+            column, row = np.floor(box.mean(axis=0) / _TILE).astype(int)
+            tiles[column, row].append(box)
+        with temporary_folder() as folder:
+            for index, boxes in enumerate(tiles.values()):
+                path = folder / f'{index}.obj'
+                spans = [world.span_of_wall(box) for box in boxes]
+                path.write_text(_mesh_of_boxes(boxes, spans), encoding='ascii')
+                shape = self._bullet.createCollisionShape(
+                    pybullet.GEOM_MESH,
+                    fileName=str(path),
+                    flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
+                )
+                self._bullet.createMultiBody(0, shape)
+
+    def _load_robot(self) -> tuple[int, list[int], dict[int, str]]:
+        body = _load_urdf(
+            self._bullet,
+            self._robot,
+            pybullet.URDF_USE_INERTIA_FROM_FILE
+            | pybullet.URDF_USE_SELF_COLLISION
+            | pybullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT
+            # Otherwise cylinders are hulls with a margin around them, 1 mm thicker than the
+            # data say: a third more for the shins of a small robot.
+            | pybullet.URDF_USE_IMPLICIT_CYLINDER,
+        )
+        by_name = _joint_indices(self._bullet, body)
+        links = {-1: 'base_link'}
+        for index in range(self._bullet.getNumJoints(body)):
+            links[index] = self._bullet.getJointInfo(body, index)[12].decode()
+        for link in links:
+            self._bullet.changeDynamics(
+                body,
+                link,
+                lateralFriction=1.0,
+                restitution=0.0,
+                # Without it a robot that stands still at a heading creeps round by a degree
+                # in a second or two. Coulomb's law holds with it as well.
+                frictionAnchor=1,
+                linearDamping=0.0,
+                angularDamping=0.0,
+                jointDamping=0.0,
+            )
+        self._efforts = self._robot.effort.reshape(-1).tolist()
+        return body, [by_name[name] for name in self._robot.joint_names], links
+
+    def _contacts(self) -> tuple[Contact, ...]:
+        found = set()
+        for point in self._bullet.getContactPoints(bodyA=self._body):
+            other_body, link, other_link, distance = point[2], point[3], point[4], point[8]
+            name = self._link_names[link]
+            if distance > 0.0 or (other_body in self._grounds and name in self._feet):
+                continue
+            if other_body == self._body:
+                found.add(Contact(*sorted((name, self._link_names[other_link]))))
+            else:
+                found.add(Contact(name, 'ground' if other_body in self._grounds else 'obstacle'))
+        return tuple(sorted(found, key=str))
+
+
+def _load_urdf(client: Any, robot: Robot, flags: int = 0) -> int:
+    """Load a robot into a world, and return its body."""
+    with temporary_folder() as folder:
+        path = folder / f'{robot.name}.urdf'
+        path.write_text(urdf_from_robot(robot), encoding='utf-8')
+        body: int = client.loadURDF(str(path), flags=flags)
+    return body
+
+
+def _joint_indices(client: Any, body: int) -> dict[str, int]:
+    """Return the index of each joint of a body."""
+    count = client.getNumJoints(body)
+    return {client.getJointInfo(body, index)[1].decode(): index for index in range(count)}
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Vector product of two vectors; numpy's own takes ten times as long for just two."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def _mesh_of_boxes(boxes: list[Array], spans: list[tuple[float, float]]) -> str:
+    """
+    Write boxes as a Wavefront mesh.
+
+    Each is given by the four corners of its base, counter-clockwise, and the heights of its
+    bottom and its top.
+    """
+    lines = []
+    faces = []
+    for index, (base, span) in enumerate(zip(boxes, spans)):
+        first = 8 * index + 1
+        for z in span:
+            lines += [f'v {x:.6f} {y:.6f} {z:.6f}' for x, y in base]
+        for a, b, c, d in (
+            (4, 5, 6, 7),
+            (0, 1, 5, 4),
+            (1, 2, 6, 5),
+            (2, 3, 7, 6),
+            (3, 0, 4, 7),
+        ):
+            faces.append(f'f {first + a} {first + b} {first + c}')
+            faces.append(f'f {first + a} {first + c} {first + d}')
+    return '\n'.join(lines + faces) + '\n'

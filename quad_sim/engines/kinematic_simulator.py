@@ -1,0 +1,122 @@
+"""
+A simulator without physics: joints follow commands exactly, stance feet do not slip.
+
+The body goes where the feet that stay on the ground carry it: its heading and position
+are the rigid motion that keeps them in place best, as their balls roll, its height that
+of the lowest foot.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_sim.engines.simulator import Observation
+
+Array = NDArray[np.float64]
+
+_GRAVITY = np.array([0.0, 0.0, 9.80665])
+
+_CONTACT_HEIGHT = 1e-3
+"""A foot this near to the height of the lowest one is on the ground [m]."""
+
+
+class KinematicSimulator:
+    """
+    One robot on a flat, empty floor, moved by its commands alone.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    time_step : float
+        Fixed step [s].
+    """
+
+    def __init__(self, robot: Robot, time_step: float = 0.005) -> None:
+        self.time_step = time_step
+        self.failures: tuple[str, ...] = ('stuck',)
+        self._robot = robot
+        self._steps = 0
+        self.reset(Pose2D(0.0, 0.0, 0.0))
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the simulator was made [s]."""
+        return self._steps * self.time_step
+
+    def reset(self, pose: Pose2D) -> None:
+        """Stand the robot at a pose, in its initial posture, at rest, with all joints sound."""
+        self._pose = pose
+        self._previous = pose
+        self._joints: Array = self._robot.initial_joint_angles.reshape(-1).copy()
+        self._joint_velocities: Array = np.zeros_like(self._joints)
+        self._feet = self._robot.neutral_feet
+        self._stuck: set[int] = set()
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """Let a joint stick where it is, whatever the kind: a free one needs physics."""
+        self._stuck.add(joint)
+
+    def step(self, joint_positions: Array, joint_velocities: Array) -> None:
+        """Advance by one time step; shape (12,) each [rad], [rad/s]."""
+        joint_positions = np.array(joint_positions, dtype=float)
+        joint_velocities = np.array(joint_velocities, dtype=float)
+        stuck = list(self._stuck)
+        joint_positions[stuck], joint_velocities[stuck] = self._joints[stuck], 0.0
+        feet = self._robot.foot_positions(joint_positions.reshape(4, 3))
+        standing = self._on_ground(self._feet) & self._on_ground(feet)
+        self._previous = self._pose
+        if standing.sum() >= 2:
+            # Feet at rest, but for their rolling: old pose @ old feet = new pose @ new feet.
+            rolled = self._feet[:, :2] + self._rolled(joint_positions)
+            self._pose = self._pose @ _rigid_motion(feet[standing, :2], rolled[standing])
+        self._feet = feet
+        self._joints = joint_positions
+        self._joint_velocities = joint_velocities
+        self._steps += 1
+
+    def _rolled(self, joint_positions: Array) -> Array:
+        """How far the balls of the feet roll when the joints move, shape (4, 2) [m]."""
+        before, after = self._joints.reshape(4, 3), np.reshape(joint_positions, (4, 3))
+        spin = self._robot.calf_angular_velocities((before + after) / 2.0, after - before)
+        return self._robot.foot_radius * np.stack([spin[:, 1], -spin[:, 0]], axis=-1)
+
+    def observe(self) -> Observation:
+        """Return the robot's state; the body stays level and touches nothing."""
+        moved = self._previous.inverse() @ self._pose
+        height = self._robot.foot_radius - float(self._feet[:, 2].min())
+        half = self._pose.yaw / 2.0
+        return Observation(
+            time=self.time,
+            position=np.array([self._pose.x, self._pose.y, height]),
+            orientation=np.array([0.0, 0.0, np.sin(half), np.cos(half)]),
+            linear_velocity_base_in_base=np.array([moved.x, moved.y, 0.0]) / self.time_step,
+            angular_velocity_base_in_base=np.array([0.0, 0.0, moved.yaw]) / self.time_step,
+            specific_force_in_base=_GRAVITY.copy(),
+            joint_positions=self._joints,
+            joint_velocities=self._joint_velocities,
+            joint_efforts=np.zeros_like(self._joints),
+            contacts=(),
+            has_fallen=False,
+        )
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+    @staticmethod
+    def _on_ground(feet: Array) -> NDArray[np.bool_]:
+        on_ground: NDArray[np.bool_] = feet[:, 2] < feet[:, 2].min() + _CONTACT_HEIGHT
+        return on_ground
+
+
+def _rigid_motion(source: Array, target: Array) -> Pose2D:
+    """Find the planar pose that brings points (n, 2) onto others with least squares."""
+    source_mean, target_mean = source.mean(axis=0), target.mean(axis=0)
+    a, b = source - source_mean, target - target_mean
+    yaw = float(np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b)))
+    rotation = Pose2D(0.0, 0.0, yaw)
+    x, y = target_mean - rotation.transform(source_mean)
+    return Pose2D(float(x), float(y), yaw)

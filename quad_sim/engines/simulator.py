@@ -1,0 +1,155 @@
+"""
+What every simulator offers: reset, step, observe, close.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Pose2D
+from quad_sim.world.world import Obstacle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A part of the robot touches something that it should not."""
+
+    link: str
+    """Link of the robot, for example ``lf_calf``."""
+    other: str
+    """``ground``, ``obstacle``, or another link of the robot."""
+
+    def __str__(self) -> str:
+        return f'{self.link} touches {self.other}'
+
+
+@dataclass(frozen=True)
+class Observation:
+    """The robot's state at one instant. World: x and y in the map's plane, z up."""
+
+    time: float
+    """Simulated time since the simulator was made [s]."""
+    position: Array
+    """base_link in the world, shape (3,) [m]."""
+    orientation: Array
+    """base_link in the world, quaternion xyzw, shape (4,)."""
+    linear_velocity_base_in_base: Array
+    """Shape (3,) [m/s]."""
+    angular_velocity_base_in_base: Array
+    """Shape (3,) [rad/s]."""
+    specific_force_in_base: Array
+    """What an accelerometer measures: +g upward at rest, shape (3,) [m/s^2]."""
+    joint_positions: Array
+    """In the order of ``Robot.joint_names``, shape (12,) [rad]."""
+    joint_velocities: Array
+    """Shape (12,) [rad/s]."""
+    joint_efforts: Array
+    """Torques of the motors about the joints' axes in the last step, shape (12,) [N m]."""
+    contacts: tuple[Contact, ...]
+    """Of anything but feet with anything, and of feet with anything but the ground."""
+    has_fallen: bool
+    """The body lies on the ground or is tilted beyond recovery."""
+
+    @property
+    def pose(self) -> Pose2D:
+        """Position and heading in the plane."""
+        return Pose2D(float(self.position[0]), float(self.position[1]), yaw_of(self.orientation))
+
+
+class Simulator(Protocol):
+    """One robot in one world, stepped with a fixed time step."""
+
+    time_step: float
+    """[s]"""
+    failures: tuple[str, ...]
+    """Those of :data:`quad_sim.engines.joint_failure.FAILURES` that it can let happen."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the simulator was made [s]; a reset does not turn it back."""
+
+    def reset(self, pose: Pose2D) -> None:
+        """Stand the robot at a pose, in its initial posture, at rest, with all joints sound."""
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """Let a joint fail from now on, by its place in ``Robot.joint_names``; see `FAILURES`."""
+
+    def step(self, joint_positions: Array, joint_velocities: Array) -> None:
+        """Advance by one time step with the joints commanded as given, shape (12,)."""
+
+    def observe(self) -> Observation:
+        """Return the robot's state."""
+
+    def close(self) -> None:
+        """Release what the simulator holds."""
+
+
+@runtime_checkable
+class VisibleSimulator(Simulator, Protocol):
+    """One that also has a world to look at, in which obstacles come and go."""
+
+    def foot_forces(self) -> Array:
+        """Return the normal forces against the feet in the order of ``LEGS``, shape (4,) [N]."""
+
+    @property
+    def obstacles(self) -> Mapping[Hashable, Obstacle]:
+        """Those that stand there now, besides the walls."""
+
+    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
+        """Put an obstacle, in the place of the one of that name if there is one."""
+
+    def remove_obstacle(self, name: Hashable) -> None:
+        """Take an obstacle away, if it is there."""
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it."""
+
+    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw a picture; see :class:`quad_sim.world.simulated_camera.Scene`."""
+
+
+TILT_OF_A_FALL = np.deg2rad(45.0)
+"""A body tilted farther than this has fallen [rad]."""
+
+
+def yaw_of(orientation: Array) -> float:
+    """
+    Heading of an orientation.
+
+    Parameters
+    ----------
+    orientation : ndarray, shape (4,)
+        Unit quaternion xyzw.
+
+    Returns
+    -------
+    float
+        Yaw [rad].
+    """
+    x, y, z, w = orientation
+    return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+
+def tilt_of(orientation: Array) -> float:
+    """
+    Angle between the body's z axis and the vertical.
+
+    Parameters
+    ----------
+    orientation : ndarray, shape (4,)
+        Unit quaternion xyzw.
+
+    Returns
+    -------
+    float
+        Tilt, from 0 to pi [rad].
+    """
+    x, y, _, _ = orientation
+    return float(np.arccos(np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0)))

@@ -1,0 +1,3 @@
+"""
+What is in the simulated world: walls, obstacles, ground, and how it looks.
+"""

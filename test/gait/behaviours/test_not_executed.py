@@ -1,0 +1,63 @@
+"""A robot whose trajectories nobody executes says so, and goes on when somebody does again."""
+
+import numpy as np
+import pytest
+
+from quad_common.plan import Plan
+from quad_common.robot.robot import load_robot
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
+
+ROBOT = load_robot('titan_viii')
+DEAF = Disturbance(0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+AHEAD = Plan.through([[0.0, 0.0], [1.0, 0.0]], 0.0)
+
+
+@pytest.fixture(params=['crawl', 'trot'])
+def walk(request):
+    gait = load_gait(request.param, ROBOT)
+    controller = WalkController(ROBOT, gait, turning_gait_for(gait, ROBOT), ControllerOptions())
+    walk = DisturbedWalk(
+        ROBOT, controller, UNDISTURBED, np.random.default_rng(1), backend='kinematic'
+    )
+    walk.run(0.5)
+    controller.set_plan(AHEAD)
+    yield walk
+    walk.close()
+
+
+def walks(walk):
+    return walk.controller.activity is Activity.WALKING
+
+
+def test_a_robot_that_is_executed_from_the_beginning_never_says_that_it_is_not(walk):
+    said = set()
+    walk.run(
+        60.0, lambda: said.add(walk.controller.activity) or walk.controller.activity.is_terminal
+    )
+    assert walk.controller.activity is Activity.ARRIVED
+    assert Activity.NOT_EXECUTED not in said
+
+
+def test_a_controller_that_ends_in_mid_walk_is_named_and_the_walk_goes_on_with_the_next_one(walk):
+    assert walk.run(10.0, lambda: walks(walk))
+    walk.run(1.3)
+    walk._disturbance = DEAF
+    controller = walk.controller
+    assert walk.run(15.0, lambda: controller.activity is Activity.NOT_EXECUTED)
+    assert 'is the controller that executes' in controller.reason
+    # It stays so for as long as nobody does, and blames no joint.
+    walk.run(20.0)
+    assert controller.activity is Activity.NOT_EXECUTED, controller.reason
+    walk._disturbance = UNDISTURBED
+    assert walk.run(90.0, lambda: controller.activity is Activity.ARRIVED), controller.reason
+
+
+def test_a_robot_that_wants_nothing_forgets_that_it_was_not_heard(walk):
+    walk._disturbance = DEAF
+    controller = walk.controller
+    assert walk.run(15.0, lambda: controller.activity is Activity.NOT_EXECUTED)
+    controller.stop()
+    assert walk.run(15.0, lambda: controller.activity is Activity.STANDING), controller.reason

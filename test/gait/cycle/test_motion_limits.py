@@ -1,0 +1,241 @@
+"""The limits of a gait: what is within them works, what is well beyond does not."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from quad_common.errors import GaitError
+from quad_common.planar_pose import STILL, Twist2D
+from quad_common.robot.robot import load_robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.foot_spacing import crossing_feet
+from quad_gait.cycle.gait import available_gaits, load_gait
+from quad_gait.cycle.gait_generator import generate_cycle, generate_steady_cycle
+from quad_gait.cycle.motion_limits import MotionLimits
+
+ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
+LIMITS = {
+    (name, gait): MotionLimits(robot, load_gait(gait, robot))
+    for name, robot in ROBOTS.items()
+    for gait in available_gaits()
+}
+DIRECTIONS = {
+    'forward': BodyMotion(1.0),
+    'backward': BodyMotion(-1.0),
+    'left': BodyMotion(left=1.0),
+    'turn': BodyMotion(turn=1.0),
+    'arc': BodyMotion(0.5, 0.2, 1.0),
+}
+TITAN, CUHK = ROBOTS['titan_viii'], ROBOTS['cuhk']
+
+each_gait = pytest.mark.parametrize('gait', available_gaits())
+each_robot = pytest.mark.parametrize('robot', ROBOTS)
+each_direction = pytest.mark.parametrize('direction', DIRECTIONS.values(), ids=DIRECTIONS)
+
+
+def check(limits, robot, motion):
+    """Raise if a motion is not possible: steadily, from rest, or back to rest."""
+    gait, margin = limits.gait_for(motion), limits.least_margin
+    cycle = generate_steady_cycle(robot, gait, motion, least_margin=margin)
+    if crossing := crossing_feet(robot, cycle):
+        raise GaitError(crossing)
+    if not gait.is_steady:
+        return
+    speed, half = motion.rate(gait.cycle_period), motion.scaled(0.5)
+    generate_cycle(robot, gait, half, cycle.end_feet, entry=speed, least_margin=margin)
+    if gait.is_static:
+        generate_cycle(robot, gait, half, exit=speed, least_margin=margin)
+
+
+@each_robot
+@each_gait
+@each_direction
+def test_all_of_the_share_is_possible_from_rest_steadily_and_back_to_rest(robot, gait, direction):
+    limits = LIMITS[robot, gait]
+    assert limits.largest_share(direction) > 0.0
+    check(limits, ROBOTS[robot], direction.scaled(limits.largest_share(direction)))
+
+
+def is_s0s_bound(limits, direction):
+    return 'largest stride' in limits.reason(direction)
+
+
+@each_robot
+@each_gait
+@each_direction
+def test_well_beyond_the_limit_it_is_not_possible_but_for_s0s_reserve(robot, gait, direction):
+    limits = LIMITS[robot, gait]
+    just_possible = limits.largest_share(direction) / 0.95
+    if is_s0s_bound(limits, direction):
+        assert limits.gait.footholds == 'initial_posture'
+    else:
+        with pytest.raises(GaitError):
+            check(limits, ROBOTS[robot], direction.scaled(1.1 * just_possible))
+
+
+@each_robot
+@each_gait
+@each_direction
+def test_the_reason_names_what_forbids_more(robot, gait, direction):
+    reason = LIMITS[robot, gait].reason(direction)
+    named = ('largest stride', 'foot ', '_joint would go', 'stability margin', 'cross', 'mm apart')
+    assert any(name in reason for name in named), reason
+    assert '\n' not in reason
+
+
+@each_robot
+@each_gait
+def test_backward_is_as_far_as_forward(robot, gait):
+    limits = LIMITS[robot, gait]
+    forward, backward = (limits.largest_share(BodyMotion(sign)) for sign in (1.0, -1.0))
+    assert backward == pytest.approx(forward, rel=0.02)
+
+
+@each_robot
+@each_gait
+def test_left_is_as_far_as_right(robot, gait):
+    limits = LIMITS[robot, gait]
+    for a, b in (
+        (BodyMotion(left=1.0), BodyMotion(left=-1.0)),
+        (BodyMotion(turn=1.0), BodyMotion(turn=-1.0)),
+    ):
+        assert limits.largest_share(b) == pytest.approx(limits.largest_share(a), rel=0.1)
+
+
+@pytest.mark.parametrize('gait', ['crawl', 'wave'])
+def test_backward_the_legs_go_in_another_order_that_keeps_the_margin(gait):
+    limits = LIMITS['titan_viii', gait]
+    there, back = (limits.gait_for(BodyMotion(sign * 0.1)) for sign in (1.0, -1.0))
+    assert there == limits.gait
+    # Front and hind exchanged, as if the robot's front were behind.
+    orders = [[swing.leg for swing in order.swings] for order in (there, back)]
+    assert orders[0] != orders[1]
+    margins = [
+        generate_steady_cycle(TITAN, order, BodyMotion(-0.1)).least_margin
+        for order in (there, back)
+    ]
+    assert margins[1] > margins[0]
+
+
+def test_a_turn_gait_mirrors_itself_to_turn_the_other_way():
+    limits = LIMITS['titan_viii', 'turn']
+    left, right = (limits.gait_for(BodyMotion(turn=sign * 0.4)) for sign in (1.0, -1.0))
+    margins = [
+        generate_steady_cycle(TITAN, gait, BodyMotion(turn=sign * 0.4)).least_margin
+        for gait, sign in ((left, 1.0), (right, -1.0))
+    ]
+    assert margins[0] == pytest.approx(margins[1], rel=0.1)
+    assert min(margins) > 0.03
+
+
+@each_robot
+def test_whatever_its_order_a_gait_keeps_its_times(robot):
+    limits = LIMITS[robot, 'wave']
+    for direction in DIRECTIONS.values():
+        gait = limits.gait_for(direction)
+        times = [(swing.liftoff, swing.touchdown) for swing in gait.swings]
+        assert times == [(swing.liftoff, swing.touchdown) for swing in limits.gait.swings]
+        assert sorted(swing.leg for swing in gait.swings) == ['lf', 'lh', 'rf', 'rh']
+
+
+def test_a_trot_keeps_its_pairs():
+    limits = LIMITS['cuhk', 'trot']
+    for direction in DIRECTIONS.values():
+        assert limits.gait_for(direction) == limits.gait
+
+
+@each_robot
+@each_gait
+def test_a_limited_velocity_keeps_its_direction_and_works(robot, gait):
+    limits, body = LIMITS[robot, gait], ROBOTS[robot]
+    rng = np.random.default_rng(1)
+    for parts in rng.uniform((-1.0, -1.0, -3.0), (1.0, 1.0, 3.0), (4, 3)):
+        wanted = Twist2D(*parts)
+        given, reason = limits.limited(wanted)
+        assert reason
+        share = given.forward / wanted.forward
+        assert 0.0 < share < 1.0
+        assert given.left == pytest.approx(share * wanted.left)
+        assert given.turn == pytest.approx(share * wanted.turn)
+        motion = BodyMotion.during(given, limits.period)
+        generate_steady_cycle(body, limits.gait_for(motion), motion)
+        # Within the limits nothing is taken away.
+        again, reason = limits.limited(given.scaled(0.98))
+        assert (again, reason) == (given.scaled(0.98), '')
+
+
+def test_a_velocity_within_the_limits_is_left_as_it_is():
+    limits = LIMITS['titan_viii', 'wave']
+    wanted = Twist2D(0.02, 0.01, 0.02)
+    assert limits.limited(wanted) == (wanted, '')
+
+
+def test_standing_still_has_no_limit():
+    limits = LIMITS['titan_viii', 'wave']
+    assert limits.largest_share(BodyMotion()) == math.inf
+    assert limits.reason(BodyMotion()) == ''
+    assert limits.gait_for(BodyMotion()) == limits.gait
+    assert limits.limited(STILL) == (STILL, '')
+
+
+def test_the_share_of_a_motion_is_inverse_to_its_size():
+    limits = LIMITS['titan_viii', 'wave']
+    for direction in DIRECTIONS.values():
+        share = limits.largest_share(direction)
+        for factor in (0.01, 0.3, 7.0):
+            again = limits.largest_share(direction.scaled(factor))
+            assert factor * again == pytest.approx(share)
+
+
+@each_direction
+def test_s0s_gaits_go_no_farther_than_s0s_bounds(direction):
+    limits = LIMITS['titan_viii', 'crawl']
+    motion = direction.scaled(limits.largest_share(direction))
+    stride, turn = TITAN.largest_stride, TITAN.largest_turn
+    share = math.hypot(motion.forward, motion.left) / stride + abs(motion.turn) / turn
+    assert share <= 1.01
+
+
+def test_s0s_largest_stride_is_the_crawls():
+    # S_max = 226 mm.
+    limits = LIMITS['titan_viii', 'crawl']
+    assert limits.largest_share(BodyMotion(1.0)) == pytest.approx(0.226, abs=0.0005)
+    assert is_s0s_bound(limits, BodyMotion(1.0))
+
+
+def test_slower_joints_make_a_shorter_stride_and_are_named():
+    slow = replace(CUHK, velocity=0.3 * CUHK.velocity)
+    gait = load_gait('trot', CUHK)
+    limits = MotionLimits(slow, gait)
+    assert limits.largest_share(BodyMotion(1.0)) < LIMITS['cuhk', 'trot'].largest_share(
+        BodyMotion(1.0)
+    )
+    assert 'rad/s' in limits.reason(BodyMotion(1.0))
+
+
+def test_a_larger_margin_allows_less_and_is_the_reason():
+    gait = load_gait('wave', TITAN)
+    shares = [
+        MotionLimits(TITAN, gait, least_margin=margin).largest_share(BodyMotion(1.0))
+        for margin in (0.0, 0.055, 0.06)
+    ]
+    assert shares == sorted(shares, reverse=True)
+    assert shares[-1] < shares[0]
+    careful = MotionLimits(TITAN, gait, least_margin=0.06)
+    assert 'margin' in careful.reason(BodyMotion(1.0))
+
+
+def test_if_nothing_is_possible_the_share_is_none():
+    limits = MotionLimits(TITAN, load_gait('wave', TITAN), least_margin=1.0)
+    assert limits.largest_share(BodyMotion(1.0)) == 0.0
+    assert 'margin' in limits.reason(BodyMotion(1.0))
+    assert limits.limited(Twist2D(0.1)) == (STILL, limits.reason(BodyMotion(1.0)))
+
+
+def test_what_a_follower_needs_to_know_is_the_gaits():
+    for gait in available_gaits():
+        limits = LIMITS['genibo', gait]
+        assert limits.period == limits.gait.cycle_period
+        assert limits.is_steady == limits.gait.is_steady

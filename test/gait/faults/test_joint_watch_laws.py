@@ -1,0 +1,229 @@
+"""Whatever happens to trajectories on their way, sound joints are sound; failed ones are named."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections import deque
+
+import numpy as np
+import pytest
+
+from quad_common.errors import TrajectoryError
+from quad_common.robot.robot import load_robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
+from quad_gait.faults.joint_watch import JointWatch
+
+ROBOT = load_robot('titan_viii')
+POSTURE = ROBOT.initial_joint_angles.reshape(-1)
+STEP = 0.02
+CYCLE = 0.6
+STOP = 0.4
+AHEAD = 0.25
+
+
+def on_the_way(times: np.ndarray, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions and velocities of legs that swing to and fro, each (m, 12)."""
+    rate = 2.0 * math.pi / CYCLE
+    turned = rate * times[:, None] + phases
+    grown = np.clip(times[:, None], 0.0, 1.0)
+    size = 0.25 * grown**2 * (3.0 - 2.0 * grown)
+    speed = 0.25 * 6.0 * grown * (1.0 - grown)
+    return (
+        POSTURE + size * np.sin(turned),
+        size * rate * np.cos(turned) + speed * np.sin(turned),
+    )
+
+
+def piece(begin: float, end: float, phases: np.ndarray, stamp: float) -> JointTrajectory:
+    """Return a part of that motion, with a stop after it."""
+    times = np.append(np.arange(begin, end - 1e-9, STEP), end)
+    positions, velocities = on_the_way(times, phases)
+    stop = positions[-1] + 0.3 * STOP * velocities[-1]
+    return JointTrajectory(
+        ROBOT.joint_names,
+        stamp,
+        np.append(times, end + STOP) - (stamp or begin - 0.06),
+        np.vstack([positions, stop]),
+        np.vstack([velocities, np.zeros(12)]),
+    )
+
+
+class Robot:
+    """Twelve drives with a lag, behind a network that keeps trajectories waiting or loses them."""
+
+    def __init__(self, seed: int, lateness: float = 0.0, lost: float = 0.0, stamped: bool = True):
+        self.rng = np.random.default_rng(seed)
+        self.phases = self.rng.uniform(0.0, 2.0 * math.pi, 12)
+        self.lateness, self.lost, self.stamped = lateness, lost, stamped
+        self.watch = JointWatch(ROBOT)
+        self.executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE)
+        self.joints = POSTURE.copy()
+        self.bias = self.rng.uniform(-0.02, 0.02, 12)
+        self.lag = self.rng.uniform(0.002, 0.01, 12)
+        self.time = 0.0
+        self.under_way: deque[tuple[float, JointTrajectory]] = deque()
+        self.commanded = POSTURE
+
+    def give(self, trajectory: JointTrajectory) -> None:
+        self.watch.expect(trajectory, self.time)
+        if self.rng.random() < self.lost:
+            return
+        late = self.rng.uniform(0.0, self.lateness) if self.rng.random() < 0.4 else 0.0
+        arrival = self.time + late
+        if self.under_way:
+            arrival = max(arrival, self.under_way[-1][0])
+        self.under_way.append((arrival, trajectory))
+
+    def advance(self) -> None:
+        """Let a step of time pass."""
+        for _ in range(4):
+            while self.under_way and self.under_way[0][0] <= self.time:
+                with contextlib.suppress(TrajectoryError):
+                    self.executor.accept(self.under_way.popleft()[1], self.time)
+            self.time += STEP / 4.0
+            self.commanded, _ = self.executor.command(self.time)
+            share = 1.0 - np.exp(-STEP / 4.0 / self.lag)
+            self.joints = self.joints + share * (self.commanded - self.joints)
+
+    def walk(self, seconds: float, spoil=lambda time, joints: (joints, np.full(12, 20.0))):
+        """Walk, and return the first fault."""
+        given = 0
+        while self.time < seconds:
+            if self.time >= 0.5 + given * CYCLE:
+                begin = max(self.time - 0.5, given * CYCLE)
+                stamp = self.time + (0.3 if given == 0 else AHEAD) if self.stamped else 0.0
+                trajectory = piece(begin, (given + 1) * CYCLE + AHEAD, self.phases, 0.0)
+                if self.stamped:
+                    trajectory = JointTrajectory(
+                        trajectory.joint_names,
+                        stamp,
+                        trajectory.times - trajectory.times[0],
+                        trajectory.positions,
+                        trajectory.velocities,
+                    )
+                self.give(trajectory)
+                given += 1
+            self.advance()
+            noisy = self.joints + self.bias + self.rng.normal(0.0, 0.003, 12)
+            measured, efforts = spoil(self.time, noisy)
+            fault = self.watch.update(self.time, measured, efforts)
+            if fault is not None:
+                return fault
+        return None
+
+
+@pytest.mark.parametrize('seed', range(4))
+@pytest.mark.parametrize('stamped', [True, False])
+def test_a_sound_robot_on_a_quiet_machine_is_sound_and_follows(seed, stamped):
+    robot = Robot(seed, stamped=stamped)
+    assert robot.walk(12.0) is None
+    assert robot.watch.unfollowed < 0.2
+
+
+@pytest.mark.parametrize('seed', range(8))
+@pytest.mark.parametrize('stamped', [True, False])
+@pytest.mark.parametrize('lost', [0.0, 0.3])
+def test_trajectories_that_come_late_or_never_are_no_faults(seed, stamped, lost):
+    robot = Robot(seed, lateness=2.0, lost=lost, stamped=stamped)
+    assert robot.walk(12.0) is None
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_measurements_that_come_late_are_no_faults(seed):
+    robot = Robot(seed)
+    rng = np.random.default_rng(seed)
+    update = robot.watch.update
+    until = 0.0
+
+    def now_and_then(time, joints, efforts):
+        nonlocal until
+        if time < until:
+            return None
+        if rng.random() < 0.05:
+            until = time + rng.uniform(0.0, 0.5)
+        return update(time, joints, efforts)
+
+    robot.watch.update = now_and_then
+    assert robot.walk(12.0) is None
+
+
+@pytest.mark.parametrize('joint', range(0, 12, 3))
+@pytest.mark.parametrize('stamped', [True, False])
+def test_a_stuck_joint_is_named_within_a_cycle(joint, stamped):
+    robot = Robot(joint, stamped=stamped)
+    began = 3.1
+    kept = []
+
+    def stuck(time, joints):
+        if time > began:
+            kept.append(joints[joint])
+            joints[joint] = kept[0]
+        return joints, np.full(12, 20.0)
+
+    fault = robot.walk(8.0, stuck)
+    assert (fault.joint, fault.kind) == (joint, 'stuck')
+    assert fault.time - began < CYCLE
+
+
+@pytest.mark.parametrize('joint', range(0, 12, 3))
+@pytest.mark.parametrize('stamped', [True, False])
+def test_a_joint_that_gives_way_is_named_within_a_fifth_of_a_second(joint, stamped):
+    robot = Robot(joint, stamped=stamped)
+    began = 3.1
+
+    def free(time, joints):
+        efforts = np.full(12, 20.0)
+        if time > began:
+            # It falls as a leg of 0.2 m under g.
+            joints[joint] += 0.5 * 49.0 * (time - began) ** 2
+            efforts[joint] = 0.0
+        return joints, efforts
+
+    fault = robot.walk(8.0, free)
+    assert (fault.joint, fault.is_slack) == (joint, True)
+    assert fault.time - began < 0.2
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_among_late_trajectories_no_other_joint_is_named_than_the_stuck_one(seed):
+    robot = Robot(seed, lateness=0.5, stamped=bool(seed % 2))
+    joint = int(robot.rng.integers(12))
+    kept = []
+
+    def stuck(time, joints):
+        if time > 3.0:
+            kept.append(joints[joint])
+            joints[joint] = kept[0]
+        return joints, np.full(12, 20.0)
+
+    fault = robot.walk(15.0, stuck)
+    assert fault.joint == joint
+
+
+@pytest.mark.parametrize('stamped', [True, False])
+def test_joints_that_nobody_moves_are_sound_but_do_not_follow(stamped):
+    robot = Robot(1, lost=1.0, stamped=stamped)
+    assert robot.walk(8.0) is None
+    assert robot.watch.unfollowed > 3.0
+
+
+def test_joints_that_follow_again_are_followed_again():
+    robot = Robot(2, lost=1.0)
+    assert robot.walk(6.0) is None
+    assert robot.watch.unfollowed > 3.0
+    robot.lost = 0.0
+    given = robot.time
+    position, _ = robot.executor.command(given)
+    ahead = piece(given - 0.5, given + 3.0, robot.phases, 0.0)
+    moved = position + (ahead.positions - ahead.positions[0])
+    robot.give(
+        JointTrajectory(
+            ahead.joint_names, given + 0.1, ahead.times - ahead.times[0], moved, ahead.velocities
+        )
+    )
+    while robot.time < given + 2.0:
+        robot.advance()
+        assert robot.watch.update(robot.time, robot.joints, np.full(12, 20.0)) is None
+    assert robot.watch.unfollowed == 0.0

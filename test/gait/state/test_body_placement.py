@@ -1,0 +1,67 @@
+"""The body goes level over its feet, where it is in balance."""
+
+import math
+
+import numpy as np
+import pytest
+
+from quad_common.robot.robot import available_robots, load_robot
+from quad_gait.cycle.stability import stability_margin
+from quad_gait.state.body_placement import BodyPose, angles_of, balanced, body_over, rotation_of
+
+TRIANGLE = np.array([[0.0, 0.0], [0.6, 0.0], [0.0, 0.4]])
+
+
+def test_angles_and_rotations_belong_together():
+    angles = np.array([0.2, -0.3, 2.5])
+    rotation = rotation_of(angles)
+    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-12)
+    half = 0.5 * angles[2]
+    assert angles_of(np.array([0.0, 0.0, math.sin(half), math.cos(half)])) == pytest.approx(
+        (0.0, 0.0, 2.5)
+    )
+    # Roll to the right lowers the right side; pitch lowers the nose.
+    assert rotation_of(np.array([0.1, 0.0, 0.0]))[2] @ [0, -1, 0] < 0.0
+    assert rotation_of(np.array([0.0, 0.1, 0.0]))[2] @ [1, 0, 0] < 0.0
+
+
+@pytest.mark.parametrize('name', available_robots())
+def test_over_feet_in_the_initial_posture_the_body_is_in_it(name):
+    robot = load_robot(name)
+    pose = BodyPose(np.array([1.0, 2.0, 0.3]), 0.0, 0.0, 0.7)
+    found = body_over(robot, pose.transform(robot.neutral_feet), 0.7, np.zeros(2), 0.0)
+    assert found.position == pytest.approx(pose.position)
+    assert (found.roll, found.pitch, found.yaw) == pytest.approx((0.0, 0.0, 0.7))
+
+
+@pytest.mark.parametrize('share', [0.0, 0.5, 1.0])
+def test_on_a_slope_the_body_takes_the_share_of_its_tilt_that_it_is_told(share):
+    robot = load_robot('titan_viii')
+    slope, yaw = np.array([0.15, 0.05]), 0.4
+    feet = BodyPose(np.zeros(3), 0.0, 0.0, yaw).transform(robot.neutral_feet)
+    feet[:, 2] += feet[:, :2] @ slope
+    body = body_over(robot, feet, yaw, slope, share)
+    normal = np.array([-slope[0], -slope[1], 1.0])
+    tilt = math.acos(body.rotation[:, 2] @ normal / np.linalg.norm(normal))
+    assert tilt == pytest.approx((1.0 - share) * math.atan(math.hypot(*slope)), abs=0.003)
+
+
+def test_a_balanced_point_stays_and_another_one_moves_just_inside():
+    inside = np.array([0.15, 0.12])
+    assert balanced(inside, TRIANGLE, 0.03) is inside
+    feet = np.vstack([TRIANGLE, [9.0, 9.0]])
+    down = np.array([True, True, True, False])
+    for point in ([0.3, 0.3], [-0.2, 0.1], [0.7, -0.1], [0.0, 0.5], [0.3, 0.2]):
+        moved = balanced(np.array(point), TRIANGLE, 0.03)
+        assert stability_margin(moved, feet, down) == pytest.approx(0.03, abs=1e-9)
+
+
+def test_in_a_triangle_that_is_too_small_the_middle_is_best():
+    moved = balanced(np.array([5.0, 5.0]), TRIANGLE, 1.0)
+    inner = (0.6 + 0.4 - math.hypot(0.6, 0.4)) / 2.0
+    assert moved == pytest.approx([inner, inner])
+
+
+def test_it_does_not_matter_which_way_round_the_feet_are_given():
+    point = np.array([0.3, 0.3])
+    assert balanced(point, TRIANGLE[::-1], 0.03) == pytest.approx(balanced(point, TRIANGLE, 0.03))

@@ -1,0 +1,285 @@
+"""Strides over uneven ground: a swing at a time, ended by what the foot meets."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from quad_common.errors import FootholdNotFound, ParameterError
+from quad_common.maps.height_map import HeightMap
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, Twist2D
+from quad_common.robot.robot import LEGS, load_robot
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.state.measurement import Measurement
+from quad_gait.state.stance import Stance
+from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
+from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.simulator import tilt_of
+from quad_sim.simulation import Simulation
+from quad_sim.world.terrain import Block, Terrain
+from quad_sim.world.world import world_from_map
+
+TITAN = load_robot('titan_viii')
+ORIGIN = Pose2D(0.0, 0.0, 0.0)
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+AHEAD = BodyMotion(forward=0.2)
+WEIGHT = TITAN.mass * 9.80665
+
+
+def controller_for(robot, height_map=None, **options):
+    gait = load_gait('crawl', robot)
+    controller = WalkController(
+        robot,
+        gait,
+        turning_gait_for(gait, robot),
+        ControllerOptions(uneven=UnevenOptions(), **options),
+    )
+    controller.set_height_map(height_map)
+    return controller
+
+
+def world_with(*blocks, resolution=0.02):
+    field = HeightMap.level((-2.0, -2.0, 4.0, 2.0), resolution)
+    return replace(world_from_map(None), terrain=Terrain(field, blocks))
+
+
+def walked(robot, world, length, height_map=None, turn_first=False):
+    """Walk straight on in physics, and return the walk and the controller."""
+    controller = controller_for(robot, height_map)
+    walk = DirectWalk(robot, controller, world=world)
+    try:
+        walk.run(0.5)
+        end = [0.0, length] if turn_first else [length, 0.0]
+        controller.set_plan(Plan.through([[0.0, 0.0], end], math.pi / 2 if turn_first else 0.0))
+        over = (Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED, Activity.FALLEN)
+        walk.run(120.0, lambda: controller.activity in over)
+    finally:
+        walk.close()
+    return walk, controller
+
+
+class Legs:
+    """
+    A robot that does what it is told, over ground of a height under each foot.
+
+    A foot that is commanded below its ground stays on it, and its load rises.
+    """
+
+    def __init__(self, heights=(0.0, 0.0, 0.0, 0.0)):
+        self.time = 1.0
+        self.joints = TITAN.initial_joint_angles.copy()
+        self.ground = TITAN.neutral_feet[:, 2] + heights
+        self.trajectory = None
+        self.edge = math.inf
+        """Beyond this x there is no ground [m]."""
+
+    def stance(self):
+        feet = TITAN.foot_positions(self.joints)
+        ground = np.where(feet[:, 0] > self.edge, -1.0, self.ground)
+        under = np.clip(ground - feet[:, 2] + 1e-9, 0.0, None)
+        return Stance.measured(TITAN, self.time, ORIGIN, LEVEL, self.joints.reshape(-1), None), (
+            np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
+        )
+
+    def measure(self):
+        stance, loads = self.stance()
+        return replace(stance, find_loads=lambda: loads)
+
+    def run(self, stride, seconds):
+        for _ in range(round(seconds / 0.02)):
+            trajectory = stride.update(self.measure())
+            if trajectory is not None:
+                self.trajectory, self.heard = trajectory, self.time
+            if stride.is_over:
+                return True
+            self.time += 0.02
+            t = self.trajectory
+            at = self.time - self.heard
+            if at >= t.times[0]:
+                joints = [np.interp(at, t.times, t.positions[:, k]) for k in range(12)]
+                self.joints = np.reshape(joints, (4, 3))
+        return False
+
+
+def stride_for(motion=AHEAD, height_map=None, robot=TITAN):
+    return UnevenStride(robot, load_gait('crawl'), motion, ORIGIN, height_map, UnevenOptions())
+
+
+def test_legs_swing_in_the_order_of_the_gait_and_one_at_a_time():
+    legs, stride = Legs(), stride_for()
+    lifted = []
+    for _ in range(600):
+        if legs.run(stride, 0.02):
+            break
+        up = [leg for leg, down in zip(LEGS, stride.in_contact) if not down]
+        assert len(up) <= 1
+        lifted += [leg for leg in up if lifted[-1:] != [leg]]
+    assert stride.is_over
+    assert lifted == [swing.leg for swing in load_gait('crawl').swings]
+
+
+def test_without_loads_feet_land_where_the_ground_is_expected():
+    robot = TITAN
+    simulation = Simulation(KinematicSimulator(robot, 0.01), robot, ORIGIN)
+    stride = stride_for()
+    for _ in range(1000):
+        seen = simulation.observe()
+        stance = Stance.measured(
+            robot, seen.time, seen.pose, seen.orientation, seen.joint_positions, None
+        )
+        trajectory = stride.update(stance)
+        if trajectory is not None:
+            simulation.accept(trajectory)
+        if stride.is_over:
+            break
+        simulation.step()
+    assert stride.is_over
+    assert simulation.observe().pose.x == pytest.approx(0.2, abs=0.003)
+    assert stance.feet[:, 2] == pytest.approx(np.full(4, stance.feet[0, 2]), abs=2e-3)
+
+
+@pytest.mark.parametrize('height', [-0.03, 0.03])
+def test_a_foot_stops_where_it_meets_the_ground(height):
+    # The first leg to swing is the left hind one.
+    legs = Legs()
+    legs.ground[2] += height
+    legs.joints[2] = TITAN.legs[2].inverse(TITAN.neutral_feet[2] + [0.0, 0.0, height])
+    stride = stride_for()
+    feet = []
+    while len(feet) < 400 and not (feet and stride.in_contact[2] and len(feet) > 60):
+        legs.run(stride, 0.02)
+        feet.append(legs.measure().feet[2, 2])
+    assert feet[-1] == pytest.approx(legs.ground[2], abs=0.008)
+
+
+def test_a_foot_that_finds_no_ground_goes_back_to_where_it_stood():
+    legs, stride = Legs(), stride_for()
+    start = legs.measure().feet[2].copy()
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    # The front feet stand beyond it, but only the hind one is looked at.
+    legs.edge = start[0] + 0.1
+    farthest = start[0]
+    for _ in range(400):
+        legs.run(stride, 0.02)
+        farthest = max(farthest, legs.measure().feet[2, 0])
+        if stride.in_contact[2]:
+            break
+    assert farthest > legs.edge
+    assert stride.in_contact[2]
+    assert legs.measure().feet[2] == pytest.approx(start, abs=0.08)
+    assert legs.measure().feet[2, 2] == pytest.approx(start[2], abs=0.01)
+
+
+def test_a_foot_that_finds_no_ground_anywhere_is_named():
+    legs, stride = Legs(), stride_for()
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    legs.ground[2] -= 1.0
+    with pytest.raises(FootholdNotFound, match='foot lh met no ground'):
+        legs.run(stride, 10.0)
+
+
+def test_a_foot_in_the_air_is_lowered_before_the_first_swing():
+    legs, stride = Legs(), stride_for()
+    legs.ground[1] -= 0.02
+    legs.run(stride, 0.8)
+    assert legs.measure().feet[1, 2] == pytest.approx(legs.ground[1], abs=0.005)
+
+
+@pytest.mark.parametrize('sees', [True, False])
+def test_a_kerb_is_climbed_with_the_body_level(sees):
+    world = world_with(Block(Pose2D(1.0, 0.0, 0.0), 1.2, 3.0, 0.05))
+    heights = world.terrain.height_map if sees else None
+    walk, controller = walked(TITAN, world, 0.9, heights)
+    assert controller.activity is Activity.ARRIVED, controller.reason
+    assert max(walk.record.tilts) < math.radians(2.5)
+    assert min(walk.record.margins) > 0.01
+    if sees:
+        assert walk.simulation.contacts_seen == set()
+
+
+def test_a_small_robot_climbs_a_kerb_and_its_shins_keep_off_the_edge():
+    world = world_with(Block(Pose2D(0.45, 0.0, 0.0), 0.6, 1.2, 0.021), resolution=0.01)
+    walk, controller = walked(load_robot('genibo'), world, 0.6, world.terrain.height_map)
+    assert controller.activity is Activity.ARRIVED, controller.reason
+    assert walk.simulation.contacts_seen == set()
+    assert max(walk.record.tilts) < math.radians(1.5)
+
+
+def test_the_robot_turns_on_bumps():
+    blocks = [
+        Block(Pose2D(x, y, 0.3), 0.15, 0.1, 0.03)
+        for x, y in [(0.35, 0.4), (-0.3, 0.35), (0.3, -0.35), (-0.05, 0.6), (0.35, 0.15)]
+    ]
+    world = world_with(*blocks)
+    walk, controller = walked(TITAN, world, 0.4, world.terrain.height_map, turn_first=True)
+    assert controller.activity is Activity.ARRIVED, controller.reason
+    assert walk.record.poses[-1].yaw == pytest.approx(math.pi / 2, abs=0.05)
+    assert max(walk.record.tilts) < math.radians(4.0)
+
+
+def test_steering_works_as_on_flat_ground():
+    controller = controller_for(TITAN, twist_timeout=math.inf)
+    walk = DirectWalk(TITAN, controller)
+    try:
+        walk.run(0.5)
+        controller.set_twist(Twist2D(forward=0.03))
+        walk.run(15.0)
+        assert walk.record.poses[-1].x > 0.25
+        controller.stop()
+        walk.run(12.0)
+        assert controller.activity is Activity.STANDING
+    finally:
+        walk.close()
+
+
+def test_a_problem_is_said_and_stays_said():
+    controller = controller_for(TITAN)
+    walk = DirectWalk(TITAN, controller, world=world_with())
+    try:
+        walk.run(0.5)
+        controller.set_plan(Plan.through([[0.0, 0.0], [1.0, 0.0]], 0.0))
+        walk.run(1.0)
+        # A map that shows a hole of half a metre under every place for a foot.
+        centres = HeightMap.level((-1.0, -1.0, 2.0, 1.0), 0.02).centres
+        deep = np.where(np.abs(centres[..., 0] % 0.4 - 0.2) < 0.15, -0.5, 0.0)
+        controller.set_height_map(HeightMap(deep, 0.02, (-1.0, -1.0)))
+        walk.run(30.0, lambda: controller.activity is Activity.STOPPED)
+        said = controller.reason
+        walk.run(2.0)
+    finally:
+        walk.close()
+    assert not walk.record.has_fallen
+    if controller.activity is Activity.STOPPED:
+        assert controller.reason == said
+
+
+def test_the_measured_margin_counts_the_tilt():
+    controller = controller_for(TITAN)
+    joints = TITAN.initial_joint_angles.reshape(-1)
+    level = Measurement(0.0, ORIGIN, 0.0, joints, np.zeros(12), LEVEL)
+    half = math.radians(10.0) / 2.0
+    tilted = replace(level, orientation=np.array([0.0, math.sin(half), 0.0, math.cos(half)]))
+    assert controller.measured_margin(level) > controller.measured_margin(tilted) + 0.02
+    assert tilt_of(tilted.orientation) == pytest.approx(2.0 * half)
+    polygon = controller.measured_support_polygon(level)
+    assert polygon == pytest.approx(TITAN.neutral_feet[[0, 2, 3, 1], :2], abs=1e-9)
+
+
+@pytest.mark.parametrize('name', ['wave', 'trot'])
+def test_gaits_that_do_not_rest_between_cycles_are_refused(name):
+    with pytest.raises(ParameterError, match=f"'gait' is '{name}'; it must be one that rests"):
+        check_suits_uneven_ground(load_gait(name))
+
+
+@pytest.mark.parametrize('name', ['crawl', 'turn'])
+def test_gaits_that_rest_between_cycles_are_taken(name):
+    check_suits_uneven_ground(load_gait(name))

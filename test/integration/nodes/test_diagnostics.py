@@ -1,0 +1,105 @@
+"""Every node says what it waits for, and what it does."""
+
+from __future__ import annotations
+
+import re
+from itertools import count
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy')
+
+from builtin_interfaces.msg import Time
+from harness import OK, STALE, WARN, Bench
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import load_robot
+from quad_common.ros.pose_conversions import grid_message, pose_message, time_from_seconds
+
+pytestmark = pytest.mark.ros
+
+
+def odometry_at(x: float, y: float) -> Odometry:
+    message = Odometry()
+    message.header.frame_id = 'odom'
+    message.pose.pose = pose_message(Pose2D(x, y, 0.0))
+    return message
+
+
+def silent_for(bench: Bench) -> int:
+    """Read for how long the planner says that odometry is silent [s]."""
+    said = re.search(r'for (\d+) s; plans wait', bench.statuses['planner_node'].message)
+    return 0 if said is None else int(said[1])
+
+
+def stamped(message):
+    """Make copies of a message, each a tenth of a second later, as a sensor does."""
+    seconds = count(1)
+
+    def make():
+        message.header.stamp = time_from_seconds(next(seconds) / 10.0)
+        return message
+
+    return make
+
+
+def test_the_planner_says_what_it_waits_for(bench: Bench):
+    bench.start('planner_node', use_sim_time=False)
+    bench.wait_for_status('planner_node', "no map: waiting for one on 'map'", level=WARN)
+    free = OccupancyGrid(np.zeros((80, 80), np.int8), 0.05, Pose2D(0.0, 0.0, 0.0))
+    bench.publish_map(grid_message(free, 'map', Time()))
+    bench.wait_for_status('planner_node', "no odometry: waiting for it on 'odom'", level=WARN)
+    with bench.publishing('odom', odometry_at(1.0, 1.0)):
+        bench.wait_for_status('planner_node', "ready: waiting for a goal on 'goal_pose'", level=OK)
+        bench.give_goal(Pose2D(3.0, 3.0, 0.0))
+        bench.wait_for_status('planner_node', 'plan of', level=OK, code=0)
+    bench.wait_for_status('planner_node', "silent odometry: none on 'odom' for", level=WARN)
+    # From where the robot was seen last no plan is made any more.
+    bench.give_goal(Pose2D(3.0, 1.0, 0.0))
+    bench.wait_until('the planner still waits', lambda: silent_for(bench) >= 4)
+    assert len(bench.plans) == 1
+    with bench.publishing('odom', odometry_at(1.0, 1.0)):
+        bench.wait_until('the plan that waited', lambda: len(bench.plans) == 2)
+    assert bench.plan.poses[-1] == Pose2D(3.0, 1.0, 0.0)
+
+
+def test_the_gait_node_says_what_it_waits_for(bench: Bench):
+    bench.start('gait_node', use_sim_time=False)
+    bench.wait_for_status('gait_node', "no odometry: waiting for it on 'odom'", level=WARN)
+    robot = load_robot('titan_viii')
+    joints = JointState(
+        name=list(robot.joint_names), position=robot.initial_joint_angles.reshape(-1).tolist()
+    )
+    odometry = odometry_at(1.0, 1.0)
+    with bench.publishing('odom', stamped(odometry)):
+        bench.wait_for_status('gait_node', 'no joint states yet', level=WARN)
+        with bench.publishing('joint_states', stamped(joints)):
+            bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+    bench.wait_for_status('gait_node', 'no odometry', level=WARN)
+    with bench.publishing('odom', odometry):
+        bench.wait_for_status('gait_node', 'stale odometry: it comes', level=WARN)
+
+
+def test_without_a_clock_the_nodes_ask_for_one(bench: Bench):
+    for node in ('planner_node', 'gait_node'):
+        bench.start(node)
+    for node in ('planner_node', 'gait_node'):
+        bench.wait_for_status(node, 'no clock: use_sim_time is true', level=STALE)
+
+
+def test_a_paused_clock_is_stale_until_it_goes_on(bench: Bench):
+    bench.start_robot()
+    assert bench.call('pause').success
+    bench.wait_for_status('sim_node', 'paused', level=OK)
+    for node in ('planner_node', 'gait_node'):
+        bench.wait_for_status(node, 'stale clock: simulated time stands still at', level=STALE)
+    paused_at = bench.time
+    assert bench.call('unpause').success
+    bench.wait_for_status('sim_node', 'running', level=OK)
+    bench.wait_for_status('planner_node', 'ready', level=OK)
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    assert bench.time > paused_at

@@ -1,0 +1,57 @@
+"""The three nodes walk a robot over uneven ground, by topics alone."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+from harness import EVERY_SAMPLE, OK, START, Bench
+from nav_msgs.msg import Odometry
+
+from quad_common.planar_pose import Pose2D
+from quad_common.ros.pose_conversions import orientation_from_odometry
+from quad_sim.engines.simulator import tilt_of
+
+pytestmark = pytest.mark.ros
+
+GOAL = START @ Pose2D(0.9, 0.0, 0.0)
+
+FACTOR = 3.0
+"""Of simulated over real time: feet that feel for the ground are told by topics when to stop."""
+
+
+def start_nodes(bench: Bench, terrain: str, **simulator):
+    bench.start(
+        'sim_node',
+        backend='bullet',
+        terrain=terrain,
+        terrain_clear=0.5,
+        real_time_factor=FACTOR,
+        **simulator,
+    )
+    bench.start('planner_node', method='shortest', any_angle=True)
+    bench.start('gait_node', ground='uneven')
+    bench.wait_for_status('planner_node', 'ready', level=OK)
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.wait_for_robot()
+
+
+@pytest.mark.parametrize('sees', [True, False])
+def test_it_climbs_a_kerb_with_its_body_level(bench: Bench, sees: bool):
+    start_nodes(bench, 'kerb:height=0.04,length=2.0', publish_height_map=sees)
+    heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
+    lowest = bench.odometry.pose.pose.position.z
+    bench.give_goal(GOAL)
+    bench.wait_for_arrival(GOAL, simulated_timeout=120.0)
+    assert bench.odometry.pose.pose.position.z == pytest.approx(lowest + 0.04, abs=0.01)
+    tilts = [tilt_of(orientation_from_odometry(message)) for message in heard]
+    assert max(tilts) < math.radians(6.0)
+
+
+def test_a_gait_that_does_not_rest_is_refused_in_a_sentence(bench: Bench):
+    bench.start('gait_node', ground='uneven', gait='trot')
+    died = bench.wait_for_end('gait_node')
+    assert 'must be one that rests between its cycles' in str(died)

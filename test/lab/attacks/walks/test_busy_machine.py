@@ -1,0 +1,40 @@
+"""Sound robots on a busy machine are called sound, and what is drawn follows from its seed."""
+
+from itertools import islice
+
+import pytest
+
+pytest.importorskip('pybullet')
+
+from quad_common.robot.robot import available_robots
+from quad_lab.attacks.walks.busy_machine import QUICK_WALK, drawn_walks, walk_watched, watch_bars
+from quad_lab.tools.criterion import Bar
+
+
+def test_the_same_seed_draws_the_same_walks_and_another_one_others():
+    first, again, other = (list(islice(drawn_walks(seed, 60.0), 30)) for seed in (3, 3, 4))
+    assert first == again
+    assert first != other
+
+
+def test_every_robot_gait_turning_and_kind_of_walk_is_drawn():
+    walks = list(islice(drawn_walks(0, 60.0), 400))
+    assert {walk.robot for walk in walks} == set(available_robots())
+    assert {walk.gait for walk in walks} == {'crawl', 'crab', 'wave', 'trot'}
+    assert {walk.turning for walk in walks} == {'in_place', 'crab', 'arc'}
+    kinds = {'steered', 'circle', 'plan', 'bumps', 'slope', 'cross_slope', 'kerb', 'boxes'}
+    assert {walk.kind for walk in walks} == kinds
+    assert {walk.is_disturbed for walk in walks} == {True, False}
+
+
+def test_a_walk_is_the_same_whoever_walks_it():
+    walk = next(drawn_walks(5, 6.0))
+    assert walk_watched(walk) == walk_watched(walk)
+
+
+@pytest.mark.slow
+def test_a_quick_campaign_has_late_and_lost_trajectories_and_no_false_alarm():
+    bars: dict[str, Bar] = {bar.name: bar for bar in watch_bars(quick=True, seed=2)}
+    assert bars['sound robots walk, simulated'].value > 3.0 * QUICK_WALK / 3600.0
+    assert bars['sound robots: trajectories that came late'].value > 0
+    assert all(bar.holds is not False for bar in bars.values()), bars

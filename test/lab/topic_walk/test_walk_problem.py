@@ -1,0 +1,35 @@
+"""A walk that cannot succeed ends at once, and says what the robot says."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip('rclpy')
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_gait.behaviours.activity import Activity
+from quad_lab.topic_walk.walk import _problem
+from quad_lab.topic_walk.walk_record import WalkRecord
+
+GOAL = Pose2D(2.0, 0.0, 0.0)
+
+
+def seen(activity: Activity, sentence: str) -> SimpleNamespace:
+    """Stand in for an observer that has heard of a plan and of this activity."""
+    record = WalkRecord(GOAL)
+    record.plans.append(Plan.through([[0.0, 0.0], [2.0, 0.0]], 0.0))
+    statuses = {'gait_node': (b'', sentence, {'activity': activity.value})}
+    return SimpleNamespace(record=record, statuses=statuses, activity=activity)
+
+
+@pytest.mark.parametrize('activity', [Activity.LAME, Activity.FALLEN])
+def test_a_robot_that_no_plan_moves_ends_the_walk_with_its_reason(activity: Activity) -> None:
+    assert _problem(seen(activity, 'lame: a knee'), 1.0, 0.0, 1.0) == 'lame: a knee'
+
+
+@pytest.mark.parametrize('activity', [Activity.WALKING, Activity.BLOCKED, Activity.STOPPED])
+def test_a_robot_that_a_new_plan_may_move_is_waited_for(activity: Activity) -> None:
+    assert _problem(seen(activity, 'blocked'), 1.0, 0.0, 1.0) == ''

@@ -1,0 +1,97 @@
+"""Compiled code is ready after warming up, and its parts work uncompiled too."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from quad_planner.grid.compiled import compiled, compiled_part
+
+ROOT = Path(__file__).parents[3]
+
+COUNT = """
+import json
+import sys
+import numba
+import numpy as np
+from quad_common.errors import PlannerError
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.robot.pace import load_pace
+from quad_common.planar_pose import Pose2D
+from quad_planner.methods.planner import make_planner
+
+def kinds():
+    modules = [module for name, module in sys.modules.items() if name.startswith('quad_planner')]
+    found = {id(f): f for module in modules for f in vars(module).values()}
+    compiled = [f for f in found.values() if hasattr(f, 'signatures') and hasattr(f, 'py_func')]
+    return {f'{f.__module__}.{f.__name__}': len(f.signatures) for f in compiled}
+
+planner = make_planner(
+    mesh_size=0.6, clearance_radius=0.35, pace=load_pace('titan_viii', 'crawl'),
+    **json.loads(sys.argv[1])
+)
+planner.warm_up()
+ready = kinds()
+rng = np.random.default_rng(0)
+plans = 0
+for _ in range(12):
+    height, width = rng.integers(40, 130, 2)
+    cells = np.zeros((height, width), dtype=np.int8)
+    for y, x in rng.integers(0, min(height, width), (height * width // 700, 2)):
+        cells[y : y + rng.integers(1, 12), x : x + rng.integers(1, 12)] = rng.choice([100, -1])
+    for changed in (False, True):
+        if changed:
+            cells = cells.copy()
+            cells[5:8] = 0
+        grid = OccupancyGrid(cells, 0.1, Pose2D(0.0, 0.0, 0.3))
+        planner.set_map(grid)
+        for _ in range(4):
+            ends = grid.map_to_world(rng.uniform(0.0, (width, height), (2, 2))).tolist()
+            try:
+                planner.plan(*(Pose2D(x, y, rng.uniform(-3.0, 3.0)) for x, y in ends))
+                plans += 1
+            except PlannerError:
+                pass
+print(json.dumps([plans, ready, kinds()]))
+"""
+
+
+@pytest.mark.parametrize(
+    'options',
+    [
+        {'method': 'mesh'},
+        {'method': 'shortest', 'any_angle': True},
+        {'method': 'shortest', 'fewest_turns': True},
+        {'method': 'quickest', 'any_angle': True},
+        {'method': 'potential', 'potential': 'paper'},
+        {'method': 'potential', 'potential': 'either'},
+    ],
+    ids=lambda options: '-'.join(str(value) for value in options.values()),
+)
+def test_after_warming_up_nothing_is_left_to_compile(options):
+    command = [sys.executable, '-c', COUNT, json.dumps(options)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    plans, ready, then = json.loads(done.stdout)
+    assert plans > 20
+    assert then == ready
+    assert max(then.values()) == 1
+
+
+@compiled_part
+def _half(number):
+    return number // 2
+
+
+@compiled
+def _halves(numbers):
+    for k in range(len(numbers)):
+        numbers[k] = _half(numbers[k])
+
+
+def test_python_may_call_a_part_of_compiled_code():
+    numbers = np.arange(10)
+    _halves(numbers)
+    assert numbers.tolist() == [_half(k) for k in range(10)]

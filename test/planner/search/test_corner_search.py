@@ -1,0 +1,152 @@
+"""Quickest paths over corners, against a search over all that see each other."""
+
+import heapq
+import itertools
+import math
+
+import numpy as np
+import pytest
+from test_lattice_search import CRAWL, RESOLUTION, random_requests
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.robot.pace import LENGTH_SLACK, Pace
+from quad_planner.grid.bit_grid import BitGrid, BitMask
+from quad_planner.grid.line_of_sight import sees
+from quad_planner.search.any_angle import convex_corners
+from quad_planner.search.corner_search import quickest_corners
+from quad_planner.search.lattice_search import quickest_path
+
+
+def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
+    """Search over all pairs of points that see each other, without a bound."""
+    count = len(points)
+    views = [
+        [
+            j
+            for j in range(count)
+            if (points[i] != points[j]).any()
+            and sees(forbidden.words, forbidden.width, *points[i], *points[j])
+        ]
+        for i in range(count)
+    ]
+
+    def angle(i, j):
+        return math.atan2(*(points[j] - points[i])[::-1])
+
+    def length(i, j):
+        return float(np.hypot(*(points[j] - points[i]))) * RESOLUTION
+
+    def entry(base, stretch, i, j):
+        # Of two stretches to one place, the one that is farther on is never worse.
+        strides = stretch / (pace.stride * (1.0 + LENGTH_SLACK))
+        return base + pace.stopping + strides, base, stretch, i, j
+
+    waiting = [
+        entry(pace.turn_cycles(angle(0, j) - start_yaw), length(0, j), 0, j) for j in views[0]
+    ]
+    heapq.heapify(waiting)
+    done = set()
+    best = math.inf
+    while waiting:
+        cost, base, stretch, i, j = heapq.heappop(waiting)
+        if cost > best:
+            break
+        if (i, j) in done:
+            continue
+        done.add((i, j))
+        rest = base + pace.straight_cycles(stretch)
+        if j == 1:
+            best = min(best, rest + pace.last_turn_cycles(goal_yaw - angle(i, j)))
+            continue
+        for k in views[j]:
+            turn = abs(wrap_angle(angle(j, k) - angle(i, j)))
+            if turn <= pace.bend:
+                heapq.heappush(waiting, entry(base, stretch + length(j, k), j, k))
+            else:
+                turned = rest + pace.turn_cycles(turn)
+                heapq.heappush(waiting, entry(turned, length(j, k), j, k))
+    return best
+
+
+def cycles_of(way, start_yaw, goal_yaw, pace):
+    points = way * RESOLUTION
+    return pace.cycles(Pose2D(*points[0], start_yaw), Plan.through(points, goal_yaw))
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_no_path_takes_fewer_cycles(seed):
+    for free, start, goal, start_yaw, goal_yaw, pace in random_requests(seed, 20):
+        free = free[:18, :18]
+        if max(start[0], goal[0]) >= free.shape[1] or max(start[1], goal[1]) >= free.shape[0]:
+            continue
+        lattice = quickest_path(
+            BitGrid.of(free), start, goal, start_yaw, goal_yaw, pace, RESOLUTION, 500
+        )
+        if lattice is None:
+            continue
+        points = np.vstack(([start, goal], lattice.cells[1:-1])) + 0.5
+        points = np.vstack((points, convex_corners(BitMask.of(~free))))
+        least = least_cycles(BitMask.of(~free), points, start_yaw, goal_yaw, pace)
+        # The lattice's own path leads over these points.
+        assert least <= lattice.cycles
+        way = quickest_corners(
+            BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, lattice.cycles + 1
+        )
+        assert cycles_of(way, start_yaw, goal_yaw, pace) == least
+        for a, b in itertools.pairwise(way):
+            assert sees(BitMask.of(~free).words, free.shape[1], *a, *b)
+        assert (
+            quickest_corners(
+                BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, least
+            )
+            is None
+        )
+
+
+def test_bends_cost_nothing():
+    # A wall whose end is rounded: the way around it bends a little at each corner.
+    free = np.ones((60, 120), dtype=bool)
+    y, x = np.mgrid[:60, :120]
+    free[(x + 0.5 - 60) ** 2 / 50**2 + (y + 0.5) ** 2 / 20**2 < 1.0] = False
+    start, goal = np.array([2.5, 5.5]), np.array([117.5, 5.5])
+    points = np.vstack((start, goal, convex_corners(BitMask.of(~free))))
+    bending = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+    never = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2), bend=0.0)
+    yaw = math.radians(30.0)
+    took = {
+        name: cycles_of(
+            quickest_corners(BitMask.of(~free), points, yaw, -yaw, pace, RESOLUTION, 200),
+            yaw,
+            -yaw,
+            pace,
+        )
+        for name, pace in (('bending', bending), ('never', never))
+    }
+    assert took['bending'] < took['never']
+
+
+def test_a_goal_that_is_not_seen_has_no_path():
+    free = np.ones((10, 10), dtype=bool)
+    free[:, 5] = False
+    points = np.array([[1.5, 1.5], [8.5, 1.5]])
+    assert quickest_corners(BitMask.of(~free), points, 0.0, 0.0, CRAWL, RESOLUTION, 100) is None
+
+
+def test_a_search_can_be_ended():
+    free = np.ones((30, 30), dtype=bool)
+
+    def end():
+        raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        quickest_corners(
+            BitMask.of(~free),
+            np.array([[1.5, 1.5], [20.5, 9.5]]),
+            0.0,
+            0.0,
+            CRAWL,
+            RESOLUTION,
+            100,
+            check=end,
+        )

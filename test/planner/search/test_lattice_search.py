@@ -1,0 +1,197 @@
+"""Quickest paths over cells and headings, against a search that shares nothing with them."""
+
+import heapq
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from quad_common.robot.pace import Pace
+from quad_planner.grid.bit_grid import BitGrid
+from quad_planner.search.jump_points import JumpPointSearch
+from quad_planner.search.lattice_search import fewest_turns, quickest_path
+
+RESOLUTION = 0.05
+CRAWL = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+
+
+def least_cycles(free, start, goal, start_yaw, goal_yaw, pace):
+    """Search over whole stretches: each from a turn to wherever it may end."""
+    height, width = free.shape
+    waiting = [
+        (pace.turn_cycles(math.radians(45 * k) - start_yaw), *start, k, False) for k in range(8)
+    ]
+    heapq.heapify(waiting)
+    done = set()
+    best = None
+    while waiting:
+        cycles, x, y, k, has_walked = heapq.heappop(waiting)
+        if best is not None and cycles >= best:
+            break
+        if (x, y, k, has_walked) in done:
+            continue
+        done.add((x, y, k, has_walked))
+        if (x, y) == goal and has_walked:
+            total = cycles + pace.last_turn_cycles(goal_yaw - math.radians(45 * k))
+            best = total if best is None else min(best, total)
+        if has_walked:
+            for j in range(8):
+                turn = pace.turn_cycles(math.radians(45 * (j - k)))
+                if j != k:
+                    heapq.heappush(waiting, (cycles + turn, x, y, j, False))
+            continue
+        dx, dy = STEPS[k]
+        length = 0.0
+        while True:
+            to_x, to_y = x + dx, y + dy
+            if not (0 <= to_x < width and 0 <= to_y < height and free[to_y, to_x]):
+                break
+            if dx and dy and not (free[y, to_x] and free[to_y, x]):
+                break
+            x, y = to_x, to_y
+            length += math.hypot(dx, dy) * RESOLUTION
+            heapq.heappush(waiting, (cycles + pace.straight_cycles(length), x, y, k, True))
+    return best
+
+
+def cycles_of(cells, start_yaw, goal_yaw, pace):
+    """Count the cycles of a path stretch by stretch."""
+    total, heading = 0, start_yaw
+    for (x, y), (to_x, to_y) in itertools.pairwise(cells):
+        onward = math.atan2(to_y - y, to_x - x)
+        total += pace.turn_cycles(onward - heading)
+        total += pace.straight_cycles(math.hypot(to_x - x, to_y - y) * RESOLUTION)
+        heading = onward
+    return total + pace.last_turn_cycles(goal_yaw - heading)
+
+
+def random_requests(seed, count):
+    """Draw small maps with two free cells, headings and paces."""
+    rng = np.random.default_rng(seed)
+    while count:
+        height, width = rng.integers(4, 26, 2)
+        free = rng.random((height, width)) >= rng.choice([0.0, 0.1, 0.2, 0.3, 0.4])
+        cells = np.argwhere(free)[:, ::-1]
+        if len(cells) < 2:
+            continue
+        start, goal = (tuple(map(int, cells[k])) for k in rng.choice(len(cells), 2, replace=False))
+        pace = Pace(
+            cycle_period=1.0,
+            stride=float(rng.choice([0.2261, 0.07, 0.439, 0.1])),
+            turn=math.radians(rng.choice([44.2, 30.0, 56.0, 91.0])),
+            stopping=float(rng.choice([0.0, 0.0, 0.7])),
+        )
+        yield free, start, goal, *rng.uniform(-math.pi, math.pi, 2).tolist(), pace
+        count -= 1
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_no_path_takes_fewer_cycles(seed):
+    for free, start, goal, start_yaw, goal_yaw, pace in random_requests(seed, 30):
+        least = least_cycles(free, start, goal, start_yaw, goal_yaw, pace)
+        path = quickest_path(
+            BitGrid.of(free), start, goal, start_yaw, goal_yaw, pace, RESOLUTION, 500
+        )
+        assert (path.cycles if path else None) == least
+        if path is not None:
+            assert tuple(path.cells[0]) == start
+            assert tuple(path.cells[-1]) == goal
+            assert cycles_of(path.cells.tolist(), start_yaw, goal_yaw, pace) == least
+
+
+def least_length_and_turns(free, start, goal):
+    """Search over cells and headings by length first, then by turns; None without a path."""
+    height, width = free.shape
+    waiting = [(0.0, 0, *start, k) for k in range(8)]
+    done = set()
+    while waiting:
+        length, turns, x, y, k = heapq.heappop(waiting)
+        if (x, y, k) in done:
+            continue
+        done.add((x, y, k))
+        if (x, y) == goal:
+            return length, turns
+        for j, (dx, dy) in enumerate(STEPS):
+            to_x, to_y = x + dx, y + dy
+            if not (0 <= to_x < width and 0 <= to_y < height and free[to_y, to_x]):
+                continue
+            if dx and dy and not (free[y, to_x] and free[to_y, x]):
+                continue
+            # Rounded, so that equal lengths are equal.
+            onward = round(length + math.hypot(dx, dy), 9)
+            heapq.heappush(waiting, (onward, turns + ((x, y) != start and j != k), to_x, to_y, j))
+    return None
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_no_path_as_short_turns_less(seed):
+    for free, start, goal, *_ in random_requests(seed, 25):
+        grid = BitGrid.of(free)
+        known = JumpPointSearch(grid).path(start, goal)
+        least = least_length_and_turns(free, start, goal)
+        if known is None:
+            assert least is None
+            continue
+        cells = fewest_turns(grid, known.cells)
+        length = float(np.hypot(*np.diff(cells, axis=0).T).sum())
+        assert (pytest.approx(length, abs=1e-6), len(cells) - 2) == least
+        assert len(cells) <= len(known.cells)
+
+
+def test_a_bound_is_just_above_what_is_found():
+    for free, start, goal, start_yaw, goal_yaw, pace in random_requests(100, 60):
+        request = (BitGrid.of(free), start, goal, start_yaw, goal_yaw, pace, RESOLUTION)
+        path = quickest_path(*request, bound=500)
+        if path is None:
+            continue
+        assert quickest_path(*request, bound=path.cycles + 1).cycles == path.cycles
+        assert quickest_path(*request, bound=path.cycles) is None
+
+
+def test_the_turns_cost_a_detour_that_is_worth_it():
+    free = np.ones((40, 60), dtype=bool)
+    # The short way is a staircase of notches, the long way goes around in two turns.
+    for k in range(5):
+        free[8 + 2 * (k % 2) : 20, 8 + 10 * k] = False
+        free[0 : 6 + 2 * (k % 2), 8 + 10 * k] = False
+    grid = BitGrid.of(free)
+    path = quickest_path(grid, (2, 7), (57, 7), 0.0, 0.0, CRAWL, RESOLUTION, 500)
+    slow_turns = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(4.0))
+    straighter = quickest_path(grid, (2, 7), (57, 7), 0.0, 0.0, slow_turns, RESOLUTION, 2000)
+    assert len(straighter.cells) <= len(path.cells)
+
+
+def test_headings_at_both_ends_count():
+    grid = BitGrid.of(np.ones((30, 30), dtype=bool))
+
+    def cycles(start_yaw, goal_yaw):
+        path = quickest_path(grid, (5, 15), (25, 15), start_yaw, goal_yaw, CRAWL, RESOLUTION, 500)
+        return path.cycles
+
+    # One metre is five strides; a quarter turn takes three cycles.
+    assert cycles(0.0, 0.0) == 5
+    assert cycles(math.pi / 2.0, 0.0) == 8
+    assert cycles(0.0, math.pi / 2.0) == 8
+    assert cycles(math.pi, math.pi) == 15
+
+
+@pytest.mark.parametrize(('start', 'goal'), [((-1, 0), (3, 3)), ((0, 0), (9, 0)), ((2, 2), (0, 0))])
+def test_ends_that_are_not_free_have_no_path(start, goal):
+    free = np.ones((5, 5), dtype=bool)
+    free[2, 2] = False
+    assert quickest_path(BitGrid.of(free), start, goal, 0.0, 0.0, CRAWL, RESOLUTION, 500) is None
+
+
+def test_a_search_can_be_ended():
+    free = np.random.default_rng(0).random((700, 700)) >= 0.2
+    free[:5], free[-5:] = True, True
+
+    def end():
+        raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        quickest_path(
+            BitGrid.of(free), (0, 0), (699, 699), 0.0, 0.0, CRAWL, RESOLUTION, 2000, check=end
+        )
