@@ -17,8 +17,8 @@ from rich.table import Table
 from quad_cli.arguments import output_argument, quantity_argument
 from quad_common.files.bounded_file import check_target
 from quad_common.quantity import Quantity
-from quad_common.robot.pace import Pace, load_paces, paces_file, save_paces
 from quad_common.robot.robot import load_robot
+from quad_common.robot.walking_time import WalkingTimeModel, load_paces, paces_file, save_paces
 from quad_gait.cycle.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.cycle.gait_check import check_gait
 from quad_gait.cycle.motion_limits import MotionLimits
@@ -132,7 +132,7 @@ def _pace(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, Pace]:
+def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, WalkingTimeModel]:
     """
     Derive the paces of gaits on a robot from their limits.
 
@@ -145,7 +145,7 @@ def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, Pace]:
 
     Returns
     -------
-    dict of str to Pace
+    dict of str to WalkingTimeModel
         By the gaits' names.
     """
     robot = load_robot(robot_name)

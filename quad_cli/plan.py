@@ -29,8 +29,8 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.pace import Pace, load_pace
 from quad_common.robot.robot import Robot, load_robot
+from quad_common.robot.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.traversability import Ground, GroundLimits
 from quad_planner.methods.planner import METHODS, Planner, make_planner
 from quad_planner.methods.potential_planner import POTENTIALS
@@ -125,7 +125,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 @dataclass(frozen=True)
-class _Outcome:
+class _PlanOutcome:
     """What a method made of the request."""
 
     method: str
@@ -196,7 +196,7 @@ def _ground(arguments: argparse.Namespace, robot: Robot) -> Ground | None:
     return Ground(load_height_map(arguments.height_map), limits)
 
 
-def _pace(robot: str, gait: str, is_needed: bool) -> Pace | None:
+def _pace(robot: str, gait: str, is_needed: bool) -> WalkingTimeModel | None:
     """Load the pace, which only some methods cannot do without."""
     try:
         return load_pace(robot, gait)
@@ -208,7 +208,7 @@ def _pace(robot: str, gait: str, is_needed: bool) -> Pace | None:
 
 def _attempt(
     method: str, planner: Planner[Any], grid: OccupancyGrid, start: Pose2D, goal: Pose2D
-) -> _Outcome:
+) -> _PlanOutcome:
     patience = threading.Timer(_LONG, lambda: print(_COMPILING, file=sys.stderr, flush=True))
     patience.daemon = True
     patience.start()
@@ -223,10 +223,12 @@ def _attempt(
     except PlannerError as problem:
         error = problem
     done = time.perf_counter()
-    return _Outcome(method, plan, error, prepared - began, done - prepared)
+    return _PlanOutcome(method, plan, error, prepared - began, done - prepared)
 
 
-def _described(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> dict[str, object]:
+def _described(
+    outcome: _PlanOutcome, start: Pose2D, pace: WalkingTimeModel | None
+) -> dict[str, object]:
     if outcome.plan is None:
         return {'method': outcome.method, 'error': str(outcome.error)}
     plan = outcome.plan
@@ -245,7 +247,7 @@ def _described(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> dict[str,
     return described
 
 
-def _print_plan(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> None:
+def _print_plan(outcome: _PlanOutcome, start: Pose2D, pace: WalkingTimeModel | None) -> None:
     plan = outcome.plan
     assert plan is not None
     walking = '' if pace is None else f', {pace.walking_time(start, plan):.0f} s of walking'
@@ -260,7 +262,9 @@ def _print_plan(outcome: _Outcome, start: Pose2D, pace: Pace | None) -> None:
     )
 
 
-def _print_comparison(outcomes: list[_Outcome], start: Pose2D, pace: Pace | None) -> None:
+def _print_comparison(
+    outcomes: list[_PlanOutcome], start: Pose2D, pace: WalkingTimeModel | None
+) -> None:
     # Imported late: a single plan is printed without.
     from rich.console import Console
     from rich.table import Table

@@ -53,7 +53,7 @@ from quad_perception.ros_conversions import (
     seen_pose_message,
 )
 from quad_perception.tracking.pose_fusion import FusionOptions
-from quad_perception.tracking.room_watch import RoomWatch, Sighting, WatchOptions
+from quad_perception.tracking.scene_tracker import SceneTracker, Sighting, TrackerOptions
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -84,7 +84,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         )
         self._place = self._camera_place()
         self._info: CameraInfo | None = None
-        self._watch: RoomWatch | None = None
+        self._watch: SceneTracker | None = None
         self._camera_problem: QuadError | None = None
         self._picture_problem: QuadError | None = None
         self._odometry_problem: QuadError | None = None
@@ -164,7 +164,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             self._static_transforms.publish(TFMessage(transforms=[place]))
         self.update_status()
 
-    def _make_watch(self, camera: CameraModel) -> RoomWatch:
+    def _make_watch(self, camera: CameraModel) -> SceneTracker:
         p = self.parameters
         robot, goal = self._robot_marker, self._goal_marker
         perceiver = Perceiver.of_robot(
@@ -176,9 +176,9 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             resolution=p.resolution,
             bounds=bounds_of(p.map_bounds),
         )
-        return RoomWatch(
+        return SceneTracker(
             perceiver,
-            WatchOptions(p.confirmations, p.goal_distance, p.goal_angle, p.largest_age),
+            TrackerOptions(p.confirmations, p.goal_distance, p.goal_angle, p.largest_age),
             FusionOptions(p.slip, p.turning_slip),
         )
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 from quad_common.errors import ParameterError
-from quad_common.robot.pace import Pace, load_pace
 from quad_common.robot.robot import Robot
+from quad_common.robot.walking_time import WalkingTimeModel, load_pace
 from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
@@ -18,7 +18,7 @@ from quad_planner.parameters import PlannerParameters
 def planner_from_parameters(
     parameters: PlannerParameters,
     robot: Robot,
-    pace: Pace | None,
+    pace: WalkingTimeModel | None,
     clock: Callable[[], float],
     is_superseded: Callable[[], bool],
 ) -> Planner[Any]:
@@ -64,7 +64,7 @@ def planner_from_parameters(
     )
 
 
-def pace_from_parameters(parameters: PlannerParameters) -> Pace | None:
+def pace_from_parameters(parameters: PlannerParameters) -> WalkingTimeModel | None:
     """Load the gait's pace, which only ``quickest`` cannot do without."""
     try:
         return load_pace(parameters.robot, parameters.gait)

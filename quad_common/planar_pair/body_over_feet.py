@@ -38,7 +38,7 @@ _CLOSE_ENOUGH = 1e-12
 Joint = Literal['u1_i', 'u2_i', 'u1_j', 'u2_j']
 
 
-class BodyPose(NamedTuple):
+class SagittalPose(NamedTuple):
     """Where a body is over its feet."""
 
     theta: Array
@@ -56,7 +56,7 @@ def body_over_feet(
     length_i: ArrayLike,
     length_j: ArrayLike,
     middle: ArrayLike | None = None,
-) -> BodyPose:
+) -> SagittalPose:
     """
     Stand a body on two feet, at different heights, with legs of given lengths.
 
@@ -79,7 +79,7 @@ def body_over_feet(
 
     Returns
     -------
-    BodyPose
+    SagittalPose
         Fields of shape (...).
 
     Raises
@@ -103,7 +103,7 @@ def body_over_feet(
         R_i, body = (-point.conj() for point in mirrored)
     else:
         R_i, body = _over_feet(pair.span, G_i, G_j, l_i, l_j, wanted)
-    return BodyPose(argument(body * np.sign(pair.span)), R_i, R_i + body)
+    return SagittalPose(argument(body * np.sign(pair.span)), R_i, R_i + body)
 
 
 def _over_feet(

@@ -29,16 +29,16 @@ from quad_gait.cycle.posture import crouching_joint_angles, posture_trajectory
 from quad_gait.cycle.stability import stability_margin, support_polygon
 from quad_gait.faults.execution_check import ExecutionCheck
 from quad_gait.faults.joint_fault import JointFault
-from quad_gait.faults.joint_watch import JointWatch
-from quad_gait.faults.lame_stop import Lameness, LameOptions, LameStop
+from quad_gait.faults.joint_fault_detector import JointFaultDetector
+from quad_gait.faults.safe_stop import JointRecovery, SafeStop, SafeStopOptions
 from quad_gait.following.cycle_planner import CyclePlanner
-from quad_gait.following.gears import Gears
+from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.motion_sequence import MotionSequence, ScheduledCycle
 from quad_gait.following.path_follower import FollowerOptions, PathFollower, Step
-from quad_gait.following.progress import Progress
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.following.steering import Steering
+from quad_gait.following.stuck_detector import StuckDetector
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.rest_check import RestCheck
 from quad_gait.state.stance import Stance
@@ -143,12 +143,12 @@ class WalkController:
         )
         self._sequence = MotionSequence()
         self._gate = CommandGate(robot)
-        self._watch = JointWatch(robot)
+        self._watch = JointFaultDetector(robot)
         self._execution = ExecutionCheck()
         self._rest = RestCheck(robot, options.rest_speed)
         # What was given out to see whether joints follow again.
         self._tried: JointTrajectory | None = None
-        self._lameness: Lameness | None = None
+        self._lameness: JointRecovery | None = None
         self._busy_until = -math.inf
         self._stride: UnevenStride | None = None
         self._height_map: HeightMap | None = None
@@ -176,7 +176,7 @@ class WalkController:
         self._waits_for_stand = ''
         self._last: Measurement | None = None
         self._last_time = -math.inf
-        self._progress = Progress(robot.largest_stride)
+        self._progress = StuckDetector(robot.largest_stride)
         # When the cycle began whose successor was decided on last.
         self._decided_after = -math.inf
         self._still_since = math.inf
@@ -206,11 +206,11 @@ class WalkController:
     @property
     def gait(self) -> Gait:
         """The gait for walking."""
-        return self.gears.walking.gait
+        return self.gait_pair.walking.gait
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self.gears.prepare()
+        self.gait_pair.prepare()
 
     def set_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
         """Change gaits and the way to follow plans, once the robot is at rest."""
@@ -566,11 +566,11 @@ class WalkController:
             return None
         try:
             step = self._next_step(end, now.motion_pose @ ahead, self._planner.speed)
-            if step is None or self.gears.of(step) is not self._planner.gear:
+            if step is None or self.gait_pair.of(step) is not self._planner.gear:
                 self._come_to_rest(current)
                 return None
-            cycle = self._planner.go_on(self.gears, step, current.cycle)
-            if cycle.limit and self.gears.order_of(step) != cycle.gait:
+            cycle = self._planner.go_on(self.gait_pair, step, current.cycle)
+            if cycle.limit and self.gait_pair.order_of(step) != cycle.gait:
                 # Another order of the legs can do more, but is taken up at rest only.
                 self._come_to_rest(current)
                 return None
@@ -633,7 +633,12 @@ class WalkController:
         options = self._options.uneven
         assert options is not None
         self._stride = UnevenStride(
-            self._robot, self.gears.order_of(step), step.motion, now.pose, self._height_map, options
+            self._robot,
+            self.gait_pair.order_of(step),
+            step.motion,
+            now.pose,
+            self._height_map,
+            options,
         )
         self._progress.begin(now.pose, now.motion_pose)
         self._stride_goal = now.pose @ step.motion.end
@@ -644,7 +649,7 @@ class WalkController:
     def _first_cycle(self, now: Measurement, step: Step) -> JointTrajectory:
         """Begin to move."""
         assert now.joint_positions is not None
-        cycle = self._planner.begin(self.gears, step, now.joint_positions.reshape(4, 3))
+        cycle = self._planner.begin(self.gait_pair, step, now.joint_positions.reshape(4, 3))
         options = self._options
         # Back to back with the last cycle, unless that is too late to be heard in time.
         earliest = now.time + options.lead_time - cycle.gait.motion_start
@@ -681,7 +686,7 @@ class WalkController:
     def _steer(self, pose: Pose2D, entry: Twist2D) -> Step | None:
         """Turn the velocity that is wanted into a step."""
         steered = self._steering.next_step(
-            self._last_time, pose, entry, self.gears, self._planner.gear
+            self._last_time, pose, entry, self.gait_pair, self._planner.gear
         )
         self.limit = steered.limit
         if not self._steering:
@@ -762,16 +767,16 @@ class WalkController:
         assert now.joint_positions is not None
         commanded, _ = self._gate.command(now.time, now.joint_positions)
         standing = self.in_contact_at(now.time)
-        options = LameOptions() if self.gait.is_static else LameOptions.hasty()
-        stop = LameStop(self._robot, fault, commanded.reshape(4, 3), standing, options)
-        self._lameness = Lameness(self._robot, fault, stop)
+        options = SafeStopOptions() if self.gait.is_static else SafeStopOptions.hasty()
+        stop = SafeStop(self._robot, fault, commanded.reshape(4, 3), standing, options)
+        self._lameness = JointRecovery(self._robot, fault, stop)
         self._give_up_plan()
         self._follower.follow(None, now.pose)
         self._steering.end()
         self._forget_schedule()
         self.limit = ''
 
-    def _be_lame(self, lameness: Lameness, now: Measurement) -> JointTrajectory | None:
+    def _be_lame(self, lameness: JointRecovery, now: Measurement) -> JointTrajectory | None:
         """Come to a standstill, and stay so until the joint answers again."""
         if now.joint_positions is None or now.problem:
             self.limit = now.problem
@@ -795,9 +800,9 @@ class WalkController:
     def _take_gaits(self, gait: Gait, turning_gait: Gait, follower: FollowerOptions) -> None:
         # Over uneven ground every swing is balanced anew: there only legs and joints limit.
         margin = self._options.least_margin if self._options.uneven is None else -math.inf
-        self.gears = Gears(self._robot, gait, turning_gait, margin)
+        self.gait_pair = GaitPair(self._robot, gait, turning_gait, margin)
         """The gaits for walking and for turning."""
-        self._follower = PathFollower(self.gears.walking, self.gears.turning, follower)
+        self._follower = PathFollower(self.gait_pair.walking, self.gait_pair.turning, follower)
 
     def _take_new_wishes(self, pose: Pose2D) -> None:
         if self._new_gaits is not None:

@@ -31,7 +31,7 @@ _LONGEST_STEP = 0.02
 """Of the integration [s]; shorter if the gain asks for it."""
 
 
-class Leg(Protocol):
+class TrackedLeg(Protocol):
     """What the tracking of one foot needs of a leg."""
 
     def forward(self, joint_angles: Array) -> Array:
@@ -161,7 +161,7 @@ def track_feet(
 
 
 def step_response(
-    leg: Leg,
+    leg: TrackedLeg,
     start: Array,
     target: Array,
     gain: float | Array = DEFAULT_GAIN,
@@ -173,7 +173,7 @@ def step_response(
 
     Parameters
     ----------
-    leg : Leg
+    leg : TrackedLeg
         The leg.
     start : ndarray, shape (3,)
         Joint angles at the start [rad].

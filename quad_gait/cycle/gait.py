@@ -92,7 +92,7 @@ class Gait:
         return (0.0, *changes, self.cycle_period)
 
     @property
-    def gathering(self) -> float:
+    def acceleration_fraction(self) -> float:
         """
         Way in which a cycle gathers its speed from rest, as a share of its way at speed.
 

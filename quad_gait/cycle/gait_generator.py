@@ -367,7 +367,7 @@ def generate_largest_cycle(
         If the robot cannot even come to rest, or, from rest, not even an eighth of the
         motion is possible.
     """
-    rest = BodyMotion.during(entry, (1.0 - gait.gathering) * gait.cycle_period)
+    rest = BodyMotion.during(entry, (1.0 - gait.acceleration_fraction) * gait.cycle_period)
     share, limit = 1.0, ''
     while True:
         scaled = BodyMotion(
@@ -426,7 +426,7 @@ def _stances(gait: Gait, motion: BodyMotion, entry: Twist2D, exit: Twist2D) -> l
     period = gait.cycle_period
     onward = BodyMotion.during(exit, period)
     gain = exit.minus(entry)
-    gathered = BodyMotion.during(gain, gait.gathering * period)
+    gathered = BodyMotion.during(gain, gait.acceleration_fraction * period)
     before = motion.minus(gathered) if gait.pendulum_rate > 0.0 else motion
     set_back = BodyMotion.during(gain, -setback(gait)).end
     stances = []

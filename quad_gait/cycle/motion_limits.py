@@ -99,9 +99,9 @@ class MotionLimits:
         return self._gait.is_steady
 
     @property
-    def gathering(self) -> float:
+    def acceleration_fraction(self) -> float:
         """Share of a cycle's way at speed in which it gathers that speed."""
-        return self._gait.gathering
+        return self._gait.acceleration_fraction
 
     def largest_share(self, motion: BodyMotion) -> float:
         """
@@ -264,7 +264,10 @@ class MotionLimits:
                 return crossing
             if gait.is_steady:
                 speed = motion.rate(gait.cycle_period)
-                first, last = motion.scaled(gait.gathering), motion.scaled(1.0 - gait.gathering)
+                first, last = (
+                    motion.scaled(gait.acceleration_fraction),
+                    motion.scaled(1.0 - gait.acceleration_fraction),
+                )
                 generate_cycle(robot, gait, last, cycle.end_feet, speed, STILL, period, margin)
                 if gait.is_static:
                     # Dynamic gaits gather speed over several cycles.

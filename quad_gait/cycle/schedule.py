@@ -245,7 +245,7 @@ def _pendulum_exit(
     tuple of ndarray, each of shape (n,)
         As :attr:`Schedule.exit` and :attr:`Schedule.exit_rate`.
     """
-    rate, share = gait.pendulum_rate, gait.gathering
+    rate, share = gait.pendulum_rate, gait.acceleration_fraction
     begin, end = gait.support_edges[-2:]
     angle = rate * np.maximum(times - begin, 0.0)
     last = rate * (end - begin)

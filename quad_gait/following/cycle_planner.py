@@ -19,7 +19,7 @@ from quad_gait.cycle.gait_generator import (
     generate_largest_cycle,
 )
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.gears import Gears
+from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.motion_sequence import ScheduledCycle
 from quad_gait.following.path_follower import Step
 from quad_gait.following.slip_compensation import SlipCompensation
@@ -67,13 +67,13 @@ class CyclePlanner:
         # What slip takes from that cycle, by the compensation.
         self._slip = BodyMotion()
 
-    def begin(self, gears: Gears, step: Step, joints: Array) -> Cycle:
+    def begin(self, gait_pair: GaitPair, step: Step, joints: Array) -> Cycle:
         """
         Plan a step from rest.
 
         Parameters
         ----------
-        gears : Gears
+        gait_pair : GaitPair
             The gaits.
         step : Step
             What to do.
@@ -90,11 +90,11 @@ class CyclePlanner:
         GaitError
             If none of it is possible.
         """
-        return self._generate(gears, step, gears.order_of(step), joints, None)
+        return self._generate(gait_pair, step, gait_pair.order_of(step), joints, None)
 
-    def go_on(self, gears: Gears, step: Step, before: Cycle) -> Cycle:
+    def go_on(self, gait_pair: GaitPair, step: Step, before: Cycle) -> Cycle:
         """Plan a step that follows a cycle at its speed; see :meth:`begin`."""
-        return self._generate(gears, step, before.gait, before.joint_positions[-1], before)
+        return self._generate(gait_pair, step, before.gait, before.joint_positions[-1], before)
 
     def with_stop(self, scheduled: ScheduledCycle) -> list[ScheduledCycle]:
         """Add the cycle that brings the body to rest, if it is not at rest anyway."""
@@ -111,15 +111,17 @@ class CyclePlanner:
         return ahead @ BodyMotion(-share * slip.forward, -share * slip.left, -share * slip.turn).end
 
     def _generate(
-        self, gears: Gears, step: Step, gait: Gait, joints: Array, before: Cycle | None
+        self, gait_pair: GaitPair, step: Step, gait: Gait, joints: Array, before: Cycle | None
     ) -> Cycle:
-        gear = gears.of(step)
+        gear = gait_pair.of(step)
         self.gear = gear
         entry = STILL if before is None else self.speed
         motion, exit = step.motion, _gathered(step.exit, entry, gear)
         if exit is not step.exit:
             # Less speed at the end: less way.
-            lost = BodyMotion.during(step.exit.minus(exit), gear.gathering * gear.period)
+            lost = BodyMotion.during(
+                step.exit.minus(exit), gear.acceleration_fraction * gear.period
+            )
             motion = motion.minus(lost)
         compensated = self._compensation.compensated
         speed = compensated(gear.gait, BodyMotion.during(exit, gear.period)).rate(gear.period)
@@ -148,7 +150,7 @@ class CyclePlanner:
         return generate_cycle(
             self._robot,
             cycle.gait,
-            BodyMotion.during(cycle.exit, (1.0 - cycle.gait.gathering) * cycle.period),
+            BodyMotion.during(cycle.exit, (1.0 - cycle.gait.acceleration_fraction) * cycle.period),
             start_feet=cycle.end_feet,
             entry=cycle.exit,
             sample_period=self._sample_period,

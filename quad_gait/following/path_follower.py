@@ -20,7 +20,7 @@ import numpy as np
 from quad_common.errors import GaitError, ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
-from quad_common.robot.pace import Pace
+from quad_common.robot.walking_time import WalkingTimeModel
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.reference_path import Piece, rounded_pieces, straight_pieces
 
@@ -52,7 +52,7 @@ class Gear(Protocol):
         """Whether the body may keep its speed from cycle to cycle."""
 
     @property
-    def gathering(self) -> float:
+    def acceleration_fraction(self) -> float:
         """Share of a cycle's way at speed in which it gathers that speed."""
 
     def largest_share(self, motion: BodyMotion) -> float:
@@ -284,7 +284,7 @@ class PathFollower:
         if exit_speed:
             # What comes then may be slower: a bend, after a straight line.
             exit_speed = min(exit_speed, self._pace(done + advance))
-            share = self._walking.gathering
+            share = self._walking.acceleration_fraction
             advance = (1.0 - share) * speed + share * exit_speed
         self._expected = self._before(self._piece) + done + advance
         ahead, along = self._ahead(done + advance)
@@ -394,7 +394,7 @@ class PathFollower:
 
     def _come_to_rest(self, entry: Twist2D) -> Step:
         """Slow down within one cycle."""
-        time = (1.0 - self._walking.gathering) * self._walking.period
+        time = (1.0 - self._walking.acceleration_fraction) * self._walking.period
         return Step(is_turn=False, motion=BodyMotion.during(entry, time))
 
     def _distance_to_piece(self, index: int, pose: Pose2D) -> float:
@@ -412,7 +412,9 @@ class PathFollower:
         return int(np.argmin(distances))
 
 
-def pace_of(walking: Gear, turning: Gear, options: FollowerOptions | None = None) -> Pace:
+def pace_of(
+    walking: Gear, turning: Gear, options: FollowerOptions | None = None
+) -> WalkingTimeModel:
     """
     Say how many cycles a follower needs for stretches and turns, for a planner to know.
 
@@ -427,7 +429,7 @@ def pace_of(walking: Gear, turning: Gear, options: FollowerOptions | None = None
 
     Returns
     -------
-    Pace
+    WalkingTimeModel
         What :func:`_advance` makes of lengths and angles.
 
     Raises
@@ -449,7 +451,7 @@ def pace_of(walking: Gear, turning: Gear, options: FollowerOptions | None = None
         raise CannotFollow('walk straight on', walking.reason(BodyMotion(forward=1.0)))
     if not min(turns) > 0.0:
         raise CannotFollow('turn on the spot', turning.reason(BodyMotion(turn=1.0)))
-    return Pace(
+    return WalkingTimeModel(
         cycle_period=walking.period,
         stride=stride,
         turn=min(turns),
@@ -486,7 +488,7 @@ def _advance(remaining: float, entry: float, largest: float, gear: Gear) -> tupl
     """
     if not gear.is_steady:
         return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
-    share = gear.gathering
+    share = gear.acceleration_fraction
     if remaining <= (1.0 - share) * entry + _AT_ONCE * largest:
         return remaining, 0.0
     # In two cycles: from the entry to a speed, and from that to rest.

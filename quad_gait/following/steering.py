@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.gears import Gears
+from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.path_follower import Step
 
 _LARGEST_TURN_BACK = math.radians(12.0)
@@ -72,7 +72,12 @@ class Steering:
         self._since = -math.inf
 
     def next_step(
-        self, time: float, pose: Pose2D, entry: Twist2D, gears: Gears, in_use: MotionLimits | None
+        self,
+        time: float,
+        pose: Pose2D,
+        entry: Twist2D,
+        gait_pair: GaitPair,
+        in_use: MotionLimits | None,
     ) -> Steered:
         """
         Turn the velocity into a step.
@@ -85,7 +90,7 @@ class Steering:
             Where the next cycle begins.
         entry : Twist2D
             With which speed it begins.
-        gears : Gears
+        gait_pair : GaitPair
             The gaits.
         in_use : MotionLimits or None
             The gait of the cycle before.
@@ -100,7 +105,7 @@ class Steering:
         if time > self._since + self._timeout:
             self._twist = None
             return Steered(None, reason='the steering has timed out')
-        gear = gears.of_twist(wanted)
+        gear = gait_pair.of_twist(wanted)
         twist, limit = gear.limited(wanted)
         if not wanted or not twist:
             self._course = None
@@ -116,12 +121,12 @@ class Steering:
         period = gear.period
         motion = BodyMotion.during(twist, period)
         if gear.is_steady:
-            share = gear.gathering
+            share = gear.acceleration_fraction
             motion = BodyMotion.during(entry.scaled(1.0 - share).plus(twist.scaled(share)), period)
         target = self._on_course(pose) @ motion.end
         self._course = target
         step = Step(
-            is_turn=gear is gears.turning and gear is not gears.walking,
+            is_turn=gear is gait_pair.turning and gear is not gait_pair.walking,
             motion=BodyMotion.reaching(pose.inverse() @ target),
             exit=twist if gear.is_steady else STILL,
         )

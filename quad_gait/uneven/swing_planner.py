@@ -105,7 +105,7 @@ class UnevenOptions:
 
 
 @dataclass(frozen=True)
-class Swing:
+class PlannedSwing:
     """A motion in which one foot swings, or feels for the ground."""
 
     motion: JointMotion
@@ -142,7 +142,7 @@ class SwingPlanner:
 
     def swing(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
-    ) -> Swing:
+    ) -> PlannedSwing:
         """
         Plan a swing, shorter or with the body at a tilt if the legs do not reach.
 
@@ -161,7 +161,7 @@ class SwingPlanner:
 
         Returns
         -------
-        Swing
+        PlannedSwing
             The first that legs and joints can do, of many ways.
 
         Raises
@@ -172,7 +172,7 @@ class SwingPlanner:
         start = now.feet[leg]
         shin = self._shin(leg, place - start[:2], now.body.yaw)
 
-        def plan(share: float, tilt: float, lower: float) -> tuple[float, Swing]:
+        def plan(share: float, tilt: float, lower: float) -> tuple[float, PlannedSwing]:
             target = self._target(ground, start, place, share, shin)
             return share, self._swing_to(now, commanded, ground, leg, target, 1.0, tilt, lower)
 
@@ -181,10 +181,10 @@ class SwingPlanner:
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
-    ) -> Swing:
+    ) -> PlannedSwing:
         """Plan the way back to where a foot stood, its centre, shape (3,) [m]; as `swing`."""
 
-        def plan(tilt: float, lower: float) -> Swing:
+        def plan(tilt: float, lower: float) -> PlannedSwing:
             return self._swing_to(now, commanded, ground, leg, target, _STRETCHED, tilt, lower)
 
         return _first_possible(plan, _POSTURES)[0]
@@ -199,7 +199,9 @@ class SwingPlanner:
         still = np.zeros(len(times))
         return self._planned(now, commanded, times, now.body, still, feet, sure=2, given=BIT)
 
-    def search_deeper(self, now: Stance, commanded: Array | None, leg: int, depth: float) -> Swing:
+    def search_deeper(
+        self, now: Stance, commanded: Array | None, leg: int, depth: float
+    ) -> PlannedSwing:
         """Plan how the body is lowered, so that a foot gets farther down."""
         speed = self._scale * self._options.search_speed
         target = _lowered(now.body, self._scale * _LOWER[-1])
@@ -210,7 +212,7 @@ class SwingPlanner:
         share = minimum_jerk(0.0, shift, times)[0]
         sure = int(np.searchsorted(times, shift))
         motion = self._planned(now, commanded, times, target, share, path, sure + 1, sure)
-        return Swing(motion, lifted_at=0, feels_from=0, depth=depth)
+        return PlannedSwing(motion, lifted_at=0, feels_from=0, depth=depth)
 
     def shift(self, now: Stance, commanded: Array | None, ground: GroundModel) -> JointMotion:
         """Plan how the body gets over its four feet; raise GaitError if no posture will do."""
@@ -237,7 +239,7 @@ class SwingPlanner:
         pace: float,
         tilt: float,
         lower: float,
-    ) -> Swing:
+    ) -> PlannedSwing:
         options, robot, scale = self._options, self._robot, self._scale
         start = now.feet[leg]
         feet = now.feet.copy()
@@ -280,7 +282,7 @@ class SwingPlanner:
             given = sure if ground.height_map is not None else int(np.searchsorted(times, low))
         motion = self._planned(now, commanded, times, body, body_share, path, sure + 1, given)
         lifted_at, feels_from = (int(np.searchsorted(times, t)) for t in (lift, lift_end))
-        return Swing(motion, lifted_at, feels_from, depth)
+        return PlannedSwing(motion, lifted_at, feels_from, depth)
 
     def _shin(self, leg: int, stride: Array, yaw: float) -> Array:
         """

@@ -26,7 +26,7 @@ from quad_gait.state.foot_forces import GRAVITY
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.swing_planner import BIT, Swing, SwingPlanner, UnevenOptions
+from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner, UnevenOptions
 
 Array = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ class UnevenStride:
         self._sought: set[int] = set()
         self._return_to: Array | None = None
         self._has_lowered = False
-        self._swinging: Swing | None = None
+        self._swinging: PlannedSwing | None = None
         self._left: Array = np.zeros((len(LEGS), 3))
         self._motion: JointMotion | None = None
         self.limit = ''
@@ -167,7 +167,7 @@ class UnevenStride:
 
     # What to do next
 
-    def _feel(self, now: Stance, swing: Swing) -> JointTrajectory | None:
+    def _feel(self, now: Stance, swing: PlannedSwing) -> JointTrajectory | None:
         """Go on when the foot that swings has met the ground, or should have."""
         motion, leg = self._motion, self._order[self._next]
         assert motion is not None
@@ -269,7 +269,7 @@ class UnevenStride:
         return self._motion.trajectory(self._options.reaction_time)
 
     def _swing(self, now: Stance) -> JointTrajectory:
-        """Swing the leg that is next, or take it back to where it stood."""
+        """PlannedSwing the leg that is next, or take it back to where it stood."""
         leg, back_to = self._order[self._next], self._return_to
         ground = self._ground(now, leg if back_to is not None else None)
         if back_to is not None:
@@ -283,7 +283,7 @@ class UnevenStride:
         self._has_lowered = False
         return self._begin(swing)
 
-    def _begin(self, swing: Swing) -> JointTrajectory:
+    def _begin(self, swing: PlannedSwing) -> JointTrajectory:
         self._swinging, self._motion = swing, swing.motion
         return swing.motion.trajectory(self._options.reaction_time)
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from rich.console import Console
 
-from quad_lab.tools.criterion import Bar
+from quad_lab.tools.criterion import Criterion
 
 PARTS = {
     'messages': 'quad_lab.attacks.messages.message_attack.attack_messages',
@@ -27,7 +27,7 @@ PARTS = {
 
 def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = ()
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Attack, and work out the bars.
 
@@ -47,7 +47,7 @@ def measure(
     tuple
         The bars of all parts, and details for JSON by part.
     """
-    bars: list[Bar] = []
+    bars: list[Criterion] = []
     details: dict[str, object] = {'quick': quick, 'seed': seed}
     for name, function in PARTS.items():
         if only and name not in only:

@@ -18,7 +18,7 @@ from quad_common.robot.robot import load_robot
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.violations import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_lab.closed_loop.random_goals import GoalDrawer
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 from quad_planner.parameters import PLANNING_METHODS
 
@@ -105,7 +105,7 @@ class Outcome:
 
 def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = ()
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk every combination, and work out the bars.
 
@@ -196,7 +196,7 @@ def _start(stage: Stage, combination: Combination, seed: int) -> None:
     stage.wait_until_ready()
 
 
-def bars_of(outcomes: list[Outcome]) -> list[Bar]:
+def bars_of(outcomes: list[Outcome]) -> list[Criterion]:
     """Work out the bars of some combinations."""
     total = len(outcomes)
     simulated = sum(outcome.simulated for outcome in outcomes)

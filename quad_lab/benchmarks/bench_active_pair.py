@@ -30,7 +30,7 @@ from quad_common.planar_pair.planar_pair import (
     posture_of,
     wrap,
 )
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
 PAIRS = 10
 """Pairs of random measures among which the random postures are."""
@@ -98,7 +98,7 @@ CASES = (
 )
 
 
-def active_pair_bars(quick: bool, seed: int) -> list[Bar]:
+def active_pair_bars(quick: bool, seed: int) -> list[Criterion]:
     """
     Measure the active pair.
 
@@ -111,7 +111,7 @@ def active_pair_bars(quick: bool, seed: int) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         Errors, rates, and the largest differences from where physics settles.
     """
     rng = np.random.default_rng(seed)
@@ -214,7 +214,7 @@ def _error(found: PairPosture, wanted: PairPosture) -> NDArray[np.float64]:
     return largest
 
 
-def _settle_bars(rng: np.random.Generator, count: int) -> list[Bar]:
+def _settle_bars(rng: np.random.Generator, count: int) -> list[Criterion]:
     """Compare with where physics settles; one pair of bars for all cases."""
     name = 'S3: {}, from where PyBullet settles'
     try:

@@ -19,7 +19,7 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot, load_robot
 from quad_common.vision.camera import CameraModel
 from quad_lab.benchmarks.bench_camera_walks import walk_bars
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_perception.picture.color_segmentation import Picture
 from quad_perception.picture.marker_poses import MarkerPose
 from quad_perception.picture.perception import Perceiver
@@ -82,7 +82,7 @@ class _Kind:
         return disturbed
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, Any]]:
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, Any]]:
     """
     See random rooms.
 
@@ -97,7 +97,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
 
     Returns
     -------
-    bars : list of Bar
+    bars : list of Criterion
         What was measured.
     details : dict
         The overlap of every room, and every walk.

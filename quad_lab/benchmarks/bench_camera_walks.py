@@ -16,7 +16,7 @@ from quad_common.errors import PlannerError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import load_robot
 from quad_lab.closed_loop.camera_walk import CameraWalk, CameraWalkOptions
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_planner.methods.planner import make_planner
 from quad_planner.parameters import PlannerParameters
@@ -47,7 +47,7 @@ _TIMEOUT = 900.0
 
 
 @dataclass(frozen=True)
-class _Outcome:
+class _CameraWalkOutcome:
     """Of one walk."""
 
     room: int
@@ -80,7 +80,9 @@ class _Job:
     """[s]"""
 
 
-def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list[dict[str, Any]]]:
+def walk_bars(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], list[dict[str, Any]]]:
     """
     Walk through random rooms, some with an obstacle dropped on the path, one with late pictures.
 
@@ -95,7 +97,7 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
 
     Returns
     -------
-    bars : list of Bar
+    bars : list of Criterion
         Not measured if there is no time for it.
     walks : list of dict
         How each walk went.
@@ -105,7 +107,7 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
     jobs = [_Job(seed + k) for k in range(_ROOMS)]
     jobs += [_Job(seed + 100 + k, with_drop=True) for k in range(_DROPS)]
     jobs += [_Job(seed + 1, latency=latency) for latency in _LATENCIES]
-    outcomes: list[_Outcome] = []
+    outcomes: list[_CameraWalkOutcome] = []
     with worker_pool() as pool:
         for outcome in pool.map(_walk, jobs):
             end = 'arrived' if outcome.arrived else outcome.problem
@@ -141,7 +143,7 @@ def walk_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], list
     return bars, [asdict(outcome) for outcome in outcomes]
 
 
-def _walk(job: _Job) -> _Outcome:
+def _walk(job: _Job) -> _CameraWalkOutcome:
     room = random_room(job.seed, start=_START)
     options = CameraWalkOptions(
         method='shortest', picture_period=1.0, latency=job.latency, noise=4.0, seed=job.seed
@@ -159,7 +161,7 @@ def _walk(job: _Job) -> _Outcome:
     finally:
         walk.close()
     errors = np.array(record.pose_errors or [math.inf])
-    return _Outcome(
+    return _CameraWalkOutcome(
         job.seed,
         record.arrived,
         record.problem,

@@ -32,7 +32,7 @@ from quad_lab.closed_loop.gait_measures import (
     plan_walk,
     steady_walk,
 )
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_planner.potential.potential_field import PotentialField, RoundObstacle
 
 CIRCLES = ((0.4, 18.0), (0.4, 10.0), (0.5, 18.0), (0.5, 10.0))
@@ -45,7 +45,7 @@ _QUICK_WALK = 8.0
 """How long each gait is walked in each direction [s]."""
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk every gait, and work out the bars.
 
@@ -64,8 +64,8 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
         The bars, and details for JSON.
     """
     details: dict[str, object] = {'quick': quick, 'seed': seed}
-    bars: list[Bar] = []
-    parts: tuple[Callable[[], list[Bar]], ...] = (
+    bars: list[Criterion] = []
+    parts: tuple[Callable[[], list[Criterion]], ...] = (
         lambda: speed_bars(quick),
         lambda: _figures_of_s0(quick),
         lambda: _figures_of_s1(quick),
@@ -81,7 +81,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     return bars, details
 
 
-def _figures_of_s0(quick: bool) -> list[Bar]:
+def _figures_of_s0(quick: bool) -> list[Criterion]:
     """Leg lengths (fig. 16), heights (fig. 17), turning cycles, and ten metres of a line."""
     robot = load_robot('titan_viii')
     gait = schedule_of_s0()
@@ -150,7 +150,7 @@ def without_balls(robot: Robot) -> Robot:
     return replace(robot, links={**robot.links, 'foot': replace(robot.links['foot'], radius=0.0)})
 
 
-def _figures_of_s1(quick: bool) -> list[Bar]:
+def _figures_of_s1(quick: bool) -> list[Criterion]:
     """The step of one leg (fig. 10), and the crab gait along a potential's path (fig. 5)."""
     robot = load_robot('pukyong')
     leg = robot.legs[0]
@@ -187,7 +187,7 @@ def _figures_of_s1(quick: bool) -> list[Bar]:
 
 def _circles_of_s2(
     console: Console, quick: bool, seed: int, details: dict[str, object]
-) -> list[Bar]:
+) -> list[Criterion]:
     """Table IV: radius and steps per lap, closed loop, and open loop after calibration."""
     robot = load_robot('cuhk')
     gait = load_gait('trot', robot)
@@ -240,7 +240,7 @@ def _circles_of_s2(
     return bars
 
 
-def _figures_of_s4(quick: bool) -> list[Bar]:
+def _figures_of_s4(quick: bool) -> list[Criterion]:
     """The initial posture (fig. 8), 65 mm in 4 s, six spins, and the sway (fig. 9)."""
     robot = load_robot('genibo')
     wave = load_gait('wave', robot)
@@ -284,7 +284,7 @@ def _figures_of_s4(quick: bool) -> list[Bar]:
     ]
 
 
-def _odometry(quick: bool) -> list[Bar]:
+def _odometry(quick: bool) -> list[Criterion]:
     """Leg odometry with the imu's yaw rate, walking an arc, sideways and turning."""
     bars = []
     for gait_name, robot_name in (('crawl', 'titan_viii'), ('wave', 'genibo'), ('trot', 'cuhk')):
@@ -321,7 +321,9 @@ def _odometry(quick: bool) -> list[Bar]:
     return bars
 
 
-def _every_gait(console: Console, quick: bool, seed: int, details: dict[str, object]) -> list[Bar]:
+def _every_gait(
+    console: Console, quick: bool, seed: int, details: dict[str, object]
+) -> list[Criterion]:
     """Every gait that a robot's data name, in six directions."""
     cases = list(_cases())
     duration = _WALK

@@ -18,7 +18,7 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.uneven.swing_planner import UnevenOptions
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_lab.closed_loop.terrain_walk import make_course
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_sim.engines.joint_failure import FAILURES, JointFailure
 from quad_sim.engines.simulator import Observation
@@ -95,7 +95,7 @@ class FailureOutcome:
     reason: str
 
 
-def joint_failure_bars(quick: bool, seed: int) -> list[Bar]:
+def joint_failure_bars(quick: bool, seed: int) -> list[Criterion]:
     """
     Let joints fail in mid-walk.
 
@@ -108,7 +108,7 @@ def joint_failure_bars(quick: bool, seed: int) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
     """
     count = _QUICK_CASES if quick else _CASES
     cases = [
@@ -129,7 +129,7 @@ def joint_failure_bars(quick: bool, seed: int) -> list[Bar]:
     return bars
 
 
-def _bars_of(name: str, series: list[FailureOutcome], has_bar: bool) -> list[Bar]:
+def _bars_of(name: str, series: list[FailureOutcome], has_bar: bool) -> list[Criterion]:
     name = f'a joint fails, {name}'
     count = len(series)
     fallen = sum(outcome.has_fallen for outcome in series)

@@ -15,7 +15,7 @@ from quad_common.robot.robot import load_robot
 from quad_lab.benchmarks.bench_walk import draw_pairs
 from quad_lab.closed_loop.localised_walk import LocalisedRecord, LocalisedWalk
 from quad_lab.tools.benchmark_maps import benchmark_maps
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_lab.topic_walk.walk_record import WalkResult
 from quad_sim.simulated_localisation import LocalisationOptions
@@ -45,7 +45,7 @@ _WORST_SPEED = 0.01
 """A robot slower than this over its whole path is given up [m/s]."""
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk without topics and over topics, and work out the bars.
 
@@ -153,7 +153,7 @@ def walk_over_topics(
     return results
 
 
-def bars_of(records: list[LocalisedRecord], over_topics: list[WalkResult]) -> list[Bar]:
+def bars_of(records: list[LocalisedRecord], over_topics: list[WalkResult]) -> list[Criterion]:
     """Work out the bars of walks without and with topics."""
     errors = [record.position_error for record in records]
     bars = [

@@ -16,7 +16,7 @@ from quad_common.robot.robot import load_robot
 from quad_lab.benchmarks.bench_active_pair import active_pair_bars
 from quad_lab.benchmarks.bench_joint_failure import joint_failure_bars
 from quad_lab.closed_loop.terrain_walk import COURSES, TerrainOutcome, make_course, walk_course
-from quad_lab.tools.criterion import Bar, at_least, at_most
+from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.tools.workers import worker_pool
 
 _ROBOTS = ('titan_viii', 'genibo')
@@ -55,7 +55,7 @@ class _Walk:
     outcome: TerrainOutcome
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, Any]]:
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, Any]]:
     """
     Walk all courses with both robots, by the gait for uneven ground and by that for flat.
 
@@ -70,7 +70,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
 
     Returns
     -------
-    bars : list of Bar
+    bars : list of Criterion
         What was measured.
     details : dict
         Every walk.
@@ -111,7 +111,7 @@ def _walked(robot: str, course: str, way: str, seed: int) -> _Walk:
     return _Walk(robot, course, way, seed, outcome)
 
 
-def _walk_bars(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> list[Bar]:
+def _walk_bars(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> list[Criterion]:
     bars = []
     for (robot, course, way), outcomes in groups.items():
         name = f'{robot}, {course}' + (', without a height map' if way == 'blind' else '')

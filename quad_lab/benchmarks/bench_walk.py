@@ -18,10 +18,10 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot, load_robot
 from quad_lab.tools.benchmark_maps import OTHERS_MAPS, benchmark_maps
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_lab.topic_walk.walk_record import WalkRecord, WalkResult
-from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
 from quad_sim.simulation import make_simulator
@@ -41,7 +41,7 @@ _MOST_DRAWS = 20_000
 """So many pairs in a row that have no plan of such a length mean that there is none."""
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk, and work out the bars.
 
@@ -173,14 +173,14 @@ def _random_pose(grid: OccupancyGrid, rng: np.random.Generator) -> Pose2D:
     return Pose2D(round(float(x), 3), round(float(y), 3), float(rng.uniform(-math.pi, math.pi)))
 
 
-def _plan_length(planner: Planner[SafetyMap], start: Pose2D, goal: Pose2D) -> float:
+def _plan_length(planner: Planner[InflatedMap], start: Pose2D, goal: Pose2D) -> float:
     try:
         return planner.plan(start, goal).length
     except PlannerError:
         return 0.0
 
 
-def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> list[Bar]:
+def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> list[Criterion]:
     wall = sum(result.wall_time for result in results)
     simulated = sum(result.walking_time for result in results)
     factor = simulated / wall if wall > 0.0 else None

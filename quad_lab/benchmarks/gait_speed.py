@@ -15,14 +15,14 @@ from quad_common.robot.robot import Robot, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
-from quad_lab.tools.criterion import Bar, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_most, figure
 
 Array = NDArray[np.float64]
 
 _SAMPLE_PERIOD = 0.01
 
 
-def speed_bars(quick: bool) -> list[Bar]:
+def speed_bars(quick: bool) -> list[Criterion]:
     """
     Time a cycle of 5 s at 100 Hz, twelve joints, positions and velocities.
 
@@ -33,7 +33,7 @@ def speed_bars(quick: bool) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         Milliseconds, and the ratios to the other two ways, from this run.
     """
     robot = load_robot('titan_viii')

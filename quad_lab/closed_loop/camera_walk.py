@@ -27,7 +27,7 @@ from quad_gait.state.measurement import Measurement
 from quad_lab.closed_loop.gait_measures import make_controller
 from quad_perception.picture.color_segmentation import Picture
 from quad_perception.picture.perception import Perceiver
-from quad_perception.tracking.room_watch import RoomWatch, Sighting
+from quad_perception.tracking.scene_tracker import SceneTracker, Sighting
 from quad_planner.methods.planner import make_planner
 from quad_planner.parameters import PlannerParameters
 from quad_sim.engines.simulator import Observation, tilt_of
@@ -103,7 +103,7 @@ class CameraWalk:
         half = room.size / 2.0
         lens = CameraModel.looking_down((half, half, 0.75 * room.size), 0.0, 1.4)
         self._camera = SimulatedCamera(lens, options.noise)
-        self.watch = RoomWatch(Perceiver.of_robot(lens, robot, bounds=room.bounds))
+        self.watch = SceneTracker(Perceiver.of_robot(lens, robot, bounds=room.bounds))
         self._legs = LegOdometry(robot)
         self._controller = make_controller(robot, load_gait(options.gait, robot))
         parameters = PlannerParameters()

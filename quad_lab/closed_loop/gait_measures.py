@@ -111,7 +111,7 @@ def steady_walk(
     walk = DirectWalk(robot, controller)
     try:
         walk.run(0.1)
-        gear = controller.gears.of_twist(direction.rate(1.0))
+        gear = controller.gait_pair.of_twist(direction.rate(1.0))
         period = gear.period
         if asked is None:
             asked = direction.scaled(0.6 * gear.largest_share(direction))
@@ -353,7 +353,7 @@ def leg_odometry_error(
     walk.on_observation.append(listen)
     try:
         walk.run(0.1)
-        gear = controller.gears.of_twist(direction.rate(1.0))
+        gear = controller.gait_pair.of_twist(direction.rate(1.0))
         asked = direction.scaled(0.6 * gear.largest_share(direction))
         controller.set_twist(asked.rate(gear.period))
         walk.run(duration)

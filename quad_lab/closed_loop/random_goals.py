@@ -13,7 +13,7 @@ from quad_common.errors import PlannerError, QuadError
 from quad_common.maps.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
 
@@ -49,7 +49,7 @@ class GoalDrawer:
     ) -> None:
         self._rng = np.random.default_rng(seed)
         self._grid = load_map(map_file)
-        self._planner: Planner[SafetyMap] = make_planner(
+        self._planner: Planner[InflatedMap] = make_planner(
             method,
             mesh_size=robot.mesh_size,
             clearance_radius=robot.footprint_radius

@@ -12,7 +12,7 @@ from rich.table import Table
 
 
 @dataclass(frozen=True)
-class Bar:
+class Criterion:
     """One figure, and what it should be."""
 
     name: str
@@ -25,25 +25,25 @@ class Bar:
     """None where there is no bar."""
 
 
-def at_most(name: str, value: float | None, unit: str, limit: float) -> Bar:
+def at_most(name: str, value: float | None, unit: str, limit: float) -> Criterion:
     """Make a bar that a value must not exceed."""
     return _bar(name, value, unit, f'<= {limit:g}', value is not None and value <= limit)
 
 
-def at_least(name: str, value: float | None, unit: str, limit: float) -> Bar:
+def at_least(name: str, value: float | None, unit: str, limit: float) -> Criterion:
     """Make a bar that a value must reach."""
     return _bar(name, value, unit, f'>= {limit:g}', value is not None and value >= limit)
 
 
-def figure(name: str, value: float | None, unit: str) -> Bar:
+def figure(name: str, value: float | None, unit: str) -> Criterion:
     """Make an entry for a value that is only to be known."""
     return _bar(name, value, unit, '', None)
 
 
-def _bar(name: str, value: float | None, unit: str, bar: str, holds: bool | None) -> Bar:
+def _bar(name: str, value: float | None, unit: str, bar: str, holds: bool | None) -> Criterion:
     """Make a bar of Python's own numbers: NumPy's do not go into JSON."""
     number = None if value is None or not math.isfinite(value) else float(value)
-    return Bar(name, number, unit, bar, None if holds is None else bool(holds))
+    return Criterion(name, number, unit, bar, None if holds is None else bool(holds))
 
 
 def make_console(stderr: bool) -> Console:
@@ -52,7 +52,7 @@ def make_console(stderr: bool) -> Console:
     return console if console.is_terminal else Console(stderr=stderr, width=160)
 
 
-def print_bars(console: Console, title: str, bars: list[Bar]) -> None:
+def print_bars(console: Console, title: str, bars: list[Criterion]) -> None:
     """Print bars as a table."""
     table = Table('measured', 'value', 'unit', 'bar', 'holds', title=title)
     for bar in bars:

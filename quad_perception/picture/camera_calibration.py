@@ -26,7 +26,7 @@ _LEAST_SPREAD = 0.03
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class CameraCalibration:
     """A camera whose pose was found."""
 
     camera: CameraModel
@@ -44,7 +44,7 @@ class Calibration:
 
 def calibrate_pose(
     lens: CameraModel, points: ArrayLike, pixels: ArrayLike, largest_error: float = 5.0
-) -> Calibration:
+) -> CameraCalibration:
     """
     Find where a camera is.
 
@@ -62,7 +62,7 @@ def calibrate_pose(
 
     Returns
     -------
-    Calibration
+    CameraCalibration
         The camera with its pose, and how well it fits.
 
     Raises
@@ -84,7 +84,7 @@ def calibrate_pose(
     rotation, position, deviation = _best_pose(lens, places, seen)
     camera = replace(lens, rotation=rotation, position=position)
     errors = np.linalg.norm(camera.project(places) - seen, axis=1)
-    found = Calibration(camera, errors, deviation)
+    found = CameraCalibration(camera, errors, deviation)
     if not found.reprojection_error <= largest_error:
         worst = int(np.argmax(errors))
         raise CameraError(

@@ -94,10 +94,10 @@ def inflate(
     blocked = blocked_cells(
         grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
     )
-    return grown(blocked, radius / grid.resolution).unpacked()
+    return inflated(blocked, radius / grid.resolution).unpacked()
 
 
-def grown(blocked: BitMask, radius: float) -> BitMask:
+def inflated(blocked: BitMask, radius: float) -> BitMask:
     """
     Find the cells that are too near to blocked ones, as :func:`inflate` does.
 
@@ -119,7 +119,7 @@ def grown(blocked: BitMask, radius: float) -> BitMask:
     return BitMask(dilated(blocked.words, reaches), blocked.width)
 
 
-def grown_anew(
+def inflated_again(
     forbidden: BitMask, blocked: BitMask, radius: float, changed: tuple[int, int]
 ) -> tuple[BitMask, tuple[int, int]]:
     """
@@ -128,18 +128,18 @@ def grown_anew(
     Parameters
     ----------
     forbidden : BitMask
-        What :func:`grown` made of the cells as they were.
+        What :func:`inflated` made of the cells as they were.
     blocked : BitMask
         The blocked cells.
     radius : float
-        As for :func:`grown`.
+        As for :func:`inflated`.
     changed : tuple of int
         In rows from the first up to, but without, the second cells have changed.
 
     Returns
     -------
     BitMask
-        What :func:`grown` would make of the blocked cells.
+        What :func:`inflated` would make of the blocked cells.
     tuple of int
         The rows in which it may differ from what it was.
     """

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
-from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.potential.map_potential import boundary_distances
 
 Floats = NDArray[np.float64]
@@ -28,7 +28,7 @@ LARGEST_FACTOR = 250.0
 class CostLayer(Protocol):
     """A reason why ways through some cells are dearer."""
 
-    def factors(self, safety: SafetyMap) -> Floats:
+    def factors(self, safety: InflatedMap) -> Floats:
         """Return a factor for each cell, shape (height, width), at least 1."""
 
 
@@ -49,7 +49,7 @@ class UnknownCost:
         """Check the factor."""
         _check_factor(self.factor)
 
-    def factors(self, safety: SafetyMap) -> Floats:
+    def factors(self, safety: InflatedMap) -> Floats:
         """Return the factor in unknown cells, and 1 elsewhere."""
         return np.where(safety.grid.unknown(), self.factor, 1.0)
 
@@ -76,7 +76,7 @@ class ClearanceCost:
         if not (math.isfinite(self.distance) and self.distance > 0.0):
             raise ParameterError('distance', self.distance, 'a finite length above 0 m')
 
-    def factors(self, safety: SafetyMap) -> Floats:
+    def factors(self, safety: InflatedMap) -> Floats:
         """Return factors that fall in proportion to the distance from the boundary."""
         away = boundary_distances(
             safety.blocked_bits,
@@ -89,7 +89,7 @@ class ClearanceCost:
         return factors
 
 
-def cell_costs(layers: Sequence[CostLayer], safety: SafetyMap) -> Floats | None:
+def cell_costs(layers: Sequence[CostLayer], safety: InflatedMap) -> Floats | None:
     """
     Multiply the factors of layers.
 
@@ -97,7 +97,7 @@ def cell_costs(layers: Sequence[CostLayer], safety: SafetyMap) -> Floats | None:
     ----------
     layers : sequence of CostLayer
         The reasons.
-    safety : SafetyMap
+    safety : InflatedMap
         The map.
 
     Returns

@@ -13,8 +13,8 @@ import numpy as np
 from quad_common.errors import NoPathFound
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.inflated_map import SAME_PLACE, InflatedMap
 from quad_planner.grid.inflation import Points
-from quad_planner.grid.safety_map import SAME_PLACE, SafetyMap
 
 Cell = tuple[int, int]
 
@@ -23,7 +23,7 @@ Cell = tuple[int, int]
 class CellRequest:
     """A start and a goal on a map; `CellRequest.of` checks them."""
 
-    safety: SafetyMap
+    safety: InflatedMap
     """The map."""
     start: Pose2D
     """In the world [m, m, rad]."""
@@ -41,7 +41,7 @@ class CellRequest:
     @classmethod
     def of(
         cls,
-        safety: SafetyMap,
+        safety: InflatedMap,
         start: Pose2D,
         goal: Pose2D,
         start_tolerance: float,
@@ -52,10 +52,10 @@ class CellRequest:
 
         Parameters
         ----------
-        safety : SafetyMap
+        safety : InflatedMap
             The map.
         start, goal, start_tolerance
-            As for :meth:`SafetyMap.check_ends`.
+            As for :meth:`InflatedMap.check_ends`.
         check : callable
             Called again and again; raises to end the search.
 
@@ -67,7 +67,7 @@ class CellRequest:
         Raises
         ------
         InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
-            As :meth:`SafetyMap.check_ends`.
+            As :meth:`InflatedMap.check_ends`.
         """
         (s, g), leave_at = safety.check_ends(start, goal, start_tolerance)
         return cls(safety, start, goal, s, g, leave_at, check)
@@ -129,7 +129,9 @@ class CellRequest:
         """
         points = [self.s, *between, self.g]
         for at, keep in ((1, self.leave_at), (-2, self.arrive_at)):
-            if len(points) > 2 and self.safety.leads(points[at - 1], points[at + 1], keep):
+            if len(points) > 2 and self.safety.is_reachable_straight(
+                points[at - 1], points[at + 1], keep
+            ):
                 del points[at]
         return np.array(points)
 

@@ -25,8 +25,8 @@ from quad_common.errors import NoPathFound, ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.grid.inflation import Mask, Points, points_allowed, segments_allowed
-from quad_planner.grid.safety_map import SafetyMap
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
 from quad_planner.search.dijkstra import shortest_path
@@ -62,7 +62,7 @@ def _cost(length: float) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class PreparedMesh(SafetyMap):
+class PreparedMesh(InflatedMap):
     """A map made ready for any number of searches; `MeshPlanner.prepare` makes it."""
 
     spacing: float
@@ -156,7 +156,7 @@ class MeshPlanner(PlannerOptions):
             raise ParameterError(
                 'mesh_size', self.mesh_size, f'above {least:.3f} m on a map of this size'
             )
-        safety = self.safety_map(grid)
+        safety = self.inflated_map(grid)
         candidates, exits = _lay(safety.allowed, spacing, (0, rows), columns)
         return PreparedMesh(
             grid,
@@ -179,7 +179,7 @@ class MeshPlanner(PlannerOptions):
         # Crossings from which a move leads into the rows that changed, or along their edge.
         first = max(math.floor(low / spacing) - 1, 0)
         last = min(math.ceil(high / spacing) + 2, rows)
-        allowed = SafetyMap(grid, self.clearance_radius, blocked, forbidden).allowed
+        allowed = InflatedMap(grid, self.clearance_radius, blocked, forbidden).allowed
         # One row more to either side, for their moves; its own moves are not all seen.
         below, above = max(first - 1, 0), min(last + 1, rows)
         band = _lay(allowed, spacing, (below, above), columns)

@@ -20,13 +20,13 @@ from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.bit_grid import changed_rows
-from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.mesh_planner import MeshPlanner
 from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.methods.quickest_planner import QuickestPlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner
 
-Prepared = TypeVar('Prepared', bound=SafetyMap)
+Prepared = TypeVar('Prepared', bound=InflatedMap)
 
 
 class PlanningMethod(Protocol[Prepared]):

@@ -12,7 +12,7 @@ from typing import ClassVar
 from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
 from quad_common.maps.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.grid.bit_grid import BitMask
-from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.cell_costs import CostLayer
 
 
@@ -63,16 +63,16 @@ class PlannerOptions:
             layers = ', '.join(type(layer).__name__ for layer in self.costs)
             raise ParameterError('costs', layers, 'left out: this method compares other things')
 
-    def safety_map(self, grid: OccupancyGrid) -> SafetyMap:
+    def inflated_map(self, grid: OccupancyGrid) -> InflatedMap:
         """Return a map with the zone that the robot's centre must keep out of."""
-        return SafetyMap.of(
+        return InflatedMap.of(
             grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
         )
 
     def zones_changed_to(
-        self, before: SafetyMap, grid: OccupancyGrid, changed: tuple[int, int]
+        self, before: InflatedMap, grid: OccupancyGrid, changed: tuple[int, int]
     ) -> tuple[BitMask, BitMask, tuple[int, int]]:
-        """Return the zones of a map whose rows changed: :meth:`SafetyMap.zones_changed_to`."""
+        """Return the zones of a map whose rows changed: :meth:`InflatedMap.zones_changed_to`."""
         return before.zones_changed_to(grid, self.occupied_threshold, self.unknown_is_free, changed)
 
     def timer(self) -> Callable[[], None]:

@@ -20,8 +20,8 @@ from quad_common.errors import DescentStuck, NoPathFound, ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.grid.inflation import Points
-from quad_planner.grid.safety_map import SafetyMap
 from quad_planner.methods.cell_costs import cell_costs
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
@@ -51,7 +51,7 @@ _STEP = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class PreparedPotential(SafetyMap):
+class PreparedPotential(InflatedMap):
     """A map made ready for any number of descents; `PotentialPlanner.prepare` makes it."""
 
     distances: Floats
@@ -118,7 +118,7 @@ class PotentialPlanner(PlannerOptions):
         PreparedPotential
             What `plan` needs of the map, for any number of plans.
         """
-        safety = self.safety_map(grid)
+        safety = self.inflated_map(grid)
         distances = boundary_distances(
             safety.blocked_bits, *self._distance_options(grid.resolution)
         )
@@ -138,7 +138,7 @@ class PotentialPlanner(PlannerOptions):
         blocked, forbidden, _ = self.zones_changed_to(prepared, grid, changed)
         options = self._distance_options(grid.resolution)
         distances = boundary_distances_anew(prepared.distances, blocked, *options, changed)
-        safety = SafetyMap(grid, self.clearance_radius, blocked, forbidden)
+        safety = InflatedMap(grid, self.clearance_radius, blocked, forbidden)
         costs = cell_costs(self.costs, safety)
         return PreparedPotential(grid, self.clearance_radius, blocked, forbidden, distances, costs)
 
@@ -168,7 +168,7 @@ class PotentialPlanner(PlannerOptions):
         Raises
         ------
         InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
-            As :meth:`SafetyMap.check_ends`.
+            As :meth:`InflatedMap.check_ends`.
         DescentStuck
             If the paper's descent comes to rest elsewhere, and no other is allowed.
         NoPathFound

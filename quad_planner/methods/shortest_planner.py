@@ -20,19 +20,19 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.grid.compiled import compiled, compiled_part
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.grid.inflation import Points
-from quad_planner.grid.safety_map import SafetyMap
 from quad_planner.methods.cell_costs import Floats, cell_costs
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
-from quad_planner.search.any_angle import convex_corners, taut_path
+from quad_planner.search.any_angle import any_angle_path, convex_corners
 from quad_planner.search.jump_points import JumpPointSearch, without_straights
 from quad_planner.search.lattice_search import fewest_turns
 from quad_planner.search.weighted_search import cheapest_path, straightened
 
 
 @dataclass(frozen=True, eq=False)
-class PreparedCells(SafetyMap):
+class PreparedCells(InflatedMap):
     """A map made ready for any number of searches; `ShortestPlanner.prepare` makes it."""
 
     search: JumpPointSearch
@@ -77,7 +77,7 @@ class ShortestPlanner(PlannerOptions):
         PreparedCells
             What `plan` needs of the map, for any number of plans.
         """
-        safety = self.safety_map(grid)
+        safety = self.inflated_map(grid)
         search = JumpPointSearch(BitGrid.outside(safety.forbidden_bits))
         return PreparedCells(
             grid,
@@ -94,7 +94,7 @@ class ShortestPlanner(PlannerOptions):
         """Make a map ready of which only some rows have changed: `PlanningMethod.update`."""
         blocked, forbidden, rows = self.zones_changed_to(prepared, grid, changed)
         cells = prepared.search.grid.changed_to(forbidden, rows)
-        safety = SafetyMap(grid, self.clearance_radius, blocked, forbidden)
+        safety = InflatedMap(grid, self.clearance_radius, blocked, forbidden)
         return PreparedCells(
             grid,
             self.clearance_radius,
@@ -127,7 +127,7 @@ class ShortestPlanner(PlannerOptions):
         Raises
         ------
         InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
-            As :meth:`SafetyMap.check_ends`.
+            As :meth:`InflatedMap.check_ends`.
         NoPathFound
             If no way over the cells connects them.
         PlannerTimedOut, PlanSuperseded
@@ -149,7 +149,7 @@ class ShortestPlanner(PlannerOptions):
             return request.joined(straightened(centres, prepared.costs, forbidden, request.check))
         first, last = request.tips
         bound = _length(np.vstack((first, centres, last)))
-        taut = taut_path(forbidden, prepared.corners, first, last, bound, request.check)
+        taut = any_angle_path(forbidden, prepared.corners, first, last, bound, request.check)
         if taut is None:
             return over_cells
         # Only where start or goal is not in an allowed cell the other may be shorter.

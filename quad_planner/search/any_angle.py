@@ -50,7 +50,7 @@ def convex_corners(forbidden: BitMask) -> Points:
     return corners.places()[:, ::-1] + np.float64(1.0)
 
 
-def taut_path(
+def any_angle_path(
     forbidden: BitMask,
     corners: Points,
     start: Points,

@@ -3,7 +3,7 @@ Quickest paths at any angle, from corner to corner, in whole gait cycles (S0 sec
 
 A state is a point and the direction in which the robot comes to it; the points are the
 start, the goal, the convex corners of the forbidden zone, and any others that are given.
-Costs are those of :class:`quad_common.robot.pace.Pace`: a stretch ends where the robot has to
+Costs are those of a `WalkingTimeModel`: a stretch ends where the robot has to
 turn on the spot, and goes on through a bend. A* over the states is exact for these
 points: the bound on what is left is the length of the shortest way, without turns.
 """
@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.pace import LENGTH_SLACK, Pace
+from quad_common.robot.walking_time import LENGTH_SLACK, WalkingTimeModel
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -77,7 +77,7 @@ def quickest_corners(
     points: Points,
     start_yaw: float,
     goal_yaw: float,
-    pace: Pace,
+    pace: WalkingTimeModel,
     resolution: float,
     bound: int,
     check: Callable[[], None] = lambda: None,
@@ -93,7 +93,7 @@ def quickest_corners(
         The start, the goal, and where the path may turn [cells].
     start_yaw, goal_yaw : float
         Headings in the frame of the cells [rad].
-    pace : Pace
+    pace : WalkingTimeModel
         How far cycles go.
     resolution : float
         Side of a cell [m].
@@ -215,7 +215,7 @@ def _apart(a: float, b: float) -> float:
 
 @compiled_part
 def _turn_cycles(angle: float, cycles: _Cycles) -> float:
-    """Return how many cycles a change of heading takes (`Pace.turn_cycles`)."""
+    """Return how many cycles a change of heading takes (`WalkingTimeModel.turn_cycles`)."""
     if angle <= cycles.bend:
         return 0.0
     return float(max(1, math.ceil(angle / cycles.turn + cycles.stopping)))

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.pace import LENGTH_SLACK, Pace
+from quad_common.robot.walking_time import LENGTH_SLACK, WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -130,7 +130,7 @@ def quickest_path(
     goal: tuple[int, int],
     start_yaw: float,
     goal_yaw: float,
-    pace: Pace,
+    pace: WalkingTimeModel,
     resolution: float,
     bound: int,
     check: Callable[[], None] = lambda: None,
@@ -146,7 +146,7 @@ def quickest_path(
         x and y of two different cells of the map.
     start_yaw, goal_yaw : float
         Headings in the frame of the cells [rad].
-    pace : Pace
+    pace : WalkingTimeModel
         How far cycles go.
     resolution : float
         Side of a cell [m].
@@ -251,7 +251,9 @@ def _find(
     return _turning_points(reached.by, width, last, heading), best, expansions
 
 
-def _count(pace: Pace, resolution: float, start_yaw: float, goal_yaw: float, bound: int) -> _Costs:
+def _count(
+    pace: WalkingTimeModel, resolution: float, start_yaw: float, goal_yaw: float, bound: int
+) -> _Costs:
     """Count the costs of a pace on the finest scale that can hold the bound's cycles."""
     strides = pace.stride / resolution * (1.0 + LENGTH_SLACK)
     scale = 0

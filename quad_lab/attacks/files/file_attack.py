@@ -29,7 +29,7 @@ from quad_lab.attacks.files.file_cases import (
     write_all,
 )
 from quad_lab.attacks.files.file_worker import Worker
-from quad_lab.tools.criterion import Bar, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_most, figure
 
 TIME_LIMIT = 2.0
 """Of the processor, for a case [s]."""
@@ -117,7 +117,9 @@ def attack_files(
     return result
 
 
-def measure_files(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def measure_files(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Attack, and work out the bars.
 

@@ -22,7 +22,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
-from quad_common.robot import pace, robot_numbers
+from quad_common.robot import robot_numbers, walking_time
 from quad_common.robot.robot import ROBOTS_FOLDER, load_robot
 from quad_common.robot.robot_figures import derived_figures
 from quad_common.robot.urdf import urdf_from_robot
@@ -123,7 +123,7 @@ def _write_camera(folder: Path, index: int) -> Path:
 
 
 def _write_pace(folder: Path, index: int) -> Path:
-    return _copied(ROBOTS_FOLDER / 'pace' / 'titan_viii.yaml', folder, 'pace.yaml')
+    return _copied(ROBOTS_FOLDER / 'pace' / 'titan_viii.yaml', folder, 'walking_time.yaml')
 
 
 def _write_calibration(folder: Path, index: int) -> Path:
@@ -237,8 +237,8 @@ KINDS = (
     FileKind(
         'pace',
         _write_pace,
-        pace.load_paces,
-        {f'paces.*.{key}': range_ for key, range_ in pace.QUANTITIES.items()},
+        walking_time.load_paces,
+        {f'paces.*.{key}': range_ for key, range_ in walking_time.QUANTITIES.items()},
         free=('paces.*',),
     ),
     FileKind(

@@ -24,7 +24,7 @@ from quad_lab.attacks.stage.scenes import MAP, QUICK_SCENES, SCENES, START
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.state import growth
 from quad_lab.closed_loop.random_goals import GoalDrawer
-from quad_lab.tools.criterion import Bar
+from quad_lab.tools.criterion import Criterion
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 
 MESSAGES = 2000
@@ -59,7 +59,7 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 def attack_messages(
     console: Console, quick: bool, seed: int
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Attack, and work out the bars.
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
 LONGEST_END = 5.0
 """From a signal until a process and all that it started have ended [s]."""
@@ -46,7 +46,7 @@ def is_bad(ending: Ending) -> bool:
     )
 
 
-def ending_bars(kind: str, endings: list[Ending]) -> list[Bar]:
+def ending_bars(kind: str, endings: list[Ending]) -> list[Criterion]:
     """
     Count what was not as it should be.
 
@@ -59,7 +59,7 @@ def ending_bars(kind: str, endings: list[Ending]) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         One for each thing that can go wrong, and the longest end.
     """
     of = f'of {len(endings)}'

@@ -22,7 +22,7 @@ from quad_common.process.end_signals import blocked_signals
 from quad_common.process.temporary_folder import temporary_folder
 from quad_lab.attacks.processes.endings import Ending, ending_bars, is_bad
 from quad_lab.attacks.processes.traces import Traces
-from quad_lab.tools.criterion import Bar
+from quad_lab.tools.criterion import Criterion
 from quad_lab.tools.workers import end_with_parent
 from quad_lab.topic_walk.node_processes import NODES, NodeProcess, isolated_domain
 
@@ -69,7 +69,7 @@ _LAST_WORDS = {
 
 def attack_processes(
     console: Console, quick: bool, seed: int
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Attack, and work out the bars.
 

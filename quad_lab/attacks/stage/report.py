@@ -13,7 +13,7 @@ from quad_lab.attacks.stage.violations import (
     TOO_LONG,
     UNREADABLE,
 )
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
 _KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE, TOO_LONG, UNREADABLE)
 
@@ -50,7 +50,7 @@ class Report:
 
 def bars_of(
     reports: list[Report], counts: dict[str, int], tracebacks: list[str], quick: bool = False
-) -> list[Bar]:
+) -> list[Criterion]:
     """
     Work out the bars of some attacks.
 
@@ -67,7 +67,7 @@ def bars_of(
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         What must hold.
     """
     grown = [value for report in reports for value in report.memory_growth.values()]

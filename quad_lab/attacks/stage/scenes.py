@@ -32,7 +32,7 @@ _PICTURES = 1.0
 
 
 @dataclass(frozen=True)
-class Scene:
+class AttackScene:
     """Nodes, and which of them are attacked."""
 
     setup: str
@@ -59,14 +59,14 @@ class Scene:
 
 
 SCENES = (
-    Scene('kinematic', ('standing',), NODES, has_nonsense=True),
-    Scene('bullet', ('walking',), NODES, has_nonsense=False),
-    Scene('camera', ('standing', 'walking'), (CAMERA,), has_nonsense=True),
+    AttackScene('kinematic', ('standing',), NODES, has_nonsense=True),
+    AttackScene('bullet', ('walking',), NODES, has_nonsense=False),
+    AttackScene('camera', ('standing', 'walking'), (CAMERA,), has_nonsense=True),
 )
 
 QUICK_SCENES = (
-    Scene('kinematic', ('walking',), NODES, has_nonsense=True),
-    Scene('camera', ('walking',), (CAMERA,), has_nonsense=True),
+    AttackScene('kinematic', ('walking',), NODES, has_nonsense=True),
+    AttackScene('camera', ('walking',), (CAMERA,), has_nonsense=True),
 )
 
 

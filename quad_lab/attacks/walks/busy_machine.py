@@ -28,7 +28,7 @@ from quad_gait.following.reference_path import circle_pieces
 from quad_gait.uneven.swing_planner import UnevenOptions
 from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 from quad_lab.closed_loop.terrain_walk import COURSES, make_course
-from quad_lab.tools.criterion import Bar, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_most, figure
 from quad_lab.tools.workers import worker_pool
 
 HOURS, QUICK_WALKS = 10.0, 6
@@ -90,7 +90,7 @@ class WatchedOutcome:
     """Number of trajectories that did not come, or too late to be of use."""
 
 
-def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Bar]:
+def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Criterion]:
     """
     Walk sound robots, and count false alarms.
 
@@ -105,7 +105,7 @@ def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
     """
     hours = math.inf if quick else HOURS
     walks = islice(drawn_walks(seed, QUICK_WALK if quick else WALK), QUICK_WALKS if quick else None)
@@ -127,7 +127,9 @@ def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Bar]:
     ]
 
 
-def attack_by_load(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def attack_by_load(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """Walk sound robots on a busy machine, as a part of ``quadwalk bench faults``."""
     console.print('sound robots walk without topics, on a machine that is busy')
     return watch_bars(quick, seed), {}
@@ -251,11 +253,11 @@ def _wish(kind: str, controller: WalkController, pose: Pose2D, rng: np.random.Ge
     """Wish for something new, if what was wished for is done."""
     if kind == 'steered':
         direction = DIRECTIONS[str(rng.choice(sorted(DIRECTIONS)))]
-        gear = controller.gears.of_twist(direction.rate(1.0))
+        gear = controller.gait_pair.of_twist(direction.rate(1.0))
         wanted = direction.scaled(rng.uniform(0.3, 1.0) * gear.largest_share(direction))
         controller.set_twist(wanted.rate(gear.period))
     elif controller.activity not in (Activity.WALKING, Activity.TURNING):
-        size = 8.0 * controller.gears.walking.largest_share(BodyMotion(forward=1.0))
+        size = 8.0 * controller.gait_pair.walking.largest_share(BodyMotion(forward=1.0))
         if kind == 'circle':
             pieces = circle_pieces(pose, rng.uniform(0.3, 1.0) * size, 2.0 * math.pi)
             controller.set_plan(Plan((pose, pieces[-1].end)), pieces)

@@ -10,7 +10,7 @@ from quad_common.robot.robot import load_robot
 from quad_lab.benchmarks import bench_localisation
 from quad_lab.benchmarks.bench_walk import draw_pairs
 from quad_lab.tools.benchmark_maps import benchmark_maps
-from quad_lab.tools.criterion import Bar
+from quad_lab.tools.criterion import Criterion
 
 QUICK_LENGTH = 0.7
 """Longest path of the one walk of the quick sample [m]."""
@@ -20,7 +20,7 @@ _ROBOT = 'titan_viii'
 
 def attack_by_drift(
     console: Console, quick: bool, seed: int
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk by drifting odometry, and work out the bars of ``quadwalk bench localisation``.
 

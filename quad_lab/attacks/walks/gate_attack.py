@@ -29,7 +29,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.cycle.posture import posture_trajectory
-from quad_lab.tools.criterion import Bar, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_most, figure
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ _CLEAR = 1e-3
 
 
 @dataclass
-class _Outcome:
+class _GateOutcome:
     """What the gate said."""
 
     passed: int = 0
@@ -56,12 +56,14 @@ class _Outcome:
     seconds: float = 0.0
 
 
-def attack_gate(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def attack_gate(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """Show motions to the gate; return bars, and the first wrong answers."""
     rng = np.random.default_rng(seed)
     robots = [load_robot(name) for name in available_robots()]
     count = _QUICK_CASES if quick else _CASES
-    outcome = _Outcome()
+    outcome = _GateOutcome()
     for robot in robots:
         limits, bases = JointLimits.of(robot), _sound_motions(robot, rng)
         for _ in range(count // len(robots)):
@@ -101,7 +103,7 @@ def _sound_motions(robot: Robot, rng: np.random.Generator) -> list[JointTrajecto
 
 
 def _try(
-    limits: JointLimits, base: JointTrajectory, rng: np.random.Generator, outcome: _Outcome
+    limits: JointLimits, base: JointTrajectory, rng: np.random.Generator, outcome: _GateOutcome
 ) -> None:
     """Spoil a motion or not, and compare what the gate says with what is true."""
     trajectory = _spoiled(base, limits, rng)

@@ -18,7 +18,7 @@ from quad_lab.attacks.stage.reasons import reason_for_standing
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.violations import NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_lab.closed_loop.random_goals import GoalDrawer
-from quad_lab.tools.criterion import Bar, at_least, at_most
+from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 
 WALKS = 40
@@ -96,7 +96,7 @@ class KilledWalk:
 
 def attack_by_kills(
     console: Console, quick: bool, seed: int
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Kill nodes in walks, and work out the bars.
 
@@ -227,7 +227,7 @@ def _begin_again(stage: Stage) -> None:
     stage.wait_until_ready()
 
 
-def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) -> list[Bar]:
+def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) -> list[Criterion]:
     """
     Work out the bars of some walks.
 
@@ -242,7 +242,7 @@ def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) ->
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         What must hold.
     """
     total = len(walks)

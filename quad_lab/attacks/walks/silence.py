@@ -18,7 +18,7 @@ from quad_common.robot.robot import available_robots, load_robot
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_lab.closed_loop.direct_walk import DirectWalk
-from quad_lab.tools.criterion import Bar, at_least, at_most
+from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.tools.workers import worker_pool
 
 _GAITS = ('crawl', 'wave', 'trot')
@@ -62,7 +62,7 @@ class SilencedWalk:
 
 def attack_by_silence(
     console: Console, quick: bool, seed: int
-) -> tuple[list[Bar], dict[str, object]]:
+) -> tuple[list[Criterion], dict[str, object]]:
     """Let gaits fall silent; return bars, and the walks that did not end well."""
     count = _QUICK_WALKS if quick else _WALKS
     walks: list[SilencedWalk] = []

@@ -21,7 +21,7 @@ from quad_lab.attacks.stage.violations import (
     UNREADABLE,
 )
 from quad_lab.closed_loop.random_goals import GoalDrawer
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 
 DURATION = 6.0 * 3600.0
@@ -52,7 +52,7 @@ _MAP = 'room'
 _START = Pose2D(1.2, 1.2, 0.0)
 
 
-def soak(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def soak(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk for hours, and work out the bars.
 
@@ -123,7 +123,7 @@ def soak(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str,
     }
 
 
-def bars_of(reached: int, missed: int, counts: dict[str, int], tracebacks: int) -> list[Bar]:
+def bars_of(reached: int, missed: int, counts: dict[str, int], tracebacks: int) -> list[Criterion]:
     """
     Work out the bars of a soak, but for its memory.
 
@@ -138,7 +138,7 @@ def bars_of(reached: int, missed: int, counts: dict[str, int], tracebacks: int) 
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         What must hold.
     """
     total = reached + missed

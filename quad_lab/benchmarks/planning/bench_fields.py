@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from quad_common.errors import NoPathFound
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_lab.tools.criterion import Bar, at_least, figure
+from quad_lab.tools.criterion import Criterion, at_least, figure
 from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner
 from quad_planner.potential.map_potential import boundary_distances
@@ -38,7 +38,7 @@ _CLEARANCE = 0.3
 """[m]"""
 
 
-def field_bars(makes: Mapping[str, MakeMap], quick: bool, seed: int) -> list[Bar]:
+def field_bars(makes: Mapping[str, MakeMap], quick: bool, seed: int) -> list[Criterion]:
     """
     Time fields, and count which descents arrive.
 
@@ -53,7 +53,7 @@ def field_bars(makes: Mapping[str, MakeMap], quick: bool, seed: int) -> list[Bar
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         What was measured.
     """
     bars = []
@@ -82,7 +82,7 @@ def circles(rng: np.random.Generator, with_pocket: bool) -> OccupancyGrid:
     return OccupancyGrid(cells, _RESOLUTION, Pose2D(0.0, 0.0, 0.0))
 
 
-def _distance_bars(kind: str, make: MakeMap, size: int, seed: int) -> list[Bar]:
+def _distance_bars(kind: str, make: MakeMap, size: int, seed: int) -> list[Criterion]:
     """Time the fields from one cell to all, and the same by SciPy on a graph that is given."""
     occupied = make(size, seed)
     allowed = ~occupied
@@ -105,7 +105,7 @@ def _distance_bars(kind: str, make: MakeMap, size: int, seed: int) -> list[Bar]:
     blocked = OccupancyGrid(
         np.where(occupied, 100, 0).astype(np.int8), _RESOLUTION, Pose2D(0.0, 0.0, 0.0)
     )
-    safety = ShortestPlanner(clearance_radius=_CLEARANCE).safety_map(blocked)
+    safety = ShortestPlanner(clearance_radius=_CLEARANCE).inflated_map(blocked)
     distances = boundary_distances(safety.blocked_bits, _CLEARANCE, _RESOLUTION)
     slowness = slowness_near_obstacles(distances, safety.forbidden, 1.5)
     goal = _start(safety.allowed)
@@ -114,7 +114,7 @@ def _distance_bars(kind: str, make: MakeMap, size: int, seed: int) -> list[Bar]:
     return [*bars, figure(f'{name}: navigation function of all cells', 1e3 * took, 'ms')]
 
 
-def _descent_bars(count: int, seed: int) -> list[Bar]:
+def _descent_bars(count: int, seed: int) -> list[Criterion]:
     """Count which descents arrive among circles, where there is a way."""
     planners = {
         name: PotentialPlanner(clearance_radius=_CLEARANCE, potential=name)

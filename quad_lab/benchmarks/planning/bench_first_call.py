@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.process.temporary_folder import temporary_folder
-from quad_lab.tools.criterion import Bar, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_most, figure
 from quad_lab.tools.workers import end_with_parent
 
 _METHODS = {
@@ -43,7 +43,7 @@ import sys
 import time
 began = time.perf_counter()
 from quad_common.maps.map_file import load_map
-from quad_common.robot.pace import load_pace
+from quad_common.robot.walking_time import load_pace
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import load_robot
@@ -78,7 +78,7 @@ class _Starts:
         return self.first - self.later
 
 
-def first_call_times(console: Console, quick: bool) -> list[Bar]:
+def first_call_times(console: Console, quick: bool) -> list[Criterion]:
     """
     Measure first plans, of each method with a cache of its own for what is compiled.
 
@@ -91,7 +91,7 @@ def first_call_times(console: Console, quick: bool) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         How long the methods compile after an installation, and how long they take from a
         later start of Python to the first plan.
     """

@@ -26,7 +26,7 @@ from quad_lab.benchmarks.planning.bench_first_call import first_call_times
 from quad_lab.benchmarks.planning.bench_quickest import walking_bars
 from quad_lab.benchmarks.planning.bench_searches import scenario_bars, search_bars
 from quad_lab.benchmarks.planning.planner_peers import available_peers
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import end_with_parent
 from quad_planner.grid.inflation import inflate
 from quad_planner.methods.shortest_planner import ShortestPlanner
@@ -88,7 +88,7 @@ def noise(size: int, seed: int) -> Mask:
     return occupied
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
     """
     Time whole requests: inflation, search and turning points, from the occupied cells.
 
@@ -108,7 +108,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     """
     sizes = (512,) if quick else (1024, 4096)
     requests = 4 if quick else 8
-    bars: list[Bar] = []
+    bars: list[Criterion] = []
     table = Table('map', 'who', 'median [ms]', 'times as long', 'mean length, of ours')
     noted = []
     for kind, make in (('streets', streets), ('noise', noise)):
@@ -139,7 +139,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[s
     return bars + walk_bars, {'quick': quick, 'seed': seed, 'ratios': noted, **walks}
 
 
-def _node_bars(size: int, seed: int) -> list[Bar]:
+def _node_bars(size: int, seed: int) -> list[Criterion]:
     """Send a map through the node, if there is ROS."""
     try:
         from quad_lab.benchmarks.planning.bench_planner_node import node_bars
@@ -149,7 +149,7 @@ def _node_bars(size: int, seed: int) -> list[Bar]:
     return node_bars(streets(size, seed))
 
 
-def _bar(name: str, ratio: float, peer: str, counts: bool) -> Bar:
+def _bar(name: str, ratio: float, peer: str, counts: bool) -> Criterion:
     """Make a bar where there is one: on large maps with structure."""
     for library, times in {'pyastar2d': 30.0, 'scipy': 200.0}.items():
         if counts and library in peer:
@@ -157,7 +157,7 @@ def _bar(name: str, ratio: float, peer: str, counts: bool) -> Bar:
     return figure(name, ratio, 'x as long')
 
 
-def _inflation_bar(name: str, occupied: Mask) -> Bar:
+def _inflation_bar(name: str, occupied: Mask) -> Criterion:
     """Compare the inflation alone with exact distances from SciPy, both giving a mask."""
     grid = _grid(occupied)
     ours, _ = _timed(lambda: inflate(grid, _RADIUS * _RESOLUTION))

@@ -21,7 +21,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import load_robot
 from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.run_node import make_executor
-from quad_lab.tools.criterion import Bar, at_most
+from quad_lab.tools.criterion import Criterion, at_most
 from quad_lab.topic_walk.node_processes import NodeProcess, NodeProcesses, isolated_domain
 from quad_planner.methods.shortest_planner import ShortestPlanner
 from quad_planner.parameters import PlannerParameters
@@ -39,7 +39,7 @@ _PATIENCE = 60.0
 _TIMES = 4
 
 
-def node_bars(occupied: Mask) -> list[Bar]:
+def node_bars(occupied: Mask) -> list[Criterion]:
     """
     Time a map's way through the node: message in, inflation, plan, message out.
 
@@ -50,7 +50,7 @@ def node_bars(occupied: Mask) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         The longest time of all maps, the first included, and the node's peak memory.
     """
     cells = _largest_area(occupied)
@@ -79,7 +79,7 @@ def _largest_area(occupied: Mask) -> NDArray[np.int64]:
     clearance = load_robot(parameters.robot).footprint_radius + parameters.safety_distance
     cells = np.where(occupied, 100, 0).astype(np.int8)
     grid = Grid(cells, _RESOLUTION, Pose2D(0.0, 0.0, 0.0))
-    areas = ShortestPlanner(clearance_radius=clearance).safety_map(grid).areas
+    areas = ShortestPlanner(clearance_radius=clearance).inflated_map(grid).areas
     return np.argwhere(areas == 1 + int(np.argmax(np.bincount(areas.ravel())[1:])))
 
 

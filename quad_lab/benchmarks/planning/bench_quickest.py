@@ -17,14 +17,14 @@ from quad_common.errors import PlannerError
 from quad_common.maps.map_file import load_map
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import load_pace
 from quad_common.robot.robot import load_robot
+from quad_common.robot.walking_time import load_pace
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.gait_measures import plan_walk
 from quad_lab.tools.benchmark_maps import benchmark_maps
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
-from quad_planner.grid.safety_map import SafetyMap
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
 
@@ -59,7 +59,9 @@ class _Request:
     plans: dict[str, Plan]
 
 
-def walking_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], dict[str, object]]:
+def walking_bars(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Plan between random poses by every method, and walk the mesh's plans and the quickest.
 
@@ -122,7 +124,7 @@ def walking_bars(console: Console, quick: bool, seed: int) -> tuple[list[Bar], d
 
 def _bars(
     requests: list[_Request], times: dict[str, Array], predicted: dict[str, Array]
-) -> list[Bar]:
+) -> list[Criterion]:
     """Compare the walked times [s], NaN for walks that failed."""
     mesh, quickest = (times[name] for name in _WALKED)
     saved = 100.0 * _saved(mesh, quickest)
@@ -155,7 +157,7 @@ def _requests(path: Path, rng: np.random.Generator) -> Iterator[_Request]:
     """Draw poses in the largest free area of a map, between which every method finds a way."""
     grid = load_map(path)
     robot = load_robot(_ROBOT)
-    planners: dict[str, Planner[SafetyMap]] = {}
+    planners: dict[str, Planner[InflatedMap]] = {}
     for label, (method, any_angle) in _METHODS.items():
         planners[label] = make_planner(
             method,

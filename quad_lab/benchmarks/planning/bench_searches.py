@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import load_pace
+from quad_common.robot.walking_time import load_pace
 from quad_lab.tools.benchmark_maps import load_scenario, scenario_files
-from quad_lab.tools.criterion import Bar, at_least, at_most, figure
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_planner.grid.bit_grid import BitGrid, BitMask
-from quad_planner.grid.inflation import grown
+from quad_planner.grid.inflation import inflated
 from quad_planner.methods.shortest_planner import turns_saved
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path
@@ -35,7 +35,7 @@ _RESOLUTION = 0.05
 
 def search_bars(
     makes: Mapping[str, Callable[[int, int], Mask]], quick: bool, seed: int
-) -> list[Bar]:
+) -> list[Criterion]:
     """
     Time searches over cells and headings beside A* over the cells alone.
 
@@ -50,7 +50,7 @@ def search_bars(
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         For each kind of map.
     """
     size, count = (512, 5) if quick else (1024, 25)
@@ -60,7 +60,7 @@ def search_bars(
     return bars
 
 
-def scenario_bars(quick: bool) -> list[Bar]:
+def scenario_bars(quick: bool) -> list[Criterion]:
     """
     Search MovingAI's problems, and compare with the lengths that are published.
 
@@ -71,7 +71,7 @@ def scenario_bars(quick: bool) -> list[Bar]:
 
     Returns
     -------
-    list of Bar
+    list of Criterion
         How many are right; not measured where the files are not there.
     """
     right = count = 0
@@ -86,8 +86,8 @@ def scenario_bars(quick: bool) -> list[Bar]:
     return [at_least(name, 100.0 * right / count if count else None, '%', 100.0)]
 
 
-def _bars(name: str, occupied: Mask, count: int, seed: int) -> list[Bar]:
-    forbidden = grown(BitMask.of(occupied), _RADIUS)
+def _bars(name: str, occupied: Mask, count: int, seed: int) -> list[Criterion]:
+    forbidden = inflated(BitMask.of(occupied), _RADIUS)
     grid = BitGrid.outside(forbidden)
     search = JumpPointSearch(grid)
     free = np.argwhere(~forbidden.unpacked())[:, ::-1]

@@ -700,7 +700,7 @@ def test_a_limit_that_bites_is_reported_and_keeps_the_direction(gait, wanted):
     walk.controller.set_twist(wanted.scaled(3.0))
     walk.run(lambda: walk.controller.cycle is not None, 2.0)
     controller = walk.controller
-    twist, reason = controller.gears.of_twist(wanted).limited(wanted.scaled(3.0))
+    twist, reason = controller.gait_pair.of_twist(wanted).limited(wanted.scaled(3.0))
     assert reason
     for velocity in (wanted.scaled(3.0), twist):
         said = f'({velocity.forward:.3f}, {velocity.left:.3f}) m/s'

@@ -113,8 +113,8 @@ def test_a_trot_gains_speed_as_a_pendulum_does_that_falls_from_a_support_set_bac
     schedule = fine(gait, 400)
     period, rate = gait.cycle_period, gait.pendulum_rate
     # From rest to a mean speed of 1: the way in this cycle is a quarter of a period's.
-    assert gait.gathering == pytest.approx(0.25)
-    way = gait.gathering * period
+    assert gait.acceleration_fraction == pytest.approx(0.25)
+    way = gait.acceleration_fraction * period
     pace = schedule.progress_rate[0] * period
     before = -schedule.progress_rate[0] * way
     after = pace - schedule.progress_rate[-1] * way

@@ -36,7 +36,7 @@ class Gear:
     turn: float = ROBOT.largest_turn
     is_steady: bool = False
     period: float = 5.0
-    gathering: float = 0.5
+    acceleration_fraction: float = 0.5
 
     def reason(self, motion):
         return 'made up'

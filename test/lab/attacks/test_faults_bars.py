@@ -21,7 +21,7 @@ from quad_lab.attacks.walks.kills import KilledWalk
 from quad_lab.attacks.walks.kills import bars_of as kill_bars
 from quad_lab.attacks.walks.soak import bars_of as soak_bars
 from quad_lab.attacks.walks.soak import growth_since
-from quad_lab.tools.criterion import Bar
+from quad_lab.tools.criterion import Criterion
 
 OK, WARN, ERROR, STALE = b'\x00', b'\x01', b'\x02', b'\x03'
 
@@ -32,7 +32,7 @@ GOOD_REPORT = Report(
 )
 
 
-def failed(bars: list[Bar]) -> list[str]:
+def failed(bars: list[Criterion]) -> list[str]:
     """List the bars that do not hold."""
     return [bar.name for bar in bars if bar.holds is False]
 

@@ -231,6 +231,6 @@ def test_a_steady_walk_of_nothing_does_not_walk():
 
 def test_the_controller_for_measuring_turns_with_the_gait_that_gait_node_takes():
     turn = Twist2D(0.0, 0.0, 1.0)
-    assert make_controller(CUHK, TROT).gears.of_twist(turn).gait == TROT
+    assert make_controller(CUHK, TROT).gait_pair.of_twist(turn).gait == TROT
     crawl = load_gait('crawl', CUHK)
-    assert make_controller(CUHK, crawl).gears.of_twist(turn).gait == load_gait('turn', CUHK)
+    assert make_controller(CUHK, crawl).gait_pair.of_twist(turn).gait == load_gait('turn', CUHK)

@@ -12,8 +12,8 @@ from quad_common.errors import NoPathFound, ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import Pace
 from quad_common.robot.robot import available_robots, load_robot
+from quad_common.robot.walking_time import WalkingTimeModel
 from quad_planner.grid.inflation import segment_clearance
 from quad_planner.grid.traversability import (
     Ground,
@@ -28,7 +28,7 @@ ROBOT = load_robot('titan_viii')
 LIMITS = GroundLimits.of(ROBOT)
 CLEARANCE = ROBOT.footprint_radius + 0.12
 STEP = ROBOT.step_height
-CRAWL = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 
 
 def ground(width=6.0, depth=4.0, resolution=0.02, boxes=(), slope=0.0, origin=(0.0, 0.0)):

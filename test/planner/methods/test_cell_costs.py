@@ -10,9 +10,9 @@ from test_shortest_planner import floor
 from quad_common.errors import ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import Pace
+from quad_common.robot.walking_time import WalkingTimeModel
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.grid.inflation import segment_clearance
-from quad_planner.grid.safety_map import SafetyMap
 from quad_planner.methods.cell_costs import ClearanceCost, UnknownCost, cell_costs
 from quad_planner.methods.planner import make_planner
 
@@ -39,13 +39,13 @@ def least_clearance(plan, prepared):
 
 def test_unknown_cells_have_their_factor():
     grid = with_unknown()
-    factors = UnknownCost(3.0).factors(SafetyMap.of(grid, 0.3, 65, True))
+    factors = UnknownCost(3.0).factors(InflatedMap.of(grid, 0.3, 65, True))
     assert np.array_equal(factors == 3.0, grid.unknown())
     assert np.array_equal(factors == 1.0, ~grid.unknown())
 
 
 def test_the_clearance_cost_falls_with_the_distance():
-    safety = SafetyMap.of(BESIDE_A_WALL, 0.3, 65, False)
+    safety = InflatedMap.of(BESIDE_A_WALL, 0.3, 65, False)
     factors = ClearanceCost(5.0, 0.5).factors(safety)
     # Along a row that leads straight away from the box: from the boundary on.
     row = factors[30, 53:70]
@@ -55,7 +55,7 @@ def test_the_clearance_cost_falls_with_the_distance():
 
 
 def test_layers_are_multiplied():
-    safety = SafetyMap.of(with_unknown(), 0.3, 65, True)
+    safety = InflatedMap.of(with_unknown(), 0.3, 65, True)
     assert cell_costs((), safety) is None
     both = cell_costs((UnknownCost(2.0), UnknownCost(3.0)), safety)
     assert np.array_equal(both, UnknownCost(6.0).factors(safety))
@@ -108,7 +108,7 @@ def test_plans_lead_around_unknown_cells_if_these_are_dear(any_angle):
 
 @pytest.mark.parametrize('method', ['mesh', 'quickest'])
 def test_methods_that_compare_other_things_say_so(method):
-    pace = Pace(cycle_period=5.0, stride=0.2, turn=0.7)
+    pace = WalkingTimeModel(cycle_period=5.0, stride=0.2, turn=0.7)
     with pytest.raises(ParameterError, match='UnknownCost'):
         plan(method, with_unknown(), pace=pace, costs=(UnknownCost(2.0),))
 

@@ -9,7 +9,7 @@ import pytest
 from quad_common.errors import PlannerError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import Pace
+from quad_common.robot.walking_time import WalkingTimeModel
 from quad_planner.grid.bit_grid import changed_rows
 from quad_planner.methods.cell_costs import ClearanceCost
 from quad_planner.methods.planner import METHODS, make_planner
@@ -17,7 +17,7 @@ from quad_planner.methods.planner import METHODS, make_planner
 ORIGIN = Pose2D(-1.0, 2.0, 0.3)
 OPTIONS = {
     'mesh_size': 0.45,
-    'pace': Pace(cycle_period=5.0, stride=0.2, turn=math.radians(44.0)),
+    'pace': WalkingTimeModel(cycle_period=5.0, stride=0.2, turn=math.radians(44.0)),
     'influence': 0.6,
 }
 

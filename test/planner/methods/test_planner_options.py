@@ -8,10 +8,10 @@ import pytest
 from quad_common.errors import PlannerTimedOut, PlanSuperseded
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import Pace
+from quad_common.robot.walking_time import WalkingTimeModel
 from quad_planner.methods.planner import METHODS, make_planner
 
-CRAWL = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 
 
 def attempt(method, any_angle, **options):

@@ -9,14 +9,14 @@ from test_shortest_planner import BOTH, floor, random_floor
 
 from quad_common.errors import NoPathFound, PlannerError, PlannerTimedOut
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import Pace
+from quad_common.robot.walking_time import WalkingTimeModel
 from quad_planner.grid.inflation import segment_clearance
 from quad_planner.methods.mesh_planner import MeshPlanner
 from quad_planner.methods.quickest_planner import QuickestPlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner
 
-CRAWL = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
-TROT = Pace(cycle_period=0.5, stride=0.17, turn=math.radians(28.0), stopping=0.7)
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+TROT = WalkingTimeModel(cycle_period=0.5, stride=0.17, turn=math.radians(28.0), stopping=0.7)
 
 
 @pytest.mark.parametrize('seed', range(30))
@@ -58,7 +58,7 @@ def test_plans_keep_clear_all_along_and_none_is_slower_than_simpler_ones(seed):
         # Ends join the mesh by segments that are measured exactly; these keep to the cells.
         points = grid.world_to_map(on_mesh.corners)
         keeps_to_cells = all(prepared.is_allowed(point) for point in points) and all(
-            prepared.leads(a, b, radius) for a, b in pairwise(points)
+            prepared.is_reachable_straight(a, b, radius) for a, b in pairwise(points)
         )
         if not keeps_to_cells:
             continue
@@ -73,7 +73,7 @@ def test_a_detour_saves_turns(any_angle):
     boxes = [(12 + 10 * k, 0, 1, gap) for k, gap in enumerate(gaps)]
     boxes += [(12 + 10 * k, gap + 6, 1, 27 - gap) for k, gap in enumerate(gaps)]
     grid = floor(46, 40, 0.1, boxes=boxes)
-    slow = Pace(cycle_period=5.0, stride=0.2, turn=math.radians(5.0))
+    slow = WalkingTimeModel(cycle_period=5.0, stride=0.2, turn=math.radians(5.0))
     start, goal = (
         Pose2D(0.55, 1.05, math.radians(90.0)),
         Pose2D(4.05, 1.05, math.radians(-90.0)),

@@ -20,8 +20,8 @@ def convex_corners(allowed):
     return any_angle.convex_corners(BitMask.of(~allowed))
 
 
-def taut_path(allowed, *arguments):
-    return any_angle.taut_path(BitMask.of(~allowed), *arguments)
+def any_angle_path(allowed, *arguments):
+    return any_angle.any_angle_path(BitMask.of(~allowed), *arguments)
 
 
 def boxes(seed, size=30):
@@ -92,7 +92,7 @@ def test_taut_paths_are_as_short_as_in_the_whole_visibility_graph(seed):
         if segments_allowed(allowed, points[i][None], points[j] - points[i])[0]:
             distances[i, j] = np.hypot(*(points[j] - points[i]))
     shortest = dijkstra(distances, directed=False, indices=0)[1]
-    path = taut_path(allowed, corners, start, goal, 1e6)
+    path = any_angle_path(allowed, corners, start, goal, 1e6)
     if path is None:
         assert shortest == np.inf
         return
@@ -102,8 +102,10 @@ def test_taut_paths_are_as_short_as_in_the_whole_visibility_graph(seed):
     assert points_allowed(allowed, path).all()
     assert {tuple(p) for p in path[1:-1]} <= {tuple(c) for c in corners}
     # A bound that is just long enough changes nothing; a shorter one leaves no path.
-    assert length(taut_path(allowed, corners, start, goal, shortest)) == pytest.approx(shortest)
-    assert taut_path(allowed, corners, start, goal, 0.99 * shortest) is None
+    assert length(any_angle_path(allowed, corners, start, goal, shortest)) == pytest.approx(
+        shortest
+    )
+    assert any_angle_path(allowed, corners, start, goal, 0.99 * shortest) is None
 
 
 def test_the_time_is_checked_again_and_again():
@@ -111,11 +113,11 @@ def test_the_time_is_checked_again_and_again():
     corners = convex_corners(allowed)
     ends = np.array([0.5, 0.5]), np.array([11.5, 11.5])
     calls = []
-    taut_path(allowed, corners, *ends, 1e6, lambda: calls.append(1))
+    any_angle_path(allowed, corners, *ends, 1e6, lambda: calls.append(1))
     assert calls
 
     def stop():
         raise TimeoutError
 
     with pytest.raises(TimeoutError):
-        taut_path(allowed, corners, *ends, 1e6, stop)
+        any_angle_path(allowed, corners, *ends, 1e6, stop)

@@ -10,7 +10,7 @@ from test_lattice_search import CRAWL, RESOLUTION, random_requests
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.pace import LENGTH_SLACK, Pace
+from quad_common.robot.walking_time import LENGTH_SLACK, WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid, BitMask
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.any_angle import convex_corners
@@ -111,8 +111,8 @@ def test_bends_cost_nothing():
     free[(x + 0.5 - 60) ** 2 / 50**2 + (y + 0.5) ** 2 / 20**2 < 1.0] = False
     start, goal = np.array([2.5, 5.5]), np.array([117.5, 5.5])
     points = np.vstack((start, goal, convex_corners(BitMask.of(~free))))
-    bending = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
-    never = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2), bend=0.0)
+    bending = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+    never = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2), bend=0.0)
     yaw = math.radians(30.0)
     took = {
         name: cycles_of(

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.robot.pace import Pace
+from quad_common.robot.walking_time import WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path
 
 RESOLUTION = 0.05
-CRAWL = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
 
 
@@ -77,7 +77,7 @@ def random_requests(seed, count):
         if len(cells) < 2:
             continue
         start, goal = (tuple(map(int, cells[k])) for k in rng.choice(len(cells), 2, replace=False))
-        pace = Pace(
+        pace = WalkingTimeModel(
             cycle_period=1.0,
             stride=float(rng.choice([0.2261, 0.07, 0.439, 0.1])),
             turn=math.radians(rng.choice([44.2, 30.0, 56.0, 91.0])),
@@ -158,7 +158,7 @@ def test_the_turns_cost_a_detour_that_is_worth_it():
         free[0 : 6 + 2 * (k % 2), 8 + 10 * k] = False
     grid = BitGrid.of(free)
     path = quickest_path(grid, (2, 7), (57, 7), 0.0, 0.0, CRAWL, RESOLUTION, 500)
-    slow_turns = Pace(cycle_period=5.0, stride=0.226, turn=math.radians(4.0))
+    slow_turns = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(4.0))
     straighter = quickest_path(grid, (2, 7), (57, 7), 0.0, 0.0, slow_turns, RESOLUTION, 2000)
     assert len(straighter.cells) <= len(path.cells)
 

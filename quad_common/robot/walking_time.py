@@ -42,7 +42,7 @@ LENGTH_SLACK = 1e-5
 
 
 @dataclass(frozen=True)
-class Pace:
+class WalkingTimeModel:
     """
     How far the cycles of a gait go on a robot.
 
@@ -145,7 +145,7 @@ def paces_file(robot: str | Path) -> Path:
     return data.with_suffix('.pace.yaml')
 
 
-def load_paces(path: Path) -> dict[str, Pace]:
+def load_paces(path: Path) -> dict[str, WalkingTimeModel]:
     """
     Load a file of paces.
 
@@ -156,7 +156,7 @@ def load_paces(path: Path) -> dict[str, Pace]:
 
     Returns
     -------
-    dict of str to Pace
+    dict of str to WalkingTimeModel
         By the gaits' names.
 
     Raises
@@ -180,7 +180,7 @@ def load_paces(path: Path) -> dict[str, Pace]:
         raise error.at(f'{_WHAT} {path}: ') from error
 
 
-def load_pace(robot: str | Path, gait: str) -> Pace:
+def load_pace(robot: str | Path, gait: str) -> WalkingTimeModel:
     """
     Load the pace of a gait on a robot.
 
@@ -193,7 +193,7 @@ def load_pace(robot: str | Path, gait: str) -> Pace:
 
     Returns
     -------
-    Pace
+    WalkingTimeModel
         From the robot's file of paces.
 
     Raises
@@ -215,13 +215,13 @@ def load_pace(robot: str | Path, gait: str) -> Pace:
     return paces[name]
 
 
-def save_paces(paces: Mapping[str, Pace], path: Path, heading: Iterable[str]) -> None:
+def save_paces(paces: Mapping[str, WalkingTimeModel], path: Path, heading: Iterable[str]) -> None:
     """
     Write paces, under lines of comment that say where they come from.
 
     Parameters
     ----------
-    paces : mapping of str to Pace
+    paces : mapping of str to WalkingTimeModel
         By the gaits' names.
     path : Path
         The file.
@@ -237,7 +237,7 @@ def save_paces(paces: Mapping[str, Pace], path: Path, heading: Iterable[str]) ->
     write_text(path, text + yaml.safe_dump({'paces': entries}, sort_keys=False), _WHAT)
 
 
-def _pace(gait: str, entry: object) -> Pace:
+def _pace(gait: str, entry: object) -> WalkingTimeModel:
     """Read the pace of a gait."""
     name = f'paces.{gait}'
     if not isinstance(entry, dict):
@@ -246,6 +246,6 @@ def _pace(gait: str, entry: object) -> Pace:
     missing = [key for key in ('cycle_period', 'stride', 'turn') if key not in entry]
     if missing:
         raise ParameterError(name, entry, f'complete: {", ".join(missing)} is missing')
-    return Pace(
+    return WalkingTimeModel(
         **{key: QUANTITIES[key].check(f'{name}.{key}', value) for key, value in entry.items()}
     )

@@ -13,7 +13,7 @@ from quad_common.errors import TrajectoryError
 from quad_common.robot.robot import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
-from quad_gait.faults.joint_watch import JointWatch
+from quad_gait.faults.joint_fault_detector import JointFaultDetector
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -57,7 +57,7 @@ class Robot:
         self.rng = np.random.default_rng(seed)
         self.phases = self.rng.uniform(0.0, 2.0 * math.pi, 12)
         self.lateness, self.lost, self.stamped = lateness, lost, stamped
-        self.watch = JointWatch(ROBOT)
+        self.watch = JointFaultDetector(ROBOT)
         self.executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE)
         self.joints = POSTURE.copy()
         self.bias = self.rng.uniform(-0.02, 0.02, 12)

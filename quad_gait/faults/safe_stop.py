@@ -53,7 +53,7 @@ _TRIAL_TIME, _TRIAL_PAUSE = 0.6, 0.3
 
 
 @dataclass(frozen=True)
-class LameOptions:
+class SafeStopOptions:
     """How a lame robot comes to a standstill; lengths are TITAN-VIII's."""
 
     sample_period: float = 0.02
@@ -82,7 +82,7 @@ class LameOptions:
     """Whether the centre of mass goes over the sound feet while those that swing are put down."""
 
     @classmethod
-    def hasty(cls) -> LameOptions:
+    def hasty(cls) -> SafeStopOptions:
         """Return the options for a gait that is not static: it leaves no time to settle."""
         return cls(catch_time=0.27, settle_time=0.45, pause=0.08, attempts=2, shifts_at_once=True)
 
@@ -147,7 +147,7 @@ def tipping(
     return margin, float(min(angles, default=np.pi / 2.0))
 
 
-class LameStop:
+class SafeStop:
     """
     The motions that bring a lame robot to a standstill, one after the other.
 
@@ -161,7 +161,7 @@ class LameStop:
         Where the joints are commanded to be now [rad].
     standing : ndarray of bool, shape (4,)
         Which feet are planned to be down now.
-    options : LameOptions, optional
+    options : SafeStopOptions, optional
         How.
     """
 
@@ -171,11 +171,11 @@ class LameStop:
         fault: JointFault,
         commanded: Array,
         standing: NDArray[np.bool_],
-        options: LameOptions | None = None,
+        options: SafeStopOptions | None = None,
     ) -> None:
         self._robot = robot
         self._fault = fault
-        self._options = LameOptions() if options is None else options
+        self._options = SafeStopOptions() if options is None else options
         self._scale = robot.relative_size
         self._wanted = 0.8 * self._scale * self._options.margin
         self._leg = fault.leg
@@ -524,7 +524,7 @@ class LameStop:
         return float(min(knee[hanging, 2], foot[hanging, 2]))
 
 
-class Lameness:
+class JointRecovery:
     """
     A joint that has failed, what the robot does about it, and whether it answers again.
 
@@ -534,11 +534,11 @@ class Lameness:
         The robot.
     fault : JointFault
         What has failed.
-    stop : LameStop
+    stop : SafeStop
         How the robot comes to a standstill.
     """
 
-    def __init__(self, robot: Robot, fault: JointFault, stop: LameStop) -> None:
+    def __init__(self, robot: Robot, fault: JointFault, stop: SafeStop) -> None:
         self._robot = robot
         self.fault = fault
         self.stop = stop
@@ -587,9 +587,9 @@ class Lameness:
             self._robot,
             commanded.reshape(-1),
             goal,
-            now.time + LameOptions().reaction,
+            now.time + SafeStopOptions().reaction,
             _TRIAL_TIME,
-            LameOptions().sample_period,
+            SafeStopOptions().sample_period,
         )
 
 

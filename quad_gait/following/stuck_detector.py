@@ -22,7 +22,7 @@ _TOO_LITTLE = 0.1
 speed."""
 
 
-class Progress:
+class StuckDetector:
     """
     Compares what cycles were planned to do with what they did.
 

@@ -7,11 +7,11 @@ import pytest
 from quad_common.errors import ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.pace import Pace, load_pace, paces_file, save_paces
 from quad_common.robot.robot import available_robots
+from quad_common.robot.walking_time import WalkingTimeModel, load_pace, paces_file, save_paces
 
-CRAWL = Pace(cycle_period=5.0, stride=0.2, turn=math.radians(45.0))
-TROT = Pace(cycle_period=0.5, stride=0.2, turn=math.radians(45.0), stopping=0.7)
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.2, turn=math.radians(45.0))
+TROT = WalkingTimeModel(cycle_period=0.5, stride=0.2, turn=math.radians(45.0), stopping=0.7)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_a_plan_of_one_pose_is_a_turn():
 def test_a_number_that_is_not_valid_is_refused(name, value):
     numbers = {'cycle_period': 5.0, 'stride': 0.2, 'turn': 0.7, name: value}
     with pytest.raises(ParameterError, match=name):
-        Pace(**numbers)
+        WalkingTimeModel(**numbers)
 
 
 def test_a_file_of_paces_is_read_as_it_was_written(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 
 from quad_common.robot.robot import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.faults.joint_watch import JointWatch
+from quad_gait.faults.joint_fault_detector import JointFaultDetector
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -53,7 +53,7 @@ def watch_for(seconds, measured, watch, efforts=LOADED, start=0.5):
 
 @pytest.fixture
 def watch():
-    watch = JointWatch(ROBOT)
+    watch = JointFaultDetector(ROBOT)
     watch.expect(swaying(), 0.2)
     return watch
 
@@ -82,7 +82,7 @@ def test_a_robot_that_hears_nothing_at_all_is_no_robot_with_a_failed_joint(watch
 
 
 def test_without_a_trajectory_nothing_is_expected():
-    watch = JointWatch(ROBOT)
+    watch = JointFaultDetector(ROBOT)
     assert watch_for(2.0, lambda t: POSTURE + t, watch) is None
 
 

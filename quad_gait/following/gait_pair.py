@@ -17,7 +17,7 @@ _PURE_TURN = 0.02
 """Steering that moves the body by less than this per radian is a turn on the spot [m]."""
 
 
-class Gears:
+class GaitPair:
     """
     The two gaits that a robot uses, and what they can do.
 

@@ -12,7 +12,7 @@ from quad_common.errors import MarkerNotSeen, ParameterError, PictureUnusable, S
 from quad_common.planar_pose import Pose2D
 from quad_common.vision.markers import GoalMarker, RobotMarker
 from quad_perception.picture.perception import Perceiver, default_ranges
-from quad_perception.tracking.room_watch import RoomWatch, WatchOptions
+from quad_perception.tracking.scene_tracker import SceneTracker, TrackerOptions
 
 CAMERA = ceiling_camera()
 PERCEIVER = Perceiver(CAMERA, default_ranges((210, 40, 35)))
@@ -27,7 +27,7 @@ def picture(robot=ROBOT, goal=None, obstacles=(BOX,)):
 
 
 def watch(**options):
-    room = RoomWatch(PERCEIVER, WatchOptions(**options))
+    room = SceneTracker(PERCEIVER, TrackerOptions(**options))
     room.add_odometry(0.0, Pose2D(0.0, 0.0, 0.0))
     return room
 

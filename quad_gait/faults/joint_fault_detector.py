@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class WatchOptions:
+class FaultDetectorOptions:
     """When a joint has failed."""
 
     tracker: TrackerOptions = field(default_factory=TrackerOptions)
@@ -56,7 +56,7 @@ class WatchOptions:
     """Angle, beyond four times what a drive can do, by which joints that were moved jump [rad]."""
 
 
-class JointWatch:
+class JointFaultDetector:
     """
     Compares joints with their commands, measurement by measurement.
 
@@ -64,13 +64,13 @@ class JointWatch:
     ----------
     robot : Robot
         The robot.
-    options : WatchOptions
+    options : FaultDetectorOptions
         When a joint has failed.
     """
 
-    def __init__(self, robot: Robot, options: WatchOptions | None = None) -> None:
+    def __init__(self, robot: Robot, options: FaultDetectorOptions | None = None) -> None:
         self._robot = robot
-        self._options = WatchOptions() if options is None else options
+        self._options = FaultDetectorOptions() if options is None else options
         self._largest = robot.effort.reshape(-1)
         self._fastest = np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
         self._tracker = CommandTracker(self._options.tracker)

@@ -26,7 +26,7 @@ _STILL = (0.03, 0.05)
 
 
 @dataclass(frozen=True)
-class WatchOptions:
+class TrackerOptions:
     """What counts as a change."""
 
     confirmations: int = 2
@@ -55,7 +55,7 @@ class Sighting:
     """Which goal is meant, if several are seen; the last one stays."""
 
 
-class RoomWatch:
+class SceneTracker:
     """
     The room under one camera.
 
@@ -63,7 +63,7 @@ class RoomWatch:
     ----------
     perceiver : Perceiver
         What sees.
-    options : WatchOptions, optional
+    options : TrackerOptions, optional
         What counts as a change.
     fusion : FusionOptions, optional
         How much odometry and camera are believed.
@@ -72,11 +72,11 @@ class RoomWatch:
     def __init__(
         self,
         perceiver: Perceiver,
-        options: WatchOptions | None = None,
+        options: TrackerOptions | None = None,
         fusion: FusionOptions | None = None,
     ) -> None:
         self._perceiver = perceiver
-        self._options = options or WatchOptions()
+        self._options = options or TrackerOptions()
         self._fusion = PoseFusion(fusion)
         self._map = SteadyMap(self._options.confirmations)
         self._goal: Pose2D | None = None

@@ -6,15 +6,15 @@ import pytest
 from quad_common.errors import StartOccupied
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.grid.inflation import segment_clearance
-from quad_planner.grid.safety_map import SafetyMap
 
 RESOLUTION = 0.1
 
 
-def safety_map(cells, radius=0.25):
+def inflated_map(cells, radius=0.25):
     grid = OccupancyGrid(cells, RESOLUTION, Pose2D(0.0, 0.0, 0.0))
-    return SafetyMap.of(grid, radius, occupied_threshold=65, unknown_is_free=False)
+    return InflatedMap.of(grid, radius, occupied_threshold=65, unknown_is_free=False)
 
 
 def scattered(seed, height, width, share=0.01):
@@ -25,7 +25,7 @@ def scattered(seed, height, width, share=0.01):
 def test_zones_are_the_same_as_bits_and_as_masks():
     _, cells = scattered(1, 70, 130)
     cells[5, 5] = -1
-    zones = safety_map(cells)
+    zones = inflated_map(cells)
     assert (zones.blocked == (cells != 0)).all()
     assert (zones.forbidden == ~zones.allowed).all()
     assert zones.forbidden[zones.blocked].all()
@@ -37,7 +37,7 @@ def test_the_area_of_a_forbidden_point_is_that_of_the_nearest_allowed_cell():
     rng, cells = scattered(2, 260, 300, 0.02)
     # A block so large that its middle is far from every allowed cell.
     cells[40:220, 60:280] = 100
-    zones = safety_map(cells)
+    zones = inflated_map(cells)
     rows, columns = np.nonzero(zones.allowed)
     for point in rng.uniform((0.0, 0.0), (300.0, 260.0), (60, 2)):
         apart = np.hypot(columns + 0.5 - point[0], rows + 0.5 - point[1])
@@ -49,13 +49,13 @@ def test_the_area_of_a_forbidden_point_is_that_of_the_nearest_allowed_cell():
 
 
 def test_where_nothing_is_allowed_there_is_no_area():
-    zones = safety_map(np.full((200, 9), 100, dtype=np.int8))
+    zones = inflated_map(np.full((200, 9), 100, dtype=np.int8))
     assert zones.area_of(np.array([4.0, 100.0])) == 0
 
 
 def test_a_start_that_is_refused_is_told_its_distance_to_the_nearest_obstacle():
     rng, cells = scattered(3, 120, 150, 0.003)
-    zones = safety_map(cells, radius=1.5)
+    zones = inflated_map(cells, radius=1.5)
     refused = 0
     for x, y in rng.uniform((0.0, 0.0), (15.0, 12.0), (60, 2)):
         point = np.array([x, y]) / RESOLUTION

@@ -27,8 +27,8 @@ from quad_planner.grid.inflation import (
     Mask,
     Points,
     blocked_cells,
-    grown,
-    grown_anew,
+    inflated,
+    inflated_again,
     segment_clearance,
 )
 from quad_planner.grid.line_of_sight import sees
@@ -44,7 +44,7 @@ _NEARBY = 12.0
 
 
 @dataclass(frozen=True, eq=False)
-class SafetyMap:
+class InflatedMap:
     """
     A map with the zone that the robot's centre must keep out of.
 
@@ -67,7 +67,7 @@ class SafetyMap:
         clearance_radius: float,
         occupied_threshold: int,
         unknown_is_free: bool,
-    ) -> SafetyMap:
+    ) -> InflatedMap:
         """
         Inflate a map.
 
@@ -78,13 +78,13 @@ class SafetyMap:
 
         Returns
         -------
-        SafetyMap
+        InflatedMap
             The map and its zones.
         """
         blocked = blocked_cells(
             grid, occupied_threshold=occupied_threshold, unknown_is_free=unknown_is_free
         )
-        forbidden = grown(blocked, clearance_radius / grid.resolution)
+        forbidden = inflated(blocked, clearance_radius / grid.resolution)
         return cls(grid, clearance_radius, blocked, forbidden)
 
     def zones_changed_to(
@@ -119,7 +119,7 @@ class SafetyMap:
         ).words
         blocked = BitMask(words, grid.width)
         radius = self.clearance_radius / grid.resolution
-        forbidden, rows = grown_anew(self.forbidden_bits, blocked, radius, changed)
+        forbidden, rows = inflated_again(self.forbidden_bits, blocked, radius, changed)
         return blocked, forbidden, rows
 
     @cached_property
@@ -183,7 +183,7 @@ class SafetyMap:
         """Return whether a point on the map lies in an allowed cell [cells]."""
         return not self.forbidden_bits[self._cell_of(point)]
 
-    def leads(self, a: Points, b: Points, keep: float) -> bool:
+    def is_reachable_straight(self, a: Points, b: Points, keep: float) -> bool:
         """Return whether one may go straight from one point to another, all in cells."""
         if self.is_allowed(a) and self.is_allowed(b):
             return sees(self.forbidden_bits.words, self.grid.width, *a, *b)
