@@ -52,7 +52,7 @@ as an image viewer shows them; lines that begin with # are comments.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest='action', metavar='action', required=True)
-    masks = actions.add_parser('masks', help='draw which pixels each range of colours catches')
+    masks = actions.add_parser('masks', help='draw which pixels each range of colors catches')
     masks.add_argument('picture', type=input_argument, help='of the room; of a video the first one')
     masks.add_argument(
         '--output', type=output_argument, default=Path('masks.png'), help='picture to write'
@@ -252,7 +252,7 @@ def _ranges(path: Path | None) -> tuple[ColorRange, ...]:
         given = {color.name: color for color in load_ranges(path)}
         for name in given:
             if name not in ranges:
-                raise UnknownKey('', name, ranges, f'colour file {path}: ')
+                raise UnknownKey('', name, ranges, f'color file {path}: ')
         ranges |= given
     return tuple(ranges.values())
 

@@ -27,7 +27,7 @@ COMMANDS = {
     'bench': 'measure what quadwalk does, and compare it with what it should do',
     'calibrate': 'measure in simulation how far a gait goes, and keep it with the robot',
     'gait': 'list the gaits, or check one on a robot',
-    'camera': 'see what a ceiling camera shows: colours, map, robot and goal, or where it is',
+    'camera': 'see what a ceiling camera shows: colors, map, robot and goal, or where it is',
     'robot': 'check a robot data file, or print its URDF',
     'parameters': "print a node's parameters as a commented YAML file",
 }

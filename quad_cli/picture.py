@@ -51,7 +51,7 @@ def draw_walk(
     robot : Robot
         The robot.
     clearance_radius : float
-        How far the planner keeps the robot's centre from obstacles [m].
+        How far the planner keeps the robot's center from obstacles [m].
     plan : Plan or None
         The plan in force at the end.
     start, goal : Pose2D
@@ -178,7 +178,7 @@ def _draw_heights(figure: Figure, axes: Axes, heights: HeightMap) -> None:
 
 
 def _shades(heights: HeightMap) -> tuple[float, float]:
-    """Return which heights are black and white: the ground is not darker than grey."""
+    """Return which heights are black and white: the ground is not darker than gray."""
     known = heights.heights[~np.isnan(heights.heights)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
     span = max(high - low, 0.01)

@@ -403,12 +403,12 @@ class MarkerNotSeen(PerceptionError):
     what : str
         What carries the marker, for example ``robot``.
     colors : iterable of str
-        Names of the ranges of colours that were looked for.
+        Names of the ranges of colors that were looked for.
     """
 
     def __init__(self, what: str, colors: Iterable[str]) -> None:
         super().__init__(
-            f'the {what} is not seen: there is no disc of the colours {_listed(colors)} '
+            f'the {what} is not seen: there is no disc of the colors {_listed(colors)} '
             'in the picture'
         )
 
@@ -422,7 +422,7 @@ class MarkerHidden(PerceptionError):
     what : str
         What carries the marker.
     color : str
-        Name of the range of colours of the disc that lacks.
+        Name of the range of colors of the disc that lacks.
     seen : float
         Share of the disc that is seen, 0 to 1.
     why : str

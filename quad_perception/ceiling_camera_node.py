@@ -41,7 +41,7 @@ from quad_common.ros.run_node import run_node
 from quad_common.ros.stamp_order import StampOrder
 from quad_common.vision.camera import CameraModel
 from quad_common.vision.camera_file import load_camera
-from quad_common.vision.markers import Colour, GoalMarker, RobotMarker
+from quad_common.vision.markers import Color, GoalMarker, RobotMarker
 from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.picture.annotated import annotated
 from quad_perception.picture.perception import Perceiver, default_ranges
@@ -77,10 +77,10 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         p = self.parameters
         self._robot = load_robot(p.robot)
         self._robot_marker = RobotMarker.on(
-            self._robot, colour_of(p.front_colour), colour_of(p.rear_colour)
+            self._robot, color_of(p.front_color), color_of(p.rear_color)
         )
         self._goal_marker = GoalMarker(
-            colour=colour_of(p.goal_colour), heading_colour=colour_of(p.goal_heading_colour)
+            color=color_of(p.goal_color), heading_color=color_of(p.goal_heading_color)
         )
         self._place = self._camera_place()
         self._info: CameraInfo | None = None
@@ -170,7 +170,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         perceiver = Perceiver.of_robot(
             camera,
             self._robot,
-            default_ranges(colour_of(p.obstacle_colour), robot, goal),
+            default_ranges(color_of(p.obstacle_color), robot, goal),
             robot,
             goal,
             resolution=p.resolution,
@@ -255,7 +255,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         return static, self.create_publisher(TFMessage, 'tf', 100)
 
 
-def colour_of(numbers: list[float]) -> Colour:
+def color_of(numbers: list[float]) -> Color:
     """Read red, green and blue; whatever is wrong with them is said by who takes them."""
     return tuple(round(number) for number in numbers)  # type: ignore[return-value]
 

@@ -27,17 +27,17 @@ class CeilingCameraParameters:
         'x and y of the lower left and the upper right corner; empty: what the camera sees.',
         'm',
     )
-    obstacle_colour: list[float] = parameter(
+    obstacle_color: list[float] = parameter(
         [205.0, 50.0, 35.0], 'Of obstacles: red, green, blue, 0 to 255.'
     )
-    front_colour: list[float] = parameter(
+    front_color: list[float] = parameter(
         [30.0, 80.0, 230.0], "Of the front disc on the robot's back, likewise."
     )
-    rear_colour: list[float] = parameter(
+    rear_color: list[float] = parameter(
         [250.0, 210.0, 0.0], "Of the rear disc on the robot's back, likewise."
     )
-    goal_colour: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
-    goal_heading_colour: list[float] = parameter(
+    goal_color: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
+    goal_heading_color: list[float] = parameter(
         [215.0, 40.0, 200.0], "Of the disc that shows the goal's heading, likewise."
     )
     goal_distance: float = parameter(

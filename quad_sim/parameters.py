@@ -156,21 +156,21 @@ class SimParameters:
     camera_brightness: float = parameter(
         1.0, 'By which the numbers in a picture are multiplied.', lower=0.0, upper=10.0
     )
-    obstacle_colour: list[float] = parameter(
+    obstacle_color: list[float] = parameter(
         [205.0, 50.0, 35.0], 'Of walls and obstacles: red, green, blue, 0 to 255.'
     )
-    floor_colour: list[float] = parameter([205.0, 205.0, 200.0], 'Of the floor, likewise.')
+    floor_color: list[float] = parameter([205.0, 205.0, 200.0], 'Of the floor, likewise.')
     floor_checker: float = parameter(
         0.0, 'Side of the squares of a pattern on the floor; 0: none.', 'm', lower=0.0, upper=10.0
     )
-    front_colour: list[float] = parameter(
+    front_color: list[float] = parameter(
         [30.0, 80.0, 230.0], "Of the front disc on the robot's back, likewise."
     )
-    rear_colour: list[float] = parameter(
+    rear_color: list[float] = parameter(
         [250.0, 210.0, 0.0], "Of the rear disc on the robot's back, likewise."
     )
-    goal_colour: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
-    goal_heading_colour: list[float] = parameter(
+    goal_color: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
+    goal_heading_color: list[float] = parameter(
         [215.0, 40.0, 200.0], "Of the disc that shows the goal's heading, likewise."
     )
     camera_frame: str = parameter(

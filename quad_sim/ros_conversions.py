@@ -266,10 +266,10 @@ def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
     if marker.type not in kinds:
         raise InvalidMessage(what, f'its type is {marker.type}; known are CUBE 1 and CYLINDER 3')
     check_frame(what, marker.header.frame_id, frames)
-    colour = marker.color
-    parts = (colour.r, colour.g, colour.b, colour.a)
+    color = marker.color
+    parts = (color.r, color.g, color.b, color.a)
     if not all(0.0 <= part <= 1.0 for part in parts):
-        raise InvalidMessage(what, f'its colour r, g, b, a is {parts}; each must be from 0 to 1')
+        raise InvalidMessage(what, f'its color r, g, b, a is {parts}; each must be from 0 to 1')
     red, green, blue = (round(255.0 * part) for part in parts[:3])
     size = marker.scale
     low, high = _SIZES
@@ -287,7 +287,7 @@ def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
             size.x,
             size.y,
             size.z,
-            # A colour that nobody has set is black and transparent.
+            # A color that nobody has set is black and transparent.
             (red, green, blue) if any(parts) else None,
         )
     except (InvalidPose, ParameterError) as error:

@@ -14,7 +14,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_common.vision.camera import CameraModel
-from quad_common.vision.markers import Colour, GoalMarker, RobotMarker
+from quad_common.vision.markers import Color, GoalMarker, RobotMarker
 from quad_sim.parameters import SimParameters
 from quad_sim.simulation import check_start
 from quad_sim.world.appearance import Appearance
@@ -139,15 +139,15 @@ def _extent(scenery: Scenery) -> tuple[float, float, float, float]:
 
 
 def appearance_from(parameters: SimParameters, robot: Robot) -> Appearance:
-    """Return colours and markers; ParameterError if a colour is none."""
+    """Return colors and markers; ParameterError if a color is none."""
     p = parameters
     return Appearance(
-        floor_colour=_colour(p, 'floor_colour'),
-        obstacle_colour=_colour(p, 'obstacle_colour'),
+        floor_color=_color(p, 'floor_color'),
+        obstacle_color=_color(p, 'obstacle_color'),
         checker_size=p.floor_checker,
-        robot_marker=RobotMarker.on(robot, _colour(p, 'front_colour'), _colour(p, 'rear_colour')),
+        robot_marker=RobotMarker.on(robot, _color(p, 'front_color'), _color(p, 'rear_color')),
         goal_marker=GoalMarker(
-            colour=_colour(p, 'goal_colour'), heading_colour=_colour(p, 'goal_heading_colour')
+            color=_color(p, 'goal_color'), heading_color=_color(p, 'goal_heading_color')
         ),
     )
 
@@ -173,7 +173,7 @@ def camera_from(parameters: SimParameters) -> SimulatedCamera:
     return SimulatedCamera(model, p.camera_noise, p.camera_brightness)
 
 
-def _colour(parameters: SimParameters, name: str) -> Colour:
+def _color(parameters: SimParameters, name: str) -> Color:
     values = getattr(parameters, name)
     if not all(0.0 <= value <= 255.0 for value in values):
         raise ParameterError(name, values, 'red, green and blue, from 0 to 255')

@@ -3,7 +3,7 @@ The height map: how high the ground is, cell by cell.
 
 Its cells lie as those of an :class:`quad_common.maps.occupancy_grid.OccupancyGrid` that is not
 turned: row 0 at the bottom, columns along the world's x axis. Each height is that of its
-cell's centre; between the centres it is interpolated.
+cell's center; between the centers it is interpolated.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class HeightMap:
     """
 
     heights: Array
-    """Of the cells' centres, shape (rows, columns), row 0 at the bottom; NaN: unknown [m]."""
+    """Of the cells' centers, shape (rows, columns), row 0 at the bottom; NaN: unknown [m]."""
     resolution: float
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]
@@ -157,7 +157,7 @@ class HeightMap:
         return x, y, x + self.columns * self.resolution, y + self.rows * self.resolution
 
     @property
-    def centres(self) -> Array:
+    def centers(self) -> Array:
         """Of the cells, x and y in the world, shape (rows, columns, 2) [m]."""
         x = self.origin[0] + (np.arange(self.columns) + 0.5) * self.resolution
         y = self.origin[1] + (np.arange(self.rows) + 0.5) * self.resolution
@@ -196,8 +196,8 @@ class HeightMap:
         Returns
         -------
         ndarray, shape (...)
-            Interpolated linearly in x and in y between the centres of the cells; of the nearest
-            centre in the outer half of a cell at the border. Where a neighbour is unknown, the
+            Interpolated linearly in x and in y between the centers of the cells; of the nearest
+            center in the outer half of a cell at the border. Where a neighbour is unknown, the
             known ones count alone [m].
         """
         heights = self._sample(self.heights, points)
@@ -229,7 +229,7 @@ class HeightMap:
         points : array_like, shape (..., 2)
             x and y in the world [m].
         radius : float
-            How near, to :data:`MAX_REACH` cells; the disc is around the centre of a point's cell,
+            How near, to :data:`MAX_REACH` cells; the disc is around the center of a point's cell,
             and a cell counts if a part of it lies in the disc [m].
 
         Returns
@@ -308,7 +308,7 @@ class HeightMap:
 
     @cached_property
     def _gradient(self) -> tuple[Array, Array]:
-        """Rise along x and along y at the cells' centres, shape (rows, columns) each."""
+        """Rise along x and along y at the cells' centers, shape (rows, columns) each."""
         along_x = _differences(self.heights) / self.resolution
         along_y = _differences(self.heights.T).T / self.resolution
         return along_x, along_y

@@ -1,7 +1,7 @@
 """
-Height map files: a YAML beside a grey image of 16 bits, in the manner of Nav2's map files.
+Height map files: a YAML beside a gray image of 16 bits, in the manner of Nav2's map files.
 
-    image: hills.png          # 16-bit grey PNG; its first row is the top
+    image: hills.png          # 16-bit gray PNG; its first row is the top
     resolution: 0.02          # [m]
     origin: [-1.0, -1.0]      # lower left corner, x and y [m]
     lowest: -0.03             # the height of pixels of 1 [m]
@@ -120,9 +120,9 @@ def save_height_map(terrain: HeightMap, path: str | Path) -> None:
 
 
 def _shades(image: Image.Image) -> NDArray[np.uint16]:
-    """Return the shades of a grey image of 16 bits."""
+    """Return the shades of a gray image of 16 bits."""
     if not image.mode.startswith('I'):
-        raise MapError(f'the image is of mode {image.mode}; it must be grey with 16 bits')
+        raise MapError(f'the image is of mode {image.mode}; it must be gray with 16 bits')
     if image.width * image.height > MAX_CELLS:
         raise MapError(
             f'the image has {image.width} x {image.height} pixels; '

@@ -1,7 +1,7 @@
 """
 Map files: Nav2's YAML beside an image, read as ``nav2_map_server`` of Jazzy reads them.
 
-The rules are those of its ``map_io.cpp``. The image is brought to 8-bit grey, g; the
+The rules are those of its ``map_io.cpp``. The image is brought to 8-bit gray, g; the
 occupancy of a pixel is p = 1 - g/255, or g/255 with ``negate``. Then, by ``mode``:
 
     trinary   p >= occupied_thresh: 100;  p <= free_thresh: 0;  between: unknown
@@ -9,7 +9,7 @@ occupancy of a pixel is p = 1 - g/255, or g/255 with ``negate``. Then, by ``mode
     raw       g itself where it is at most 100, unknown elsewhere; ``negate`` has no say
 
 In trinary and scale a pixel that is not wholly opaque is unknown. These are the rules
-since release 1.3.7 of May 2025; before it, comparisons were strict, colours were averaged
+since release 1.3.7 of May 2025; before it, comparisons were strict, colors were averaged
 evenly, and trinary averaged alpha among them. What ``map_saver`` wrote reads the same.
 
 Images are read by Pillow, not OpenCV: OpenCV leaves a PGM whose white is not 255
@@ -102,8 +102,8 @@ def load_map(path: str | Path) -> OccupancyGrid:
             )
         negate = _flag(document, 'negate')
         image = path.parent / image_of(document)
-        grey, alpha = decode_image(image, _FORMATS, _grey_and_alpha)
-        cells = _raw(grey) if mode == 'raw' else _graded(grey, alpha, negate, free, occupied, mode)
+        gray, alpha = decode_image(image, _FORMATS, _gray_and_alpha)
+        cells = _raw(gray) if mode == 'raw' else _graded(gray, alpha, negate, free, occupied, mode)
         # The image's first row is the top of the map, the grid's first row its bottom.
         return OccupancyGrid(np.ascontiguousarray(cells[::-1]), resolution, origin)
     except QuadError as error:
@@ -172,25 +172,25 @@ def _flag(document: Mapping[str, Any], key: str) -> bool:
     return bool(value)
 
 
-def _grey_and_alpha(image: Image.Image) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
-    """Return the 8-bit grey values of an image, and its alpha if it has one."""
+def _gray_and_alpha(image: Image.Image) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
+    """Return the 8-bit gray values of an image, and its alpha if it has one."""
     if image.mode.startswith('I'):
-        # 16-bit grey: 65535 / 255 = 257, rounded. By a table, which takes no memory.
+        # 16-bit gray: 65535 / 255 = 257, rounded. By a table, which takes no memory.
         table = ((np.arange(65536) + 128) // 257).astype(np.uint8)
         return table.take(np.asarray(image), mode='clip'), None
     # ITU-R 601 luma, 0.299 R + 0.587 G + 0.114 B, here and in GraphicsMagick.
     if 'A' in image.getbands() or 'transparency' in image.info:
-        grey, alpha = np.moveaxis(np.asarray(image.convert('RGBA').convert('LA')), -1, 0)
-        return grey, alpha
+        gray, alpha = np.moveaxis(np.asarray(image.convert('RGBA').convert('LA')), -1, 0)
+        return gray, alpha
     return np.asarray(image.convert('L')), None
 
 
-def _raw(grey: NDArray[np.uint8]) -> NDArray[np.int8]:
-    return np.where(grey <= OCCUPIED, grey.astype(np.int8), np.int8(UNKNOWN))
+def _raw(gray: NDArray[np.uint8]) -> NDArray[np.int8]:
+    return np.where(gray <= OCCUPIED, gray.astype(np.int8), np.int8(UNKNOWN))
 
 
 def _graded(
-    grey: NDArray[np.uint8],
+    gray: NDArray[np.uint8],
     alpha: NDArray[np.uint8] | None,
     negate: bool,
     free: float,
@@ -209,7 +209,7 @@ def _graded(
         shades[between] = np.floor(scaled[between] + np.float32(0.5)).astype(np.int8)
     shades[p >= np.float32(occupied)] = OCCUPIED
     shades[p <= np.float32(free)] = FREE
-    cells = shades[grey]
+    cells = shades[gray]
     if alpha is not None:
         cells[alpha < 255] = UNKNOWN
     return cells

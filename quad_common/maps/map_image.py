@@ -23,7 +23,7 @@ MOST_PIXELS = 2**27
 """Of the largest image that is decoded: 579 m square with cells of 0.05 m."""
 
 _MOST_VALUES = 2**28
-"""Pixels times colour bands."""
+"""Pixels times color bands."""
 
 _NAMES = {'PPM': 'PGM'}
 """What users call Pillow's formats."""
@@ -86,5 +86,5 @@ def _check_size(image: Image.Image, path: Path) -> None:
     if not 0 < pixels <= MOST_PIXELS or pixels * len(image.getbands()) > _MOST_VALUES:
         raise MapError(
             f"the image '{clipped(str(path))}' has {width} x {height} pixels of mode "
-            f'{image.mode}; it must have between 1 and {MOST_PIXELS}, {MOST_PIXELS // 2} in colour'
+            f'{image.mode}; it must have between 1 and {MOST_PIXELS}, {MOST_PIXELS // 2} in color'
         )

@@ -128,7 +128,7 @@ class OccupancyGrid:
         Parameters
         ----------
         points : ndarray, shape (..., 2)
-            Column and row [cells]; add one half to an index for the cell's centre.
+            Column and row [cells]; add one half to an index for the cell's center.
 
         Returns
         -------

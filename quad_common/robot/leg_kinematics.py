@@ -128,7 +128,7 @@ class Leg:
     thigh_length: float | Array
     """[m]"""
     calf_length: float | Array
-    """To the centre of the foot [m]."""
+    """To the center of the foot [m]."""
     knee_sign: float | Array = 1.0
     """+1 or -1: the sign of q3 among inverse kinematics' two solutions, before ``signs``."""
     signs: Array | tuple[float, float, float] = (1.0, 1.0, 1.0)

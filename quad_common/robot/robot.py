@@ -107,7 +107,7 @@ class Robot:
     body_size: tuple[float, float, float]
     """Length, width and height of the body's box [m]."""
     body_center: tuple[float, float, float]
-    """Centre of the box, and of the body's mass, in base_link [m]."""
+    """Center of the box, and of the body's mass, in base_link [m]."""
     body_mass: float
     """[kg]"""
     links: Mapping[str, LinkShape]
@@ -143,7 +143,7 @@ class Robot:
 
     @property
     def foot_radius(self) -> float:
-        """Radius of the foot's ball [m]: its centre is the leg's end point."""
+        """Radius of the foot's ball [m]: its center is the leg's end point."""
         return self.links['foot'].radius
 
     @property
@@ -158,7 +158,7 @@ class Robot:
 
     @cached_property
     def hip_height(self) -> float:
-        """Height of the hips above the feet's centres in the initial posture, H0 [m]."""
+        """Height of the hips above the feet's centers in the initial posture, H0 [m]."""
         return float(self.legs[0].hip[2] - np.mean(self.neutral_feet[:, 2]))
 
     @cached_property
@@ -321,7 +321,7 @@ class Robot:
 
     def center_of_mass(self, joint_angles: Array) -> Array:
         """
-        Find the centre of mass of body and legs.
+        Find the center of mass of body and legs.
 
         Each link's mass sits halfway between its ends, the foot's at the leg's end.
 
@@ -339,7 +339,7 @@ class Robot:
 
     def center_of_mass_of(self, chain: tuple[Array, Array, Array]) -> Array:
         """
-        Find the centre of mass from where the legs' joints are.
+        Find the center of mass from where the legs' joints are.
 
         Parameters
         ----------

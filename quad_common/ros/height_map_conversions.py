@@ -20,7 +20,7 @@ _MOST_FIELDS = 64
 """Of the points of a cloud."""
 
 _OFF_GRID = 0.02
-"""By which points of a height map may be off their cells' centres [cells]."""
+"""By which points of a height map may be off their cells' centers [cells]."""
 
 _ROUNDED = 7
 """Decimals of a resolution and an origin that come as single precision [m]."""
@@ -42,7 +42,7 @@ def height_map_message(heights: HeightMap, frame: str, stamp: Time) -> PointClou
     Returns
     -------
     sensor_msgs/PointCloud2
-        A point for each cell's centre, row by row from the bottom; unknown ones have z NaN.
+        A point for each cell's center, row by row from the bottom; unknown ones have z NaN.
     """
     message = PointCloud2(height=heights.rows, width=heights.columns, is_bigendian=False)
     message.header.frame_id = frame
@@ -51,7 +51,7 @@ def height_map_message(heights: HeightMap, frame: str, stamp: Time) -> PointClou
         PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
         for index, name in enumerate('xyz')
     ]
-    points = np.dstack([heights.centres, heights.heights]).astype('<f4')
+    points = np.dstack([heights.centers, heights.heights]).astype('<f4')
     message.point_step, message.row_step = 12, 12 * heights.columns
     message.is_dense = not bool(np.isnan(heights.heights).any())
     message.data = array('B', points.tobytes())
@@ -143,7 +143,7 @@ def _cloud_points(message: PointCloud2, what: str) -> NDArray[np.float64]:
 
 
 def _height_map_of(points: NDArray[np.float64], what: str) -> HeightMap:
-    """Return the height map whose cells' centres are at points, shape (rows, columns, 3)."""
+    """Return the height map whose cells' centers are at points, shape (rows, columns, 3)."""
     rows, columns, _ = points.shape
     flat = points[..., :2]
     if not np.isfinite(flat).all():

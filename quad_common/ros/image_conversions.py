@@ -27,7 +27,7 @@ _LARGEST_CAMERA_NUMBER = 1e5
 _CHANNELS = {'rgb8': 3, 'bgr8': 3, 'mono8': 1}
 """Of the encodings of pictures that are understood."""
 
-_CENTRE = 0.5
+_CENTER = 0.5
 """Of the first pixel in a `CameraModel`; for ROS and OpenCV it is at 0 [pixels]."""
 
 
@@ -118,13 +118,13 @@ def camera_info_message(model: CameraModel, frame: str, stamp: Time) -> CameraIn
     Returns
     -------
     sensor_msgs/CameraInfo
-        Its matrices count pixels from the centre of the first one, as OpenCV does.
+        Its matrices count pixels from the center of the first one, as OpenCV does.
     """
     message = CameraInfo(height=model.height, width=model.width, distortion_model='plumb_bob')
     message.header.frame_id = frame
     message.header.stamp = stamp
     matrix = model.matrix.copy()
-    matrix[:2, 2] -= _CENTRE
+    matrix[:2, 2] -= _CENTER
     message.d = model.distortion.tolist()
     message.k = matrix.reshape(-1)
     message.r = np.eye(3).reshape(-1)
@@ -190,7 +190,7 @@ def camera_model_from_info(
             f'to {_LARGEST_CAMERA_NUMBER:g}',
         )
     matrix = np.reshape(message.k, (3, 3)).astype(float)
-    matrix[:2, 2] += _CENTRE
+    matrix[:2, 2] += _CENTER
     distortion = np.zeros(5)
     distortion[:numbers] = message.d
     return CameraModel(

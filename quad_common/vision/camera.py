@@ -159,7 +159,7 @@ class CameraModel:
         Returns
         -------
         ndarray, shape (n, 2)
-            Column and row; (0, 0) is the outer corner of the first pixel, whose centre is
+            Column and row; (0, 0) is the outer corner of the first pixel, whose center is
             at (0.5, 0.5). NaN for points that are not in front of the camera.
         """
         seen = (

@@ -3,7 +3,7 @@ Camera files: what a lens does and where the camera is, as YAML.
 
 The keys of the lens are those of ROS's ``camera_calibration`` and ``camera_info_manager``,
 so that its files can be used; ours are ``position`` and ``orientation``. In files, as
-everywhere in ROS and OpenCV, the centre of the first pixel is (0, 0); in
+everywhere in ROS and OpenCV, the center of the first pixel is (0, 0); in
 :class:`quad_common.vision.camera.CameraModel` it is (0.5, 0.5). This module converts.
 """
 
@@ -123,7 +123,7 @@ def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_came
         'orientation': quaternion_from_matrix(camera.rotation).tolist(),
     }
     comment = (
-        '# A camera. The lens is as in ROS: pixels are counted from the centre of the first one.\n'
+        '# A camera. The lens is as in ROS: pixels are counted from the center of the first one.\n'
         '# position: in the world [m]; orientation: quaternion x, y, z, w from the optical frame\n'
         '# (x right, y down in the picture, z along the view) to the world.\n'
     )

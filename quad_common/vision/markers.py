@@ -1,8 +1,8 @@
 """
 What the ceiling camera tells things apart by: markers on the robot and at the goal.
 
-The camera shows where things are by their colours (S1): a plate on the robot's back carries
-two discs, and two more lie at the goal. In each pair the line between the centres shows
+The camera shows where things are by their colors (S1): a plate on the robot's back carries
+two discs, and two more lie at the goal. In each pair the line between the centers shows
 position and heading, and both can be measured to a fraction of a pixel.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from quad_common.errors import ParameterError
 from quad_common.robot.robot import Robot
 
-Colour = tuple[int, int, int]
+Color = tuple[int, int, int]
 """Red, green and blue, each from 0 to 255."""
 
 _OVERHANG = 0.02
@@ -26,10 +26,10 @@ _SHARE = 0.9
 """Of the room for it that a disc takes: the rest keeps discs and edges apart."""
 
 
-def check_colour(name: str, colour: Colour) -> None:
-    """Raise ParameterError unless a colour is three whole numbers from 0 to 255."""
-    if len(colour) != 3 or not all(isinstance(c, int) and 0 <= c <= 255 for c in colour):
-        raise ParameterError(name, list(colour), 'red, green and blue, whole numbers from 0 to 255')
+def check_color(name: str, color: Color) -> None:
+    """Raise ParameterError unless a color is three whole numbers from 0 to 255."""
+    if len(color) != 3 or not all(isinstance(c, int) and 0 <= c <= 255 for c in color):
+        raise ParameterError(name, list(color), 'red, green and blue, whole numbers from 0 to 255')
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class RobotMarker:
     Raises
     ------
     ParameterError
-        If a colour is none.
+        If a color is none.
     """
 
     length: float = 0.50
@@ -52,23 +52,23 @@ class RobotMarker:
     disc_radius: float = 0.112
     """[m]"""
     disc_distance: float = 0.25
-    """Between the centres of the discs; base_link is below the middle [m]."""
-    front_colour: Colour = (30, 80, 230)
-    rear_colour: Colour = (250, 210, 0)
-    plate_colour: Colour = (250, 250, 250)
+    """Between the centers of the discs; base_link is below the middle [m]."""
+    front_color: Color = (30, 80, 230)
+    rear_color: Color = (250, 210, 0)
+    plate_color: Color = (250, 250, 250)
 
     def __post_init__(self) -> None:
-        """Check the colours."""
-        for name in ('front_colour', 'rear_colour', 'plate_colour'):
-            check_colour(name, getattr(self, name))
+        """Check the colors."""
+        for name in ('front_color', 'rear_color', 'plate_color'):
+            check_color(name, getattr(self, name))
 
     @classmethod
     def on(
         cls,
         robot: Robot,
-        front_colour: Colour = front_colour,
-        rear_colour: Colour = rear_colour,
-        plate_colour: Colour = plate_colour,
+        front_color: Color = front_color,
+        rear_color: Color = rear_color,
+        plate_color: Color = plate_color,
     ) -> RobotMarker:
         """
         Make the largest marker that a robot's body carries.
@@ -77,7 +77,7 @@ class RobotMarker:
         ----------
         robot : Robot
             The robot.
-        front_colour, rear_colour, plate_colour : Colour
+        front_color, rear_color, plate_color : Color
             Of the discs and the plate.
 
         Returns
@@ -93,9 +93,9 @@ class RobotMarker:
             height=float(robot.body_center[2]) + body_height / 2.0 + _ABOVE_BODY,
             disc_radius=_SHARE * min(width, length / 2.0) / 2.0,
             disc_distance=length / 2.0,
-            front_colour=front_colour,
-            rear_colour=rear_colour,
-            plate_colour=plate_colour,
+            front_color=front_color,
+            rear_color=rear_color,
+            plate_color=plate_color,
         )
 
 
@@ -107,21 +107,21 @@ class GoalMarker:
     Raises
     ------
     ParameterError
-        If a colour is none.
+        If a color is none.
     """
 
     radius: float = 0.15
-    """Of the disc whose centre is the goal [m]."""
+    """Of the disc whose center is the goal [m]."""
     heading_radius: float = 0.10
     """Of the disc that shows the heading [m]."""
     heading_distance: float = 0.30
-    """From the goal to the centre of the disc that shows the heading [m]."""
+    """From the goal to the center of the disc that shows the heading [m]."""
     height: float = 0.005
     """Of both above the floor [m]."""
-    colour: Colour = (20, 170, 60)
-    heading_colour: Colour = (215, 40, 200)
+    color: Color = (20, 170, 60)
+    heading_color: Color = (215, 40, 200)
 
     def __post_init__(self) -> None:
-        """Check the colours."""
-        for name in ('colour', 'heading_colour'):
-            check_colour(name, getattr(self, name))
+        """Check the colors."""
+        for name in ('color', 'heading_color'):
+            check_color(name, getattr(self, name))

@@ -65,7 +65,7 @@ class Cycle:
     body: Array
     """x, y, yaw of base_link in the ground frame, sway included, shape (n, 3) [m, rad]."""
     feet: Array
-    """Centres of the feet in the ground frame, shape (n, 4, 3) [m]."""
+    """Centers of the feet in the ground frame, shape (n, 4, 3) [m]."""
     in_contact: NDArray[np.bool_]
     """Shape (n, 4)."""
     joint_positions: Array
@@ -73,7 +73,7 @@ class Cycle:
     joint_velocities: Array
     """Shape (n, 4, 3) [rad/s]."""
     end_feet: Array
-    """Centres of the feet in the body frame at the end, shape (4, 3) [m]."""
+    """Centers of the feet in the body frame at the end, shape (4, 3) [m]."""
     center_of_mass: Array
     """Projected to the ground, in the ground frame, shape (n, 2) [m]."""
     margin: Array
@@ -453,7 +453,7 @@ class _Rolling:
     """How the balls of the standing feet roll over the ground."""
 
     displacement: Array
-    """Of their centres since the start of the cycle, shape (..., n, 4, 2) [m]."""
+    """Of their centers since the start of the cycle, shape (..., n, 4, 2) [m]."""
     velocity: Array
     """Shape (..., n, 4, 2) [m/s]."""
 
@@ -469,7 +469,7 @@ def _rolling(
     """
     Find how far the feet roll, from how their calves turn.
 
-    The centre of a ball of radius r that rolls with the angular velocity omega moves
+    The center of a ball of radius r that rolls with the angular velocity omega moves
     with r (omega_y, -omega_x). Without it robots with legs that are short for their feet
     go up to a tenth too far.
     """
@@ -657,7 +657,7 @@ def _in_body(
 
 
 def _center_of_mass(robot: Robot, chain: tuple[Array, Array, Array], body: Array) -> Array:
-    """Project the centre of mass to the ground, ground frame, shape (..., n, 2) [m]."""
+    """Project the center of mass to the ground, ground frame, shape (..., n, 2) [m]."""
     center = robot.center_of_mass_of(chain)
     cos, sin = np.cos(body[..., 2]), np.sin(body[..., 2])
     x, y = center[..., 0], center[..., 1]

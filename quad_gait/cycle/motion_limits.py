@@ -30,7 +30,7 @@ _SAMPLES_OF_TRIALS = 40
 _BISECTIONS = 11
 
 _BESIDE = 0.22
-"""In a dynamic gait the centre of mass may be beside its two feet by this share of its
+"""In a dynamic gait the center of mass may be beside its two feet by this share of its
 height: farther out, small errors grow into falls."""
 
 _MIDDLING = 0.4
@@ -136,7 +136,7 @@ class MotionLimits:
         Returns
         -------
         Gait
-            The gait as it is, or with its legs exchanged where that keeps the centre of
+            The gait as it is, or with its legs exchanged where that keeps the center of
             mass farther inside: backwards, sideways, or turning the other way.
         """
         if len(self._variants) == 1 or self.size(motion) == 0.0:

@@ -22,7 +22,7 @@ _SAME = 1e-9
 
 def stability_margin(point: Array, feet: Array, in_contact: NDArray[np.bool_]) -> Array:
     """
-    Shortest distance from the centre of mass to the border of the support polygon.
+    Shortest distance from the center of mass to the border of the support polygon.
 
     The support polygon is the convex hull of the feet on the ground (S0 sec. 4,
     fig. 9). A line through two of them holds one of its edges if it has all others on
@@ -35,7 +35,7 @@ def stability_margin(point: Array, feet: Array, in_contact: NDArray[np.bool_]) -
     Parameters
     ----------
     point : ndarray, shape (..., 2)
-        Centre of mass projected onto the ground [m].
+        Center of mass projected onto the ground [m].
     feet : ndarray, shape (..., 4, 2)
         The feet, in the same frame [m].
     in_contact : ndarray of bool, shape (..., 4)

@@ -4,7 +4,7 @@ Brings a robot to a standstill when a joint of one leg has failed.
 A leg that may still bear is left to: the others put down what swings, and the robot stops
 on four feet. One that has given way is none: the body goes down at once, as far as it
 goes and away from that leg, so that little is left to fall. What is left is then done
-slowly: level the body, bring its centre of mass well inside the three sound feet, and
+slowly: level the body, bring its center of mass well inside the three sound feet, and
 lift the lame leg with the joints that it still has. Where three feet do not bear the body,
 it sits down on the ground.
 """
@@ -69,7 +69,7 @@ class SafeStopOptions:
     pause: float = 0.3
     """Between two of these motions, for the body to come to rest [s]."""
     margin: float = 0.035
-    """How far inside the sound feet the centre of mass is brought, if they give so much [m]."""
+    """How far inside the sound feet the center of mass is brought, if they give so much [m]."""
     clearance: float = 0.02
     """Of the lifted leg over the ground [m]."""
     least_margin: float = 0.01
@@ -77,9 +77,9 @@ class SafeStopOptions:
     giving_way: float = 0.1
     """A body that tilts by so much more has lost the leg that was to bear [rad]."""
     attempts: int = 3
-    """To bring the centre of mass there."""
+    """To bring the center of mass there."""
     shifts_at_once: bool = False
-    """Whether the centre of mass goes over the sound feet while those that swing are put down."""
+    """Whether the center of mass goes over the sound feet while those that swing are put down."""
 
     @classmethod
     def hasty(cls) -> SafeStopOptions:
@@ -101,7 +101,7 @@ def tipping(
     """
     Predict whether a robot stands on some of its feet, and how far it tips if not.
 
-    A body whose centre of mass is outside its feet turns about the nearest line between two
+    A body whose center of mass is outside its feet turns about the nearest line between two
     of them, joints held, until the first hip meets the ground.
 
     Parameters
@@ -118,7 +118,7 @@ def tipping(
     Returns
     -------
     margin : float
-        Of the centre of mass inside those feet; negative outside [m].
+        Of the center of mass inside those feet; negative outside [m].
     angle : float
         By which the body tips [rad]; 0 if it stands.
     """
@@ -200,7 +200,7 @@ class SafeStop:
         self.prediction = ''
         """What would have become of the stance, as a sentence."""
         self.margin = np.nan
-        """Of the centre of mass inside the feet that bear, at the end [m]."""
+        """Of the center of mass inside the feet that bear, at the end [m]."""
         self.sits = False
         """Whether the body lies on the ground in the end."""
 
@@ -314,7 +314,7 @@ class SafeStop:
             self.prediction = f'without its leg the stance stands, by {1e3 * margin:.0f} mm'
         else:
             self.prediction = (
-                f'without its leg the stance falls: the centre of mass was {-1e3 * margin:.0f} mm '
+                f'without its leg the stance falls: the center of mass was {-1e3 * margin:.0f} mm '
                 f'outside the other feet, and the body would tip by {np.degrees(angle):.0f} degrees'
             )
 
@@ -351,7 +351,7 @@ class SafeStop:
         )
 
     def _settle(self, now: Stance) -> JointTrajectory:
-        """Level the body over the sound feet, with its centre of mass well inside them."""
+        """Level the body over the sound feet, with its center of mass well inside them."""
         start = self._joints.copy()
         level = _level(now.body.rotation[2])
         joints = now.joint_positions.copy()
@@ -398,7 +398,7 @@ class SafeStop:
     # How to do it
 
     def _way_over(self, joints: Array, level: Array, feet: Array) -> Array:
-        """Return the way that brings the centre of mass well inside the sound feet, (2,) [m]."""
+        """Return the way that brings the center of mass well inside the sound feet, (2,) [m]."""
         center = (level @ self._robot.center_of_mass(joints))[:2]
         triangle = feet[self._sound, :2]
         way: Array = balanced(center, triangle, self._scale * self._options.margin) - center

@@ -92,7 +92,7 @@ def heading_over(robot: Robot, feet: Array) -> float:
     robot : Robot
         The robot.
     feet : ndarray, shape (4, 3)
-        Their centres, in a frame with z up [m].
+        Their centers, in a frame with z up [m].
 
     Returns
     -------
@@ -114,7 +114,7 @@ def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float)
     robot : Robot
         The robot.
     feet : ndarray, shape (4, 3)
-        Their centres, in a frame with z up [m].
+        Their centers, in a frame with z up [m].
     yaw : float
         Heading of the body [rad].
     slope : ndarray, shape (2,)
@@ -141,12 +141,12 @@ def balanced(point: Array, triangle: Array, margin: float) -> Array:
     Parameters
     ----------
     point : ndarray, shape (2,)
-        Where the centre of mass would be [m].
+        Where the center of mass would be [m].
     triangle : ndarray, shape (3, 2)
         The feet that bear it [m].
     margin : float
         Wanted distance from the edges; where the triangle is too small for it, the point
-        is the centre of the inscribed circle [m].
+        is the center of the inscribed circle [m].
 
     Returns
     -------

@@ -64,7 +64,7 @@ def weight_torques(robot: Robot, joint_angles: Array, up: Array) -> Array:
     """
     Find the torques that hold the weight of the legs themselves, feet in the air.
 
-    They are the slope of the potential energy: m g times that of the centre of mass.
+    They are the slope of the potential energy: m g times that of the center of mass.
 
     Parameters
     ----------

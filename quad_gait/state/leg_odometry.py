@@ -65,14 +65,14 @@ class LegOdometry:
     """
     Dead reckoning of base_link in the plane.
 
-    Between two updates with the feet's centres p_k and p'_k relative to the body, in
+    Between two updates with the feet's centers p_k and p'_k relative to the body, in
     axes that are level and have the body's heading, turned by dyaw, a standing foot
     gives the body's displacement in the axes of the middle of the way::
 
         u_k = R(-dyaw/2) p_k - R(dyaw/2) p'_k + r (w_k x z)
 
     Here r is the radius of the foot's ball and w_k the small rotation of the calf, to
-    which it is fixed, in the world: the centre of a ball that rolls on the ground moves
+    which it is fixed, in the world: the center of a ball that rolls on the ground moves
     by r (w x z). The body moves by the mean over the feet that stood at both instants,
     which is the least-squares solution.
 
@@ -249,7 +249,7 @@ class LegOdometry:
         return _Sample(time, joint_angles, tilt, feet, contact, heading, yaw_rate)
 
     def _rolled(self, before: _Sample, now: _Sample) -> Array:
-        """Way of each foot's centre by rolling, level axes halfway, shape (4, 2) [m]."""
+        """Way of each foot's center by rolling, level axes halfway, shape (4, 2) [m]."""
         middle = (before.joint_angles + now.joint_angles) / 2.0
         change = now.joint_angles - before.joint_angles
         calf = self._robot.calf_angular_velocities(middle, change)

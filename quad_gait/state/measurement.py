@@ -56,7 +56,7 @@ class Measurement:
 
     def level_feet(self, robot: Robot) -> tuple[Array, Array]:
         """
-        Place feet and centre of mass beside the body, seen from above.
+        Place feet and center of mass beside the body, seen from above.
 
         Parameters
         ----------

@@ -28,7 +28,7 @@ class Stance:
     body: BodyPose
     """x, y and yaw in the plan's frame; z is measured from base_link, so it is 0 here."""
     feet: Array
-    """Their centres in the same frame, shape (4, 3) [m]."""
+    """Their centers in the same frame, shape (4, 3) [m]."""
     joint_positions: Array
     """Shape (4, 3) [rad]."""
     find_loads: Callable[[], Array | None]

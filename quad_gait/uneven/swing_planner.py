@@ -73,7 +73,7 @@ class UnevenOptions:
     """A trajectory that answers to a contact begins so long after it [s]: it must have come
     to the joints by then, and the foot presses on meanwhile."""
     margin: float = 0.035
-    """How far inside its three feet the centre of mass is kept, if they give so much [m]."""
+    """How far inside its three feet the center of mass is kept, if they give so much [m]."""
     contact_share: float = 0.05
     """A foot that bears more than this share of the weight stands."""
     clearance: float = 0.03
@@ -182,7 +182,7 @@ class SwingPlanner:
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
     ) -> PlannedSwing:
-        """Plan the way back to where a foot stood, its centre, shape (3,) [m]; as `swing`."""
+        """Plan the way back to where a foot stood, its center, shape (3,) [m]; as `swing`."""
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
             return self._swing_to(now, commanded, ground, leg, target, _STRETCHED, tilt, lower)
@@ -312,7 +312,7 @@ class SwingPlanner:
     def _target(
         self, ground: GroundModel, start: Array, place: Array, share: float, shin: Array
     ) -> Array:
-        """Choose where a foot goes: its centre, shape (3,) [m]."""
+        """Choose where a foot goes: its center, shape (3,) [m]."""
         options, scale = self._options, self._scale
         wanted = start[:2] + share * (place - start[:2])
         if share > 0.0:
@@ -345,7 +345,7 @@ class SwingPlanner:
         return top, above if feels else 0.0
 
     def _balanced_over(self, body: BodyPose, now: Stance, leg: int) -> BodyPose:
-        """Move the body so that its centre of mass is inside the other three feet."""
+        """Move the body so that its center of mass is inside the other three feet."""
         offset = (body.rotation @ self._robot.center_of_mass(now.joint_positions))[:2]
         center = body.position[:2] + offset
         triangle = np.delete(now.feet[:, :2], leg, axis=0)

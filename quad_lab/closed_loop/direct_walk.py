@@ -130,7 +130,7 @@ class DirectWalk:
 
     @property
     def feet(self) -> Array:
-        """Centres of the feet in the world when they were last measured, shape (4, 3) [m]."""
+        """Centers of the feet in the world when they were last measured, shape (4, 3) [m]."""
         return np.full((4, 3), np.nan) if self._feet is None else self._feet[0]
 
     def run(self, duration: float, until: Callable[[], bool] | None = None) -> bool:

@@ -35,7 +35,7 @@ def annotated(rgb: Picture, perceiver: Perceiver, seen: Perception) -> Picture:
     Returns
     -------
     ndarray of uint8, shape (height, width, 3)
-        White around what is occupied, grey around what is unknown, arrows for robot and goal.
+        White around what is occupied, gray around what is unknown, arrows for robot and goal.
     """
     picture = rgb.copy()
     camera, grid = perceiver.camera, seen.map

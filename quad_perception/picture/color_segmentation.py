@@ -1,7 +1,7 @@
 """
-Tell things apart by their colours.
+Tell things apart by their colors.
 
-A colour is a range of hue, saturation and value (HSV). Light that is brighter or darker
+A color is a range of hue, saturation and value (HSV). Light that is brighter or darker
 scales red, green and blue alike, which leaves hue and saturation as they are: a range is
 narrow in hue, and wide in value. Noise is taken out by a median over 3 x 3 pixels before,
 which leaves edges where they are.
@@ -32,15 +32,15 @@ QUANTITIES = {
     'saturation': Quantity(0.0, 1.0),
     'value': Quantity(0.0, 1.0),
 }
-"""Ranges of a colour in a file."""
+"""Ranges of a color in a file."""
 
-_WHAT = 'colour file'
+_WHAT = 'color file'
 
 
 @dataclass(frozen=True)
 class ColorRange:
     """
-    The colours of one kind of thing.
+    The colors of one kind of thing.
 
     Raises
     ------
@@ -49,7 +49,7 @@ class ColorRange:
     """
 
     name: str
-    """What has this colour, for example ``obstacle``."""
+    """What has this color, for example ``obstacle``."""
     lower: tuple[float, float, float]
     """Hue [deg], 0 to 360, saturation and value, 0 to 1."""
     upper: tuple[float, float, float]
@@ -81,18 +81,18 @@ class ColorRange:
         value: float = 0.12,
     ) -> ColorRange:
         """
-        Make the range of a strong colour in any light.
+        Make the range of a strong color in any light.
 
         Parameters
         ----------
         name : str
-            What has this colour.
+            What has this color.
         rgb : sequence of int
             Red, green and blue, 0 to 255.
         hue : float
-            How far hues may be from the colour's, below 90 [deg].
+            How far hues may be from the color's, below 90 [deg].
         saturation : float
-            The least saturation, as a share of the colour's.
+            The least saturation, as a share of the color's.
         value : float
             The least value.
 
@@ -107,7 +107,7 @@ class ColorRange:
             raise ParameterError('hue', hue, 'above 0 and below 90 degrees')
         h, s, _ = colorsys.rgb_to_hsv(*(part / 255.0 for part in rgb))
         if s < 0.2:
-            raise ParameterError(name, tuple(rgb), 'a strong colour: grey has no hue')
+            raise ParameterError(name, tuple(rgb), 'a strong color: gray has no hue')
         return cls(
             name,
             ((360.0 * h - hue) % 360.0, saturation * s, value),
@@ -116,7 +116,7 @@ class ColorRange:
 
     def mask(self, hsv: Picture) -> Mask:
         """
-        Find the pixels of these colours.
+        Find the pixels of these colors.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class ColorRange:
         Returns
         -------
         ndarray of uint8, shape (height, width)
-            255 where the colour is in the range, 0 elsewhere.
+            255 where the color is in the range, 0 elsewhere.
         """
         lower = [self.lower[0] * 256.0 / 360.0, 255.0 * self.lower[1], 255.0 * self.lower[2]]
         upper = [self.upper[0] * 256.0 / 360.0, 255.0 * self.upper[1], 255.0 * self.upper[2]]
@@ -140,17 +140,17 @@ class ColorRange:
 
 @dataclass(frozen=True, eq=False)
 class Segmentation:
-    """What a picture shows, by colour."""
+    """What a picture shows, by color."""
 
     masks: Mapping[str, Mask]
-    """By the name of the range: 255 where the pixels have its colour; shape (height, width)."""
+    """By the name of the range: 255 where the pixels have its color; shape (height, width)."""
     value: Picture
     """The largest of red, green and blue, less noise; shape (height, width)."""
 
 
 def segment(rgb: Picture, ranges: Sequence[ColorRange]) -> Segmentation:
     """
-    Find the pixels of each range of colours.
+    Find the pixels of each range of colors.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def segment(rgb: Picture, ranges: Sequence[ColorRange]) -> Segmentation:
 
 def load_ranges(path: str | Path) -> tuple[ColorRange, ...]:
     """
-    Read ranges of colours.
+    Read ranges of colors.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def load_ranges(path: str | Path) -> tuple[ColorRange, ...]:
 
 
 def _range(name: str, entry: object) -> ColorRange:
-    """Read one range of colours."""
+    """Read one range of colors."""
     if not isinstance(entry, dict) or set(entry) != {'lower', 'upper'}:
         raise ParameterError(name, entry, 'given by lower and upper')
     colors = {}

@@ -2,7 +2,7 @@
 The map of the floor: occupied where obstacles stand, free where the floor is seen.
 
 What is not seen is unknown: behind obstacles, outside the picture, and under things of a
-colour that is neither an obstacle's nor the floor's. Where the robot may cover the floor
+color that is neither an obstacle's nor the floor's. Where the robot may cover the floor
 the map keeps what was known before; of the rest of it, what is seen as floor is free.
 """
 
@@ -66,7 +66,7 @@ def floor_map(
     # Noise makes shares near one half go to and fro, and each change is a new plan.
     cells[view.share_of_cells(floor) >= np.where(before == FREE, _STILL, _MOST)] = FREE
     if robot is not None:
-        # A part of the robot that has the floor's colour makes no obstacle vanish.
+        # A part of the robot that has the floor's color makes no obstacle vanish.
         kept = (view.share_of_cells(robot) > 0.0) & (before != UNKNOWN)
         cells[kept] = before[kept]
     stands = view.share_of_cells(occupied) >= np.where(before == OCCUPIED, _STILL, _MOST)

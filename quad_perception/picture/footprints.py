@@ -227,7 +227,7 @@ class FootprintFinder:
         size = last - first
         if not size.all():
             return Footprint(np.zeros((0, 0), np.uint8), (int(first[0]), int(first[1])), height)
-        # Point q of the part was seen at t: t - N = (q - N)/u, with centres at halves.
+        # Point q of the part was seen at t: t - N = (q - N)/u, with centers at halves.
         shift = nadir + (first + 0.5 - nadir) / u - corner - 0.5
         matrix = np.array([[1.0 / u, 0.0, shift[0]], [0.0, 1.0 / u, shift[1]]])
         mask = cv2.warpAffine(

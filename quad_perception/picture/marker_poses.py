@@ -1,8 +1,8 @@
 """
-Poses of markers: two discs of different colours on a level plane of known height.
+Poses of markers: two discs of different colors on a level plane of known height.
 
-The centre of a disc is the centroid of its pixels, which is good to a small fraction of a
-pixel. A ray through it meets the plane of the discs; the line between both centres is the
+The center of a disc is the centroid of its pixels, which is good to a small fraction of a
+pixel. A ray through it meets the plane of the discs; the line between both centers is the
 marker's x axis.
 """
 
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _LEAST_SHARE = 0.05
 """Spots of a smaller share of the disc's area are noise."""
 _WHOLE_SHARE = 0.8
-"""A disc of which less is seen has its centre elsewhere than its centroid."""
+"""A disc of which less is seen has its center elsewhere than its centroid."""
 _TOO_LARGE = 1.5
 """What is larger than a disc by this is none."""
 _DISTANCE_TOLERANCE = 0.2
@@ -42,9 +42,9 @@ class DiscOnMarker:
     """One of a marker's discs."""
 
     color: str
-    """Name of its range of colours."""
+    """Name of its range of colors."""
     offset: float
-    """Of its centre along the marker's x axis [m]."""
+    """Of its center along the marker's x axis [m]."""
     radius: float
     """[m]"""
 
@@ -87,7 +87,7 @@ class MarkerShape:
 
     @property
     def distance(self) -> float:
-        """Between the centres [m]."""
+        """Between the centers [m]."""
         return self.front.offset - self.rear.offset
 
     @classmethod
@@ -99,7 +99,7 @@ class MarkerShape:
         tilt_deviation: float = math.radians(2.0),
     ) -> MarkerShape:
         """
-        Describe the marker on a robot's back, whose colours are ``robot_rear`` and ``robot_front``.
+        Describe the marker on a robot's back, whose colors are ``robot_rear`` and ``robot_front``.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class MarkerShape:
 
     @classmethod
     def of_goal(cls, marker: GoalMarker) -> MarkerShape:
-        """Describe the marker at the goal, whose colours are ``goal`` and ``goal_heading``."""
+        """Describe the marker at the goal, whose colors are ``goal`` and ``goal_heading``."""
         return cls(
             'goal',
             DiscOnMarker('goal', 0.0, marker.radius),
@@ -146,7 +146,7 @@ class MarkerPose:
 
 @dataclass(frozen=True, eq=False)
 class _Spot:
-    """A connected part of a colour that may be a disc."""
+    """A connected part of a color that may be a disc."""
 
     center: Array
     """On the plane of the discs, shape (2,) [m]."""
@@ -155,7 +155,7 @@ class _Spot:
     is_cut: bool
     """Whether the picture's border cuts it."""
     deviation: float
-    """Of the centre, by the pixels [m]."""
+    """Of the center, by the pixels [m]."""
 
 
 def find_marker(segmentation: Segmentation, camera: CameraModel, shape: MarkerShape) -> MarkerPose:
@@ -165,7 +165,7 @@ def find_marker(segmentation: Segmentation, camera: CameraModel, shape: MarkerSh
     Parameters
     ----------
     segmentation : Segmentation
-        The picture by colours, with those of both discs.
+        The picture by colors, with those of both discs.
     camera : CameraModel
         What took it.
     shape : MarkerShape

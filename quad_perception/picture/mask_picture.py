@@ -1,5 +1,5 @@
 """
-Which pixels each range of colours catches, for people to look at.
+Which pixels each range of colors catches, for people to look at.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ def draw_masks(rgb: Picture, seen: Segmentation, ranges: Sequence[ColorRange]) -
     rgb : ndarray of uint8, shape (height, width, 3)
         The picture.
     seen : Segmentation
-        The same picture by colours.
+        The same picture by colors.
     ranges : sequence of ColorRange
         Those to draw.
 
     Returns
     -------
     ndarray of uint8, shape (height + 22 n, width, 3)
-        The picture, grey and dim, with what n ranges catch in the middle of their colours;
+        The picture, gray and dim, with what n ranges catch in the middle of their colors;
         below it their names and shares of the picture. White: caught by several.
     """
-    grey = cv2.cvtColor(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
-    drawn = (_DIM * grey).astype(np.uint8)
+    gray = cv2.cvtColor(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
+    drawn = (_DIM * gray).astype(np.uint8)
     caught = np.zeros(rgb.shape[:2], np.uint8)
     legend = np.zeros((_LINE * len(ranges), rgb.shape[1], 3), np.uint8)
     for k, color in enumerate(ranges):
@@ -58,7 +58,7 @@ def draw_masks(rgb: Picture, seen: Segmentation, ranges: Sequence[ColorRange]) -
 
 
 def _middle(color: ColorRange) -> tuple[int, int, int]:
-    """Return the colour in the middle of a range, bright, as red, green and blue."""
+    """Return the color in the middle of a range, bright, as red, green and blue."""
     span = (color.upper[0] - color.lower[0]) % 360.0 or color.upper[0] - color.lower[0]
     hue = (color.lower[0] + span / 2.0) % 360.0 / 360.0
     saturation = 0.0 if span >= 360.0 else color.upper[1]

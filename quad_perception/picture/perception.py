@@ -38,7 +38,7 @@ _AROUND_FEET = 0.15
 """That the robot has to itself, beyond the circle of its feet [m]."""
 
 _LEAST_FLOOR = 0.6
-"""The floor is brighter than this share of the median of what has its colour."""
+"""The floor is brighter than this share of the median of what has its color."""
 
 
 def default_ranges(
@@ -47,14 +47,14 @@ def default_ranges(
     goal: GoalMarker | None = None,
 ) -> tuple[ColorRange, ...]:
     """
-    Make the ranges for a grey or white floor and things of known colours.
+    Make the ranges for a gray or white floor and things of known colors.
 
     Parameters
     ----------
     obstacle : tuple of int
         Red, green and blue of obstacles, 0 to 255.
     robot, goal : RobotMarker and GoalMarker, optional
-        The markers; those with their usual colours if not given.
+        The markers; those with their usual colors if not given.
 
     Returns
     -------
@@ -66,10 +66,10 @@ def default_ranges(
     return (
         ColorRange.around(OBSTACLE, obstacle),
         ColorRange(FLOOR, (0.0, 0.0, 0.15), (360.0, 0.25, 1.0)),
-        ColorRange.around('robot_front', robot.front_colour),
-        ColorRange.around('robot_rear', robot.rear_colour),
-        ColorRange.around('goal', goal.colour),
-        ColorRange.around('goal_heading', goal.heading_colour),
+        ColorRange.around('robot_front', robot.front_color),
+        ColorRange.around('robot_rear', robot.rear_color),
+        ColorRange.around('goal', goal.color),
+        ColorRange.around('goal_heading', goal.heading_color),
     )
 
 
@@ -90,7 +90,7 @@ class Perception:
     goal_problem: PerceptionError | None
     """Why it is not found."""
     masks: Mapping[str, Mask]
-    """By the name of the range, 255 where the picture has its colour."""
+    """By the name of the range, 255 where the picture has its color."""
 
 
 class Perceiver:
@@ -121,7 +121,7 @@ class Perceiver:
     Raises
     ------
     ParameterError
-        If an argument is not valid, or the range of a colour is missing.
+        If an argument is not valid, or the range of a color is missing.
     """
 
     def __init__(
@@ -178,9 +178,9 @@ class Perceiver:
         robot : Robot
             The robot.
         ranges : sequence of ColorRange, optional
-            Those of the markers with obstacles of the usual colour if not given.
+            Those of the markers with obstacles of the usual color if not given.
         robot_marker, goal_marker : optional
-            The markers; with their usual colours if not given.
+            The markers; with their usual colors if not given.
 
         Returns
         -------
@@ -249,7 +249,7 @@ class Perceiver:
     def _floor(self, seen: Segmentation) -> Mask:
         """Return where the floor is seen; what lies flat on it counts as floor."""
         floor = seen.masks[FLOOR]
-        # Things of the floor's colour that are much darker stand on it: a grey robot.
+        # Things of the floor's color that are much darker stand on it: a gray robot.
         counts = cv2.calcHist([seen.value], [0], floor, [256], [0, 256]).ravel().cumsum()
         median = int(np.searchsorted(counts, counts[-1] / 2.0))
         _, bright = cv2.threshold(seen.value, _LEAST_FLOOR * median, 255, cv2.THRESH_BINARY)

@@ -160,8 +160,8 @@ class SceneTracker:
             return seen.map
         grid = seen.map
         rows, columns = np.nonzero(grid.unknown())
-        centres = grid.map_to_world(np.column_stack((columns, rows)) + np.float64(0.5))
-        away = np.hypot(centres[:, 0] - seen.robot.pose.x, centres[:, 1] - seen.robot.pose.y)
+        centers = grid.map_to_world(np.column_stack((columns, rows)) + np.float64(0.5))
+        away = np.hypot(centers[:, 0] - seen.robot.pose.x, centers[:, 1] - seen.robot.pose.y)
         under = away <= self._perceiver.robot_radius
         cells = grid.cells.copy()
         cells[rows[under], columns[under]] = FREE

@@ -1,5 +1,5 @@
 """
-Where the robot's centre may be on a map, and whether a start and a goal will do.
+Where the robot's center may be on a map, and whether a start and a goal will do.
 
 What every planning method begins with.
 """
@@ -46,7 +46,7 @@ _NEARBY = 12.0
 @dataclass(frozen=True, eq=False)
 class InflatedMap:
     """
-    A map with the zone that the robot's centre must keep out of.
+    A map with the zone that the robot's center must keep out of.
 
     The zones are kept as bits; as masks they are made when they are asked for.
     """
@@ -54,11 +54,11 @@ class InflatedMap:
     grid: OccupancyGrid
     """The map."""
     clearance_radius: float
-    """Distance that the robot's centre keeps from every obstacle [m]."""
+    """Distance that the robot's center keeps from every obstacle [m]."""
     blocked_bits: BitMask
     """Where the obstacles are."""
     forbidden_bits: BitMask
-    """Where the robot's centre must not be."""
+    """Where the robot's center must not be."""
 
     @classmethod
     def of(
@@ -129,12 +129,12 @@ class InflatedMap:
 
     @cached_property
     def forbidden(self) -> Mask:
-        """Return where the robot's centre must not be, shape (height, width)."""
+        """Return where the robot's center must not be, shape (height, width)."""
         return self.forbidden_bits.unpacked()
 
     @cached_property
     def allowed(self) -> Mask:
-        """Return where the robot's centre may be, shape (height, width)."""
+        """Return where the robot's center may be, shape (height, width)."""
         return ~self.forbidden
 
     @cached_property
@@ -199,7 +199,7 @@ class InflatedMap:
         point : ndarray, shape (2,)
             [cells]
         keep : float
-            Clearance on the way to a cell's centre [cells].
+            Clearance on the way to a cell's center [cells].
 
         Returns
         -------

@@ -1,8 +1,8 @@
 """
-The safety boundary: where the robot's centre may be (S0 section 3).
+The safety boundary: where the robot's center may be (S0 section 3).
 
-An obstacle is a whole cell, a square, not the point at its centre. The map's outside is
-no obstacle: what is not on the map takes no room from the robot, whose centre has to
+An obstacle is a whole cell, a square, not the point at its center. The map's outside is
+no obstacle: what is not on the map takes no room from the robot, whose center has to
 stay on the map all the same. Whoever wants a wall around the map draws one.
 
 Two distances are used, and the first is never larger than the second:
@@ -60,11 +60,11 @@ def inflate(
     unknown_is_free: bool = False,
 ) -> Mask:
     """
-    Find the cells in which the robot's centre could come too near to an obstacle.
+    Find the cells in which the robot's center could come too near to an obstacle.
 
     Two cells that lie (dx, dy) cells apart have squares that lie
-    hypot(max(|dx| - 1, 0), max(|dy| - 1, 0)) apart: as far as the one centre from the
-    nearest of the other's 3 x 3 block of centres. So blocked cells forbid others by rows
+    hypot(max(|dx| - 1, 0), max(|dy| - 1, 0)) apart: as far as the one center from the
+    nearest of the other's 3 x 3 block of centers. So blocked cells forbid others by rows
     of known widths, 64 cells at a time.
 
     Parameters
@@ -72,7 +72,7 @@ def inflate(
     grid : OccupancyGrid
         The map.
     radius : float
-        Distance that the robot's centre keeps from every blocked cell, >= 0 [m].
+        Distance that the robot's center keeps from every blocked cell, >= 0 [m].
     occupied_threshold : int
         Cells of at least this value are blocked.
     unknown_is_free : bool
@@ -369,7 +369,7 @@ class CombinedObstacles:
     """Shape (height, width): 1 to `count` in a combined obstacle, 0 in the allowed zone."""
     outlines: tuple[Points, ...]
     """
-    Closed lines, each of shape (n, 2), in the world [m], through the centres of the
+    Closed lines, each of shape (n, 2), in the world [m], through the centers of the
     outermost forbidden cells: around each obstacle, and along each hole in it.
     """
 

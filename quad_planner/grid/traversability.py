@@ -123,7 +123,7 @@ def high_steps(heights: HeightMap, limits: GroundLimits) -> Mask:
 
         step_height + tan(largest_slope) (d - resolution)
 
-    with d between their centres: ground that rises no more than the slope allows is no step, and
+    with d between their centers: ground that rises no more than the slope allows is no step, and
     an upright face between two cells is one exactly where it is higher than the step height.
 
     Parameters
@@ -307,12 +307,12 @@ def cells_touched(heights: HeightMap, marked: Mask, grid: OccupancyGrid) -> Mask
     for first in range(0, len(rows), _AT_ONCE):
         part = slice(first, first + _AT_ONCE)
         cells = np.column_stack((columns[part], rows[part])).astype(np.float64) + 0.5
-        centres = grid.world_to_map(cells * heights.resolution + heights.origin)
-        _touch(touched, centres, heights.resolution / grid.resolution, grid.origin.yaw)
+        centers = grid.world_to_map(cells * heights.resolution + heights.origin)
+        _touch(touched, centers, heights.resolution / grid.resolution, grid.origin.yaw)
     return touched
 
 
-def _touch(touched: Mask, centres: Points, side: float, yaw: float) -> None:
+def _touch(touched: Mask, centers: Points, side: float, yaw: float) -> None:
     """
     Mark the cells that squares share an area with.
 
@@ -322,7 +322,7 @@ def _touch(touched: Mask, centres: Points, side: float, yaw: float) -> None:
     ----------
     touched : ndarray of bool, shape (height, width)
         Where they are marked.
-    centres : ndarray, shape (n, 2)
+    centers : ndarray, shape (n, 2)
         Of the squares [cells].
     side : float
         Of the squares [cells].
@@ -335,13 +335,13 @@ def _touch(touched: Mask, centres: Points, side: float, yaw: float) -> None:
     apart = 0.5 + reach - _EPSILON
     apart_in_world = side / 2.0 + spread / 2.0 - _EPSILON
     size = np.array([touched.shape[1], touched.shape[0]])
-    centres = centres[np.all((centres > -reach) & (centres < size + reach), axis=1)]
-    low = np.floor(centres - reach).astype(np.int64)
+    centers = centers[np.all((centers > -reach) & (centers < size + reach), axis=1)]
+    low = np.floor(centers - reach).astype(np.int64)
     count = math.ceil(2.0 * reach) + 1
     for row in range(count):
         for column in range(count):
             cells = low + (column, row)
-            x, y = (cells + 0.5 - centres).T
+            x, y = (cells + 0.5 - centers).T
             is_shared = (np.abs(x) < apart) & (np.abs(y) < apart)
             is_shared &= np.abs(cosine * x - sine * y) < apart_in_world
             is_shared &= np.abs(sine * x + cosine * y) < apart_in_world
@@ -416,8 +416,8 @@ class Ground:
         occupied = grid.occupied(occupied_threshold)
         doubtful = high | cells_touched(self.heights, np.isnan(self.heights.heights), grid)
         rows, columns = np.nonzero(occupied)
-        centres = np.column_stack((columns, rows)).astype(np.float64) + 0.5
-        x, y = grid.map_to_world(centres).T
+        centers = np.column_stack((columns, rows)).astype(np.float64) + 0.5
+        x, y = grid.map_to_world(centers).T
         # The box around a cell and the cells around it.
         yaw = grid.origin.yaw
         reach = (1.5 - _EPSILON) * grid.resolution * (abs(math.cos(yaw)) + abs(math.sin(yaw)))

@@ -34,7 +34,7 @@ class PlanningMethod(Protocol[Prepared]):
 
     @property
     def clearance_radius(self) -> float:
-        """Distance that the robot's centre keeps from every obstacle [m]."""
+        """Distance that the robot's center keeps from every obstacle [m]."""
 
     def prepare(self, grid: OccupancyGrid) -> Prepared:
         """Make a map ready for any number of plans."""

@@ -32,7 +32,7 @@ class PlannerOptions:
     """
 
     clearance_radius: float
-    """Distance that the robot's centre keeps from every obstacle, > 0 [m]."""
+    """Distance that the robot's center keeps from every obstacle, > 0 [m]."""
     start_tolerance: float = 0.10
     """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
     occupied_threshold: int = OCCUPIED_THRESHOLD
@@ -64,7 +64,7 @@ class PlannerOptions:
             raise ParameterError('costs', layers, 'left out: this method compares other things')
 
     def inflated_map(self, grid: OccupancyGrid) -> InflatedMap:
-        """Return a map with the zone that the robot's centre must keep out of."""
+        """Return a map with the zone that the robot's center must keep out of."""
         return InflatedMap.of(
             grid, self.clearance_radius, self.occupied_threshold, self.unknown_is_free
         )

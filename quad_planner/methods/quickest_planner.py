@@ -22,7 +22,7 @@ from quad_planner.search.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
 
 _ROUNDING = 2
-"""By so many cycles a way from a cell's centre may be slower than one from beside it."""
+"""By so many cycles a way from a cell's center may be slower than one from beside it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +38,7 @@ class QuickestPlanner(ShortestPlanner):
         """
         Find the quickest plan.
 
-        Over cells it is exact for a start and a goal in the centres of cells; elsewhere
+        Over cells it is exact for a start and a goal in the centers of cells; elsewhere
         the first and the last stretch lead there. At any angle it is exact for all paths
         that turn at corners of the safety boundary, or where the path over cells turns,
         and never slower than that.

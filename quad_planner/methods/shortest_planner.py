@@ -1,7 +1,7 @@
 """
 The shortest path over the cells of the map, or at any angle.
 
-Over cells: straight and diagonal steps from centre to centre, no corner cut, exact
+Over cells: straight and diagonal steps from center to center, no corner cut, exact
 (:mod:`quad_planner.search.jump_points`). At any angle: taut around the safety boundary
 (:mod:`quad_planner.search.any_angle`).
 """
@@ -140,22 +140,22 @@ class ShortestPlanner(PlannerOptions):
 
     def _line(self, prepared: PreparedCells, request: CellRequest) -> Points:
         """Return start, turning points and goal, shape (n, 2) [cells]."""
-        centres = self._centres(prepared, request)
-        over_cells = request.joined(centres)
+        centers = self._centers(prepared, request)
+        over_cells = request.joined(centers)
         if not self.any_angle:
             return over_cells
         forbidden = prepared.forbidden_bits
         if prepared.costs is not None:
-            return request.joined(straightened(centres, prepared.costs, forbidden, request.check))
+            return request.joined(straightened(centers, prepared.costs, forbidden, request.check))
         first, last = request.tips
-        bound = _length(np.vstack((first, centres, last)))
+        bound = _length(np.vstack((first, centers, last)))
         taut = any_angle_path(forbidden, prepared.corners, first, last, bound, request.check)
         if taut is None:
             return over_cells
         # Only where start or goal is not in an allowed cell the other may be shorter.
         return min(request.joined(taut), over_cells, key=_length)
 
-    def _centres(self, prepared: PreparedCells, request: CellRequest) -> Points:
+    def _centers(self, prepared: PreparedCells, request: CellRequest) -> Points:
         """Return where the path over the cells turns, shape (n, 2) [cells]."""
         check = request.check
         cells: NDArray[np.int64] | None = None

@@ -5,7 +5,7 @@ The obstacle of S1 eqs. 3 and 4 is the safety boundary: there the potential has 
 so the descent keeps the clearance. The distance to it is that to the nearest obstacle, by
 an exact distance transform, less the clearance: the cells of the forbidden zone, as an
 approximation of the boundary, would make a rougher potential, with more local minima. It
-changes linearly between the centres of cells.
+changes linearly between the centers of cells.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def boundary_distances(
     blocked: BitMask, clearance_radius: float, resolution: float, farthest: float = math.inf
 ) -> Floats:
     """
-    Measure how far the centre of each cell is from the safety boundary, up to a distance.
+    Measure how far the center of each cell is from the safety boundary, up to a distance.
 
     Parameters
     ----------
@@ -92,8 +92,8 @@ def boundary_distances(
     if not mask.any():
         return np.full(mask.shape, farthest)
     free = (~mask).astype(np.uint8)
-    centres = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    distances: Floats = np.multiply(centres, resolution, dtype=np.float64)
+    centers = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    distances: Floats = np.multiply(centers, resolution, dtype=np.float64)
     distances -= 0.5 * resolution + clearance_radius
     np.minimum(distances, farthest, out=distances)
     return distances
@@ -139,7 +139,7 @@ class MapPotential:
     """U = U_att + U_rep on a map (S1 eqs. 2 to 7), with the nearest obstacle alone."""
 
     forbidden: BitMask
-    """Where the robot's centre must not be."""
+    """Where the robot's center must not be."""
     distances: Floats
     """From :func:`boundary_distances` [m]."""
     resolution: float
@@ -247,7 +247,7 @@ class MapPotential:
 
 @compiled_part
 def _distance(distances: Floats, x: float, y: float) -> tuple[float, float, float]:
-    """Return the distance between the centres [m], and its slopes along x and y [m/cell]."""
+    """Return the distance between the centers [m], and its slopes along x and y [m/cell]."""
     height, width = distances.shape
     u, v = min(max(x - 0.5, 0.0), width - 1.0), min(max(y - 0.5, 0.0), height - 1.0)
     left, below = min(int(u), max(width - 2, 0)), min(int(v), max(height - 2, 0))

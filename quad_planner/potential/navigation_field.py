@@ -209,7 +209,7 @@ def descend_times(
     Follow the falling gradient of T to the goal's cell, in steps of half a cell.
 
     Where that leads no farther, for the gradient is not that of a smooth function, it goes
-    on over centres of cells, each of a smaller time than the one before. So it arrives.
+    on over centers of cells, each of a smaller time than the one before. So it arrives.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def _descend(
         if state[_IDLE] < _PATIENCE:
             new_x, new_y = _gradient_step(times, forbidden, x, y)
         if new_x == x and new_y == y:
-            new_x, new_y = _earlier_centre(times, cell_x, cell_y)
+            new_x, new_y = _earlier_center(times, cell_x, cell_y)
             state[_IDLE] = _PATIENCE
         state[_X], state[_Y] = new_x, new_y
         points[count] = new_x, new_y
@@ -301,7 +301,7 @@ def _gradient_step(times: Floats, forbidden: Bits, x: float, y: float) -> tuple[
 
 @compiled_part
 def _slope(times: Floats, x: int, y: int) -> tuple[float, float]:
-    """Return the upwind gradient of T at a cell's centre, towards what is later."""
+    """Return the upwind gradient of T at a cell's center, towards what is later."""
     height, width = times.shape
     here = times[y, x]
     west = times[y, x - 1] if x > 0 else np.inf
@@ -314,8 +314,8 @@ def _slope(times: Floats, x: int, y: int) -> tuple[float, float]:
 
 
 @compiled_part
-def _earlier_centre(times: Floats, x: int, y: int) -> tuple[float, float]:
-    """Return the centre of the earliest neighbour, with no corner cut."""
+def _earlier_center(times: Floats, x: int, y: int) -> tuple[float, float]:
+    """Return the center of the earliest neighbour, with no corner cut."""
     height, width = times.shape
     best_x, best_y = x, y
     for row in range(max(y - 1, 0), min(y + 2, height)):

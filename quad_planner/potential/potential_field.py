@@ -144,12 +144,12 @@ class PotentialField:
             distance = self._distance(point, obstacle)
             if 0.0 < distance <= reach:
                 outward = point - (obstacle.x, obstacle.y)
-                from_centre = float(np.hypot(*outward))
-                along = np.outer(outward, outward) / from_centre**2
+                from_center = float(np.hypot(*outward))
+                along = np.outer(outward, outward) / from_center**2
                 # Derivatives of S1 eq. 3 by the distance, whose own Hessian is the circle's.
                 slope = eta * (1.0 / reach - 1.0 / distance) / distance**2
                 bend = eta * (3.0 / distance - 2.0 / reach) / distance**3
-                hessian = hessian + bend * along + slope / from_centre * (np.eye(2) - along)
+                hessian = hessian + bend * along + slope / from_center * (np.eye(2) - along)
         return hessian
 
     def descend(

@@ -119,7 +119,7 @@ def settle(
     points = points_of(pair, start)
     pins = {'u1_i': (pair.leg_i, points.foot_i), 'u1_j': (pair.leg_j, points.foot_j)}
     for knee, (leg, foot) in pins.items():
-        # Places in a link count from its centre of mass.
+        # Places in a link count from its center of mass.
         place = (leg.lower / 2.0, 0.0, 0.0)
         world = (float(foot.real), 0.0, float(foot.imag))
         kind = client.JOINT_POINT2POINT
@@ -184,7 +184,7 @@ def _urdf(pair: ActivePair) -> str:
     i, j = pair.leg_i, pair.leg_j
     slider = ('prismatic', 0.0, 0.1, 0.1)
     parts = (
-        # Joint, its kind, child link's centre, length and mass, axis, parent and place on it.
+        # Joint, its kind, child link's center, length and mass, axis, parent and place on it.
         ('hip_x', slider, '1 0 0', 'world', 0.0),
         ('hip_z', slider, '0 0 1', 'hip_x', 0.0),
         ('theta', ('continuous', pair.span / 2.0, abs(pair.span), 4.0), '0 -1 0', 'hip_z', 0.0),

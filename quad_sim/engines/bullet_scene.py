@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_common.vision.markers import Colour, RobotMarker
+from quad_common.vision.markers import Color, RobotMarker
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import Obstacle, World
@@ -45,14 +45,14 @@ _LIGHT_FROM = (2.0, -1.0, 4.0)
 _AMBIENT = 0.6
 """Light that comes from everywhere: the brightness of faces that the lamp does not reach."""
 
-# What is level has just its own colour.
+# What is level has just its own color.
 _DIFFUSE = (1.0 - _AMBIENT) * float(np.linalg.norm(_LIGHT_FROM)) / _LIGHT_FROM[2]
 
 _SHADES = 8
-"""Of the floor's colour, from the lowest ground to the highest."""
+"""Of the floor's color, from the lowest ground to the highest."""
 
 _DARKEST = 0.7
-"""The highest ground, of the floor's colour."""
+"""The highest ground, of the floor's color."""
 
 _FACET = 0.05
 """Side of the squares that uneven ground is drawn with [m]."""
@@ -78,7 +78,7 @@ class BulletScene:
     world : World
         Walls and obstacles.
     appearance : Appearance
-        Colours and markers.
+        Colors and markers.
     """
 
     def __init__(
@@ -104,17 +104,17 @@ class BulletScene:
             self._lay_terrain(world.terrain)
         for outline in world.boxes:
             bottom, top = world.span_of_wall(outline)
-            self._add_prism(outline, top, appearance.obstacle_colour, bottom)
+            self._add_prism(outline, top, appearance.obstacle_color, bottom)
         for link in range(-1, client.getNumJoints(body)):
-            client.changeVisualShape(body, link, rgbaColor=_rgba(appearance.robot_colour))
+            client.changeVisualShape(body, link, rgbaColor=_rgba(appearance.robot_color))
         self._marker = self._add_marker(appearance.robot_marker or RobotMarker.on(robot))
 
     def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
         """Put an obstacle, in the place of the one of that name if there is one."""
         self.remove_obstacle(name)
-        colour = obstacle.colour or self._appearance.obstacle_colour
+        color = obstacle.color or self._appearance.obstacle_color
         bottom, top = self._world.span_of(obstacle)
-        self._obstacles[name] = self._add_prism(obstacle.outline(sides=_SIDES), top, colour, bottom)
+        self._obstacles[name] = self._add_prism(obstacle.outline(sides=_SIDES), top, color, bottom)
 
     def remove_obstacle(self, name: Hashable) -> None:
         """Take an obstacle away, if it is there."""
@@ -126,9 +126,9 @@ class BulletScene:
         marker = self._appearance.goal_marker
         if self._goal is None:
             self._goal = (
-                self._add_prism(_circle(marker.radius), marker.height, marker.colour),
+                self._add_prism(_circle(marker.radius), marker.height, marker.color),
                 self._add_prism(
-                    _circle(marker.heading_radius), marker.height, marker.heading_colour
+                    _circle(marker.heading_radius), marker.height, marker.heading_color
                 ),
             )
         ahead = pose @ Pose2D(marker.heading_distance, 0.0, 0.0)
@@ -146,7 +146,7 @@ class BulletScene:
         Parameters
         ----------
         center : sequence of float
-            The body's centre of mass in the world [m].
+            The body's center of mass in the world [m].
         orientation : sequence of float
             Of the body, quaternion xyzw.
         angles : sequence of float
@@ -190,14 +190,14 @@ class BulletScene:
 
     def _lay_floor(self) -> None:
         look = self._appearance
-        floor = self._add_prism(_rectangle(_FLOOR, _FLOOR), _THIN, look.floor_colour)
+        floor = self._add_prism(_rectangle(_FLOOR, _FLOOR), _THIN, look.floor_color)
         below = (0.0, 0.0, -2.0 * _THIN)
         self._bullet.resetBasePositionAndOrientation(floor, below, (0.0, 0.0, 0.0, 1.0))
         if look.checker_size == 0.0:
             return
         count = int(np.ceil(_PATTERN / look.checker_size))
         places = np.arange(-count, count)
-        darker = tuple(round(0.85 * part) for part in look.floor_colour)
+        darker = tuple(round(0.85 * part) for part in look.floor_color)
         square = _rectangle(look.checker_size / 2.0, look.checker_size / 2.0)
         shapes = [
             _prism(square + (np.array([column, row]) + 0.5) * look.checker_size, 0.0)
@@ -218,15 +218,15 @@ class BulletScene:
             (x_min, y_max, x_max, _FLOOR),
         ):
             outline = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
-            colour = _darker(look.floor_colour, _part_of(terrain, 0.0))
-            floor = self._add_prism(outline, _THIN, colour)
+            color = _darker(look.floor_color, _part_of(terrain, 0.0))
+            floor = self._add_prism(outline, _THIN, color)
             self._bullet.resetBasePositionAndOrientation(floor, below, (0.0, 0.0, 0.0, 1.0))
         for shade, mesh in _shaded(terrain):
-            self._add_mesh([mesh], _darker(look.floor_colour, _part_of(terrain, shade)))
+            self._add_mesh([mesh], _darker(look.floor_color, _part_of(terrain, shade)))
         for block in terrain.blocks:
             bottom, _ = terrain.span_under(block.outline)
-            colour = _darker(look.floor_colour, _part_of(terrain, block.top))
-            self._add_prism(block.outline, block.top, colour, min(bottom, terrain.lowest))
+            color = _darker(look.floor_color, _part_of(terrain, block.top))
+            self._add_prism(block.outline, block.top, color, min(bottom, terrain.lowest))
 
     def _add_marker(self, marker: RobotMarker) -> tuple[tuple[int, Array], ...]:
         """Make plate and discs; return the body of each and where it is in base_link."""
@@ -235,15 +235,15 @@ class BulletScene:
         ahead = marker.disc_distance / 2.0
         low, high = marker.height - 2.0 * _PLATE, marker.height - _PLATE
         return (
-            (self._add_prism(plate, _PLATE, marker.plate_colour), np.array([0.0, 0.0, low])),
-            (self._add_prism(disc, _PLATE, marker.front_colour), np.array([ahead, 0.0, high])),
-            (self._add_prism(disc, _PLATE, marker.rear_colour), np.array([-ahead, 0.0, high])),
+            (self._add_prism(plate, _PLATE, marker.plate_color), np.array([0.0, 0.0, low])),
+            (self._add_prism(disc, _PLATE, marker.front_color), np.array([ahead, 0.0, high])),
+            (self._add_prism(disc, _PLATE, marker.rear_color), np.array([-ahead, 0.0, high])),
         )
 
-    def _add_prism(self, outline: Array, height: float, colour: Colour, bottom: float = 0.0) -> int:
-        return self._add_mesh([_prism(outline, height, bottom)], colour)
+    def _add_prism(self, outline: Array, height: float, color: Color, bottom: float = 0.0) -> int:
+        return self._add_mesh([_prism(outline, height, bottom)], color)
 
-    def _add_mesh(self, shapes: list[Mesh], colour: Colour) -> int:
+    def _add_mesh(self, shapes: list[Mesh], color: Color) -> int:
         """Add one body without collisions, of shapes as from :func:`_prism`."""
         counts = np.cumsum([0] + [len(vertices) for vertices, _, _ in shapes])
         vertices, normals = (np.concatenate([shape[k] for shape in shapes]) for k in (0, 1))
@@ -254,7 +254,7 @@ class BulletScene:
             normals=normals.tolist(),
             uvs=np.zeros((len(vertices), 2)).tolist(),
             indices=indices.tolist(),
-            rgbaColor=_rgba(colour),
+            rgbaColor=_rgba(color),
         )
         body: int = self._bullet.createMultiBody(0.0, -1, visual)
         return body
@@ -336,9 +336,9 @@ def _part_of(terrain: Terrain, height: float) -> float:
     return min(1.0, max(0.0, (height - terrain.lowest) / span))
 
 
-def _darker(colour: Colour, part: float) -> Colour:
-    """Darken a colour, the more the larger a part from 0 to 1 is."""
-    red, green, blue = (round(value * (1.0 - (1.0 - _DARKEST) * part)) for value in colour)
+def _darker(color: Color, part: float) -> Color:
+    """Darken a color, the more the larger a part from 0 to 1 is."""
+    red, green, blue = (round(value * (1.0 - (1.0 - _DARKEST) * part)) for value in color)
     return red, green, blue
 
 
@@ -353,6 +353,6 @@ def _rectangle(half_length: float, half_width: float) -> Array:
     return signs * (half_length, half_width)
 
 
-def _rgba(colour: Colour) -> tuple[float, float, float, float]:
-    red, green, blue = (part / 255.0 for part in colour)
+def _rgba(color: Color) -> tuple[float, float, float, float]:
+    red, green, blue = (part / 255.0 for part in color)
     return red, green, blue, 1.0

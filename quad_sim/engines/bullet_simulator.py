@@ -214,7 +214,7 @@ class BulletSimulator:
 
     def observe(self) -> Observation:
         """Return the robot's state."""
-        # Bullet speaks of the body's centre of mass; base_link is its own point.
+        # Bullet speaks of the body's center of mass; base_link is its own point.
         center, orientation = self._bullet.getBasePositionAndOrientation(self._body)
         velocity, spin = (np.array(v) for v in self._bullet.getBaseVelocity(self._body))
         to_world = self._to_world(orientation)

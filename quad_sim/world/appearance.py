@@ -7,24 +7,24 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from quad_common.errors import ParameterError
-from quad_common.vision.markers import Colour, GoalMarker, RobotMarker, check_colour
+from quad_common.vision.markers import Color, GoalMarker, RobotMarker, check_color
 
 
 @dataclass(frozen=True)
 class Appearance:
     """
-    Colours and markers.
+    Colors and markers.
 
     Raises
     ------
     ParameterError
-        If a colour is none.
+        If a color is none.
     """
 
-    floor_colour: Colour = (205, 205, 200)
-    obstacle_colour: Colour = (205, 50, 35)
-    """Of walls and of obstacles that have no colour of their own."""
-    robot_colour: Colour = (70, 72, 76)
+    floor_color: Color = (205, 205, 200)
+    obstacle_color: Color = (205, 50, 35)
+    """Of walls and of obstacles that have no color of their own."""
+    robot_color: Color = (70, 72, 76)
     """Of body and legs."""
     checker_size: float = 0.0
     """Side of the squares of a pattern on the floor; 0: the floor is plain [m]."""
@@ -33,8 +33,8 @@ class Appearance:
     goal_marker: GoalMarker = field(default_factory=GoalMarker)
 
     def __post_init__(self) -> None:
-        """Check the colours."""
-        for name in ('floor_colour', 'obstacle_colour', 'robot_colour'):
-            check_colour(name, getattr(self, name))
+        """Check the colors."""
+        for name in ('floor_color', 'obstacle_color', 'robot_color'):
+            check_color(name, getattr(self, name))
         if not 0.0 <= self.checker_size < 100.0:
             raise ParameterError('checker_size', self.checker_size, 'from 0 to 100 m')

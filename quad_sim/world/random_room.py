@@ -64,7 +64,7 @@ def random_room(
     A disc that is as large as the robot's clearance finds a way from the start to the goal: no two
     obstacles are nearer to each other than its diameter, and none bars a corner of the room.
     Grown by the clearance, the obstacles are then convex, apart, and each meets one side of
-    what the disc's centre may reach at most, so that what is left hangs together.
+    what the disc's center may reach at most, so that what is left hangs together.
 
     Parameters
     ----------

@@ -86,7 +86,7 @@ class SimulatedCamera:
         self._from: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         if np.any(model.distortion):
             self._rendered, pixels = _wide_enough(model)
-            # OpenCV counts from the centre of the first pixel.
+            # OpenCV counts from the center of the first pixel.
             columns, rows = (pixels.astype(np.float32) - np.float32(0.5)).transpose(2, 0, 1)
             self._from = columns, rows
         self._view = view_matrix(model)

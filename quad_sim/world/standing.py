@@ -60,7 +60,7 @@ def standing_on(robot: Robot, terrain: Terrain, pose: Pose2D) -> tuple[Array, Ar
 
 
 def _ball(radius: float) -> Array:
-    """Points of a ball's lower half, and how far they are below its centre, shape (n, 3) [m]."""
+    """Points of a ball's lower half, and how far they are below its center, shape (n, 3) [m]."""
     rings = radius * np.arange(_RINGS + 1) / _RINGS
     angles = np.arange(_SPOKES) * (2.0 * np.pi / _SPOKES)
     r, angle = (values.reshape(-1) for values in np.meshgrid(rings, angles))

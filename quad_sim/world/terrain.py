@@ -112,20 +112,20 @@ class Terrain:
         """
         The ground as it is seen from above.
 
-        A cell has the height of what is at its centre, so that the upright side of a block lies
+        A cell has the height of what is at its center, so that the upright side of a block lies
         between two cells, and is off by half a cell at most.
         """
         heights = self.field.heights.copy()
         x_min, y_min, _, _ = self.field.bounds
         resolution = self.field.resolution
-        centres = self.field.centres
+        centers = self.field.centers
         shape = (self.field.columns, self.field.rows)
         for block in self.blocks:
             cells = (block.outline - (x_min, y_min)) / resolution
             low = np.clip(np.floor(cells.min(axis=0)).astype(int), 0, shape)
             high = np.clip(np.ceil(cells.max(axis=0)).astype(int), 0, shape)
             window = (slice(low[1], high[1]), slice(low[0], high[0]))
-            covered = block.covers(centres[window])
+            covered = block.covers(centers[window])
             part = heights[window]
             part[covered] = np.maximum(part[covered], block.top)
         return self.field.with_heights(heights)

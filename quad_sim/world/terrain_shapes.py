@@ -167,7 +167,7 @@ def noise(
     deviation = _SPREAD * size / cells.resolution
     heights = ndimage.gaussian_filter(rng.standard_normal(cells.heights.shape), deviation)
     for x, y in level_at:
-        distance = np.hypot(*np.moveaxis(cells.centres - (x, y), -1, 0))
+        distance = np.hypot(*np.moveaxis(cells.centers - (x, y), -1, 0))
         part = np.clip((distance - clear) / _BLEND, 0.0, 1.0)
         heights *= part**2 * (3.0 - 2.0 * part)
     largest = float(np.abs(heights).max())
@@ -313,5 +313,5 @@ def _around(
 
 
 def _ahead_of(cells: HeightMap, start: Pose2D) -> Array:
-    """How far the centres are ahead and to the left of a pose, shape (rows, columns, 2) [m]."""
-    return start.inverse().transform(cells.centres)
+    """How far the centers are ahead and to the left of a pose, shape (rows, columns, 2) [m]."""
+    return start.inverse().transform(cells.centers)

@@ -200,7 +200,7 @@ def _field(
     elif spec.kind == 'cross_slope':
         made = shapes.cross_slope(level, start, spec.angle)
     elif spec.is_file:
-        return load_height_map(spec.kind).height_at(level.centres, beyond=0.0)
+        return load_height_map(spec.kind).height_at(level.centers, beyond=0.0)
     else:
         made = level
     return made.heights

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from quad_common.errors import MapError, ParameterError
 from quad_common.maps.occupancy_grid import MAX_CELLS, OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.vision.markers import Colour, check_colour
+from quad_common.vision.markers import Color, check_color
 from quad_sim.world.terrain import Terrain
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ class Obstacle:
     """Of a box; a cylinder's diameter [m]."""
     height: float
     """Above the ground at its middle [m]."""
-    colour: Colour | None = None
+    color: Color | None = None
     """That of all obstacles if None."""
 
     def __post_init__(self) -> None:
@@ -62,22 +62,22 @@ class Obstacle:
                 raise ParameterError(name, value, 'a finite number of metres above 0')
         if self.kind == 'cylinder' and not math.isclose(self.length, self.width):
             raise ParameterError('width', self.width, f"the cylinder's length, {self.length}")
-        if self.colour is not None:
-            check_colour('colour', self.colour)
+        if self.color is not None:
+            check_color('color', self.color)
 
     @classmethod
     def box(
-        cls, pose: Pose2D, length: float, width: float, height: float, colour: Colour | None = None
+        cls, pose: Pose2D, length: float, width: float, height: float, color: Color | None = None
     ) -> Obstacle:
         """Make a box; sizes in metres."""
-        return cls('box', pose, length, width, height, colour)
+        return cls('box', pose, length, width, height, color)
 
     @classmethod
     def cylinder(
-        cls, x: float, y: float, radius: float, height: float, colour: Colour | None = None
+        cls, x: float, y: float, radius: float, height: float, color: Color | None = None
     ) -> Obstacle:
         """Make a cylinder; place and sizes in metres."""
-        return cls('cylinder', Pose2D(x, y, 0.0), 2.0 * radius, 2.0 * radius, height, colour)
+        return cls('cylinder', Pose2D(x, y, 0.0), 2.0 * radius, 2.0 * radius, height, color)
 
     @property
     def outer_radius(self) -> float:
@@ -251,7 +251,7 @@ def occupancy_of(
     Returns
     -------
     OccupancyGrid
-        Every cell whose centre is in a footprint is occupied, all others are free: areas are
+        Every cell whose center is in a footprint is occupied, all others are free: areas are
         right on the average, and what is narrower than a cell may be missed.
 
     Raises
@@ -275,8 +275,8 @@ def occupancy_of(
         low = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, shape[::-1])
         high = np.clip(np.ceil(corners.max(axis=0)).astype(int), 0, shape[::-1])
         columns, rows = (np.arange(a, b) + 0.5 for a, b in zip(low, high))
-        centres = np.stack(np.meshgrid(columns, rows), axis=-1)
-        cells[low[1] : high[1], low[0] : high[0]][_inside(corners, centres)] = OCCUPIED
+        centers = np.stack(np.meshgrid(columns, rows), axis=-1)
+        cells[low[1] : high[1], low[0] : high[0]][_inside(corners, centers)] = OCCUPIED
     return OccupancyGrid(cells, resolution, grid.origin)
 
 

@@ -22,12 +22,12 @@ def picture():
     image = np.full((640, 640, 3), 200, np.uint8)
     (left, low), (right, high) = CAMERA.project([(2.0, 2.0, 0.0), (3.0, 3.0, 0.0)]).round()
     image[int(high) : int(low), int(left) : int(right)] = (205, 50, 35)
-    for x, radius, colour in (
-        (6.0, MARKER.radius, MARKER.colour),
-        (6.0 + MARKER.heading_distance, MARKER.heading_radius, MARKER.heading_colour),
+    for x, radius, color in (
+        (6.0, MARKER.radius, MARKER.color),
+        (6.0 + MARKER.heading_distance, MARKER.heading_radius, MARKER.heading_color),
     ):
         ((column, row),) = CAMERA.project([(x, 5.0, 0.0)]).round().astype(int)
-        cv2.circle(image, (int(column), int(row)), round(radius / 0.015), colour, cv2.FILLED)
+        cv2.circle(image, (int(column), int(row)), round(radius / 0.015), color, cv2.FILLED)
     return image[..., ::-1]
 
 
@@ -50,9 +50,9 @@ def test_masks_are_drawn_and_counted(files, capsys):
     assert cv2.imread(str(output)).shape == (640 + 22 * 6, 640, 3)
 
 
-def test_a_file_of_colours_takes_the_place_of_the_usual_ones(files, capsys):
-    (files / 'colours.yaml').write_text('obstacle: {lower: [90, 0.3, 0.1], upper: [150, 1, 1]}\n')
-    arguments = ['--colors', str(files / 'colours.yaml'), '--output', str(files / 'm.png')]
+def test_a_file_of_colors_takes_the_place_of_the_usual_ones(files, capsys):
+    (files / 'colors.yaml').write_text('obstacle: {lower: [90, 0.3, 0.1], upper: [150, 1, 1]}\n')
+    arguments = ['--colors', str(files / 'colors.yaml'), '--output', str(files / 'm.png')]
     assert main(['camera', 'masks', str(files / 'room.png'), *arguments, '--json']) == 0
     shares = json.loads(capsys.readouterr().out)['shares']
     assert 0.0 < shares['obstacle'] == shares['goal']
@@ -157,7 +157,7 @@ def test_what_is_no_picture_is_said(files, capsys):
     assert 'cannot be written' in capsys.readouterr().err
 
 
-def test_a_colour_that_nothing_has_is_refused(files, capsys):
+def test_a_color_that_nothing_has_is_refused(files, capsys):
     (files / 'colors.yaml').write_text('obstcale: {lower: [345, 0.4, 0.1], upper: [15, 1, 1]}\n')
     command = ['camera', 'masks', str(files / 'room.png'), '--colors', str(files / 'colors.yaml')]
     assert main(command) == 2

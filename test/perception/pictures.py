@@ -55,7 +55,7 @@ def ceiling_camera(size=640, height=6.0, distortion=(0.0,) * 5, yaw=0.0, place=(
     return CameraModel.looking_down((*place, height), yaw, field_of_view, (size, size), distortion)
 
 
-def paint(camera, obstacles, plates=(), floor=FLOOR, colour=OBSTACLE, below=()):
+def paint(camera, obstacles, plates=(), floor=FLOOR, color=OBSTACLE, below=()):
     """
     Paint a room.
 
@@ -66,7 +66,7 @@ def paint(camera, obstacles, plates=(), floor=FLOOR, colour=OBSTACLE, below=()):
     obstacles : sequence of Obstacle
         They are painted from far to near.
     plates : sequence of tuple
-        Outline, shape (n, 2) [m], height [m] and colour of flat things, painted last.
+        Outline, shape (n, 2) [m], height [m] and color of flat things, painted last.
     below : sequence of tuple
         Likewise, painted first.
     """
@@ -92,14 +92,14 @@ def paint(camera, obstacles, plates=(), floor=FLOOR, colour=OBSTACLE, below=()):
                     np.column_stack((along[::-1], np.full(8, obstacle.height))),
                 ]
             )
-            _fill(picture, camera, wall, np.array(colour) * shade)
+            _fill(picture, camera, wall, np.array(color) * shade)
         shade = 0.35 + 0.65 * light[2]
         top = np.vstack([np.linspace(a, b, 8) for a, b in zip(corners, np.roll(corners, -1, 0))])
         _fill(
             picture,
             camera,
             np.column_stack((top, np.full(len(top), obstacle.height))),
-            np.array(colour) * shade,
+            np.array(color) * shade,
         )
     for outline, height, shade in plates:
         _fill(picture, camera, np.column_stack((outline, np.full(len(outline), height))), shade)
@@ -151,12 +151,12 @@ def _radius(obstacle: Obstacle) -> float:
     return math.hypot(obstacle.length, obstacle.width or 0.0) / 2.0
 
 
-def _fill(picture, camera, points, colour):
+def _fill(picture, camera, points, color):
     pixels = camera.project(points) - 0.5
     cv2.fillPoly(
         picture,
         [np.rint(pixels * 256.0).astype(np.int32)],
-        tuple(float(min(255.0, round(float(part)))) for part in colour),
+        tuple(float(min(255.0, round(float(part)))) for part in color),
         lineType=cv2.LINE_8,
         shift=8,
     )
@@ -170,12 +170,12 @@ def robot_plates(pose, marker, base_height=0.24):
         (
             pose.transform(corners * (marker.length / 2.0, marker.width / 2.0)),
             base_height + marker.height,
-            marker.plate_colour,
+            marker.plate_color,
         ),
     ]
-    for side, colour in ((1.0, marker.front_colour), (-1.0, marker.rear_colour)):
+    for side, color in ((1.0, marker.front_color), (-1.0, marker.rear_color)):
         x, y = pose.transform(np.array([side * marker.disc_distance / 2.0, 0.0]))
-        plates.append((disc(x, y, marker.disc_radius), base_height + marker.height, colour))
+        plates.append((disc(x, y, marker.disc_radius), base_height + marker.height, color))
     return plates
 
 
@@ -183,6 +183,6 @@ def goal_plates(pose, marker):
     """Return the goal's marker, for :func:`paint`."""
     x, y = pose.transform(np.array([marker.heading_distance, 0.0]))
     return [
-        (disc(pose.x, pose.y, marker.radius), marker.height, marker.colour),
-        (disc(x, y, marker.heading_radius), marker.height, marker.heading_colour),
+        (disc(pose.x, pose.y, marker.radius), marker.height, marker.color),
+        (disc(x, y, marker.heading_radius), marker.height, marker.heading_color),
     ]

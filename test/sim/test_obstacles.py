@@ -55,8 +55,8 @@ def test_outlines_are_counter_clockwise_and_have_the_area():
         ({'height': math.inf}, 'height'),
         ({'pose': Pose2D(math.nan, 0.0, 0.0)}, 'pose'),
         ({'kind': 'cylinder'}, 'width'),
-        ({'colour': (0, 0, 256)}, 'colour'),
-        ({'colour': (0.5, 0.5, 0.5)}, 'colour'),
+        ({'color': (0, 0, 256)}, 'color'),
+        ({'color': (0.5, 0.5, 0.5)}, 'color'),
     ],
 )
 def test_what_is_no_obstacle_is_refused(changes, name):
@@ -70,8 +70,8 @@ def test_a_cell_of_the_true_map_is_occupied_if_its_centre_is_in_a_footprint():
     grid = occupancy_of(world, 0.05, (-2.0, -1.0, 3.0, 2.0))
     assert (grid.height, grid.width) == (60, 100)
     rows, columns = np.indices(grid.cells.shape)
-    centres = grid.map_to_world(np.stack([columns, rows], axis=-1) + 0.5)
-    nearest = np.minimum(BOX.distance_to(centres), CYLINDER.distance_to(centres))
+    centers = grid.map_to_world(np.stack([columns, rows], axis=-1) + 0.5)
+    nearest = np.minimum(BOX.distance_to(centers), CYLINDER.distance_to(centers))
     assert ((nearest == 0.0) == grid.occupied()).mean() > 0.9999
     assert set(np.unique(grid.cells)) == {0, 100}
     area = grid.occupied().sum() * 0.05**2

@@ -109,11 +109,11 @@ def test_the_defaults_are_those_of_the_appearance_and_of_the_markers():
     assert default == replace(Appearance(), robot_marker=RobotMarker.on(ROBOT))
 
 
-def test_a_colour_is_three_numbers_up_to_255():
-    look = appearance_from(parameters(front_colour=[1.0, 2.0, 3.0]), ROBOT)
-    assert look.robot_marker.front_colour == (1, 2, 3)
-    with pytest.raises(ParameterError, match=r"'rear_colour' is .*, from 0 to 255"):
-        appearance_from(parameters(rear_colour=[0.0, 0.0, 256.0]), ROBOT)
+def test_a_color_is_three_numbers_up_to_255():
+    look = appearance_from(parameters(front_color=[1.0, 2.0, 3.0]), ROBOT)
+    assert look.robot_marker.front_color == (1, 2, 3)
+    with pytest.raises(ParameterError, match=r"'rear_color' is .*, from 0 to 255"):
+        appearance_from(parameters(rear_color=[0.0, 0.0, 256.0]), ROBOT)
 
 
 def test_the_camera_sees_the_whole_room_also_the_tops_at_its_rim():

@@ -295,7 +295,7 @@ def test_a_camera_comes_through_its_info_unharmed():
     assert again.project(points) == pytest.approx(CAMERA.project(points), abs=1e-9)
     assert (again.width, again.height) == (64, 48)
     assert message.distortion_model == 'plumb_bob'
-    # For ROS the first pixel's centre is at 0, so the middle of 64 is at 31.5.
+    # For ROS the first pixel's center is at 0, so the middle of 64 is at 31.5.
     assert (message.k[2], message.k[5]) == pytest.approx((31.5, 23.5))
     assert np.reshape(message.p, (3, 4))[:, :3] == pytest.approx(np.reshape(message.k, (3, 3)))
 
@@ -364,24 +364,24 @@ def test_markers_become_obstacles_in_order():
     gone = Marker(ns='n', id=5, action=Marker.DELETE)
     put, removed, cleared = changes_from(marker(), gone, Marker(action=Marker.DELETEALL))
     assert put.name == ('n', 4)
-    assert (put.obstacle.kind, put.obstacle.colour) == ('box', None)
+    assert (put.obstacle.kind, put.obstacle.color) == ('box', None)
     assert (put.obstacle.length, put.obstacle.width, put.obstacle.height) == (0.8, 0.4, 0.6)
     assert put.obstacle.pose.distance_to(POSE) < 1e-9
     assert removed == ObstacleChange(('n', 5), None)
     assert cleared == ObstacleChange(None, None)
 
 
-def test_a_markers_colour_is_the_obstacles_and_a_cylinders_scale_its_diameter():
+def test_a_markers_color_is_the_obstacles_and_a_cylinders_scale_its_diameter():
     one = marker(type=Marker.CYLINDER)
     one.scale.y = 0.8
     one.color.r, one.color.b, one.color.a = 1.0, 0.5, 1.0
     (put,) = changes_from(one)
     assert put.obstacle.kind == 'cylinder'
     assert put.obstacle.outer_radius == 0.4
-    assert put.obstacle.colour == (255, 0, 128)
+    assert put.obstacle.color == (255, 0, 128)
 
 
-def test_a_marker_with_a_colour_out_of_range_or_too_large_is_refused():
+def test_a_marker_with_a_color_out_of_range_or_too_large_is_refused():
     one = marker()
     one.color.g = 2.0
     with pytest.raises(InvalidMessage, match=r"marker 'n' 4 on 'obstacles' .* from 0 to 1"):

@@ -104,7 +104,7 @@ def _write_map(folder: Path, index: int) -> Path:
     grid = OccupancyGrid(cells, 0.05, Pose2D(0.5, -0.5, 0.1))
     map_file.save_map(grid, folder / 'map.yaml')
     if index % 2:
-        # As a PNG in colour and with an alpha channel.
+        # As a PNG in color and with an alpha channel.
         with Image.open(folder / 'map.pgm') as image:
             image.convert('RGBA').save(folder / 'map.pgm', 'PNG')
     return folder / 'map.yaml'

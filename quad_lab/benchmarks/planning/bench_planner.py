@@ -176,7 +176,7 @@ def _compare(
     """Time ourselves and the peers on the same requests: medians, and lengths of ours."""
     planner = ShortestPlanner(clearance_radius=_RADIUS * _RESOLUTION, start_tolerance=0.0)
     grid = _grid(occupied)
-    # Two cells farther off, for peers that measure from centre to centre.
+    # Two cells farther off, for peers that measure from center to center.
     wide = ShortestPlanner(clearance_radius=(_RADIUS + 2.0) * _RESOLUTION).prepare(grid)
     free = np.argwhere(wide.allowed)[:, ::-1]
     rng = np.random.default_rng(seed)

@@ -36,7 +36,7 @@ def available_peers() -> dict[str, Peer]:
 
 
 def _forbidden(occupied: Mask, radius: float) -> Mask:
-    """Inflate as a user of OpenCV does: centres nearer than the radius to a centre."""
+    """Inflate as a user of OpenCV does: centers nearer than the radius to a center."""
     if not occupied.any():
         return occupied
     distance = cv2.distanceTransform(1 - occupied.astype(np.uint8), cv2.DIST_L2, 5)

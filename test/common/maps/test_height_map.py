@@ -15,7 +15,7 @@ NAN = math.nan
 
 def plane(a=0.2, b=-0.3, c=0.05, bounds=(-1.0, 0.5, 1.0, 2.0), resolution=0.05):
     level = HeightMap.level(bounds, resolution)
-    x, y = np.moveaxis(level.centres, -1, 0)
+    x, y = np.moveaxis(level.centers, -1, 0)
     return level.with_heights(a * x + b * y + c)
 
 
@@ -34,14 +34,14 @@ def points_in(heights, count=200, margin=0.0, seed=1):
 
 def test_row_zero_is_at_the_bottom_and_the_origin_is_its_lower_left_corner():
     heights = HeightMap(np.array([[1.0, 2.0], [3.0, 4.0]]), 0.5, (10.0, 20.0))
-    assert heights.centres[0, 1].tolist() == [10.75, 20.25]
+    assert heights.centers[0, 1].tolist() == [10.75, 20.25]
     assert heights.bounds == (10.0, 20.0, 11.0, 21.0)
     assert heights.height_at([[10.25, 20.25], [10.75, 20.25], [10.25, 20.75]]).tolist() == [1, 2, 3]
 
 
 def test_the_height_at_a_centre_is_the_cells():
     heights = noise(unknown=0.2)
-    assert heights.height_at(heights.centres) == pytest.approx(heights.heights, nan_ok=True)
+    assert heights.height_at(heights.centers) == pytest.approx(heights.heights, nan_ok=True)
 
 
 def test_between_centres_a_plane_comes_back_exactly_with_its_slope():
@@ -53,7 +53,7 @@ def test_between_centres_a_plane_comes_back_exactly_with_its_slope():
     assert slopes == pytest.approx(np.tile([0.2, -0.3], (200, 1)))
 
 
-def test_in_the_outer_half_of_a_border_cell_the_height_is_that_of_the_centre():
+def test_in_the_outer_half_of_a_border_cell_the_height_is_that_of_the_center():
     heights = HeightMap(np.array([[1.0, 2.0]]), 1.0, (0.0, 0.0))
     assert heights.height_at([[0.0, 0.0], [0.4, 1.0], [2.0, 0.5]]).tolist() == [1.0, 1.0, 2.0]
 
@@ -105,7 +105,7 @@ def test_the_highest_and_lowest_within_a_radius_are_those_of_every_cell_that_the
     columns = np.floor((points[:, 0] - 2.0) / 0.1).astype(int)
     highest, lowest = [], []
     for row, column in zip(rows, columns):
-        offset = np.abs(heights.centres - heights.centres[row, column])
+        offset = np.abs(heights.centers - heights.centers[row, column])
         gap = np.hypot(*np.moveaxis(np.maximum(offset - 0.05, 0.0), -1, 0))
         near = heights.heights[gap <= radius + 1e-9]
         known = near[~np.isnan(near)]
@@ -202,7 +202,7 @@ def test_the_first_row_of_the_image_is_the_top(tmp_path):
     [
         ({'image': None}, "'image' is None"),
         ({'image': 'b.png'}, 'b.png cannot be read: No such file'),
-        ({'image': 'grey.png'}, 'is of mode L; it must be grey with 16 bits'),
+        ({'image': 'gray.png'}, 'is of mode L; it must be gray with 16 bits'),
         ({'image': 'a.yaml'}, 'cannot be read as PNG'),
         ({'resolution': 0}, "'resolution' is 0; it must be a finite number from 0.0001 to 10 m"),
         ({'resolution': None}, "the key 'resolution' is missing"),
@@ -214,7 +214,7 @@ def test_the_first_row_of_the_image_is_the_top(tmp_path):
 )
 def test_a_file_that_is_none_is_refused_in_a_sentence(tmp_path, changes, told):
     Image.fromarray(np.ones((2, 2), np.uint16)).save(tmp_path / 'a.png')
-    Image.fromarray(np.ones((2, 2), np.uint8)).save(tmp_path / 'grey.png')
+    Image.fromarray(np.ones((2, 2), np.uint8)).save(tmp_path / 'gray.png')
     values = {'image': 'a.png', 'resolution': 0.5, 'origin': '[0, 0]', 'lowest': 0.0}
     values |= {'height_step': 1e-6, **changes}
     text = ''.join(f'{key}: {value}\n' for key, value in values.items() if value is not None)

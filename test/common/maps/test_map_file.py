@@ -37,12 +37,12 @@ def cells_of(folder, pixels, **changes):
     return load_map(write_yaml(folder, **changes)).cells.tolist()
 
 
-def grey(*values):
+def gray(*values):
     return np.array([values], dtype=np.uint8)
 
 
 def test_resolution_and_origin_are_the_files(tmp_path):
-    Image.fromarray(grey(0, 1, 2)).save(tmp_path / 'map.png')
+    Image.fromarray(gray(0, 1, 2)).save(tmp_path / 'map.png')
     grid = load_map(write_yaml(tmp_path))
     assert (grid.resolution, grid.origin) == (0.05, Pose2D(1.0, -2.0, 0.5))
     assert (grid.width, grid.height) == (3, 1)
@@ -54,35 +54,35 @@ def test_the_last_row_of_the_image_is_row_zero(tmp_path):
 
 def test_trinary_knows_free_occupied_and_unknown(tmp_path):
     # p = 1 - 89/255 = 0.651, 1 - 90/255 = 0.647; 1 - 205/255 = 0.19608, 1 - 206/255 = 0.192.
-    pixels = grey(0, 89, 90, 205, 206, 254, 255)
+    pixels = gray(0, 89, 90, 205, 206, 254, 255)
     assert cells_of(tmp_path, pixels) == [[100, 100, -1, -1, 0, 0, 0]]
 
 
 def test_a_shade_on_a_threshold_is_on_the_far_side_of_it(tmp_path):
-    cells = cells_of(tmp_path, grey(51, 52, 203, 204), occupied_thresh=0.8, free_thresh=0.2)
+    cells = cells_of(tmp_path, gray(51, 52, 203, 204), occupied_thresh=0.8, free_thresh=0.2)
     assert cells == [[100, -1, -1, 0]]
 
 
 def test_negate_turns_black_into_free(tmp_path):
-    assert cells_of(tmp_path, grey(0, 128, 255), negate=1) == [[0, -1, 100]]
-    assert cells_of(tmp_path, grey(0, 128, 255), negate='true') == [[0, -1, 100]]
+    assert cells_of(tmp_path, gray(0, 128, 255), negate=1) == [[0, -1, 100]]
+    assert cells_of(tmp_path, gray(0, 128, 255), negate='true') == [[0, -1, 100]]
 
 
 def test_scale_grades_what_lies_between_the_thresholds(tmp_path):
     # Pixel 128: p = 0.49804, 100 (p - 0.2) / 0.6 = 49.67. Pixel 200: p = 0.21569, 2.61.
-    pixels, thresholds = grey(0, 51, 128, 200, 255), {'occupied_thresh': 0.8, 'free_thresh': 0.2}
+    pixels, thresholds = gray(0, 51, 128, 200, 255), {'occupied_thresh': 0.8, 'free_thresh': 0.2}
     assert cells_of(tmp_path, pixels, mode='scale', **thresholds) == [[100, 100, 50, 3, 0]]
     assert cells_of(tmp_path, pixels, mode='trinary', **thresholds) == [[100, 100, -1, -1, 0]]
 
 
 def test_raw_takes_the_values_as_they_are(tmp_path):
-    Image.fromarray(grey(0, 1, 50, 100, 101, 127, 128, 255)).save(tmp_path / 'map.png')
+    Image.fromarray(gray(0, 1, 50, 100, 101, 127, 128, 255)).save(tmp_path / 'map.png')
     expected = [[0, 1, 50, 100, -1, -1, -1, -1]]
     assert load_map(write_yaml(tmp_path, mode='raw')).cells.tolist() == expected
     assert load_map(write_yaml(tmp_path, mode='Raw', negate=1)).cells.tolist() == expected
 
 
-def test_colours_count_by_their_luma(tmp_path):
+def test_colors_count_by_their_luma(tmp_path):
     # 0.299 * 100 + 0.587 * 50 + 0.114 * 25 = 62.1
     Image.fromarray(np.array([[[100, 50, 25]]], np.uint8)).save(tmp_path / 'map.png')
     assert load_map(write_yaml(tmp_path, mode='raw')).cells.tolist() == [[62]]
@@ -102,7 +102,7 @@ def test_raw_does_not_look_at_alpha(tmp_path):
     assert load_map(write_yaml(tmp_path, mode='raw')).cells.tolist() == [[7, 9]]
 
 
-def test_a_palette_may_have_a_transparent_colour(tmp_path):
+def test_a_palette_may_have_a_transparent_color(tmp_path):
     image = Image.new('P', (3, 1))
     image.putdata([0, 1, 2])
     image.putpalette([0, 0, 0, 255, 255, 255, 255, 255, 255])
@@ -136,12 +136,12 @@ def test_every_kind_of_pgm_is_read_with_its_own_white(tmp_path, content):
 def test_an_absolute_image_path_is_taken_as_it_is(tmp_path):
     (tmp_path / 'elsewhere').mkdir()
     image = tmp_path / 'elsewhere' / 'x.png'
-    Image.fromarray(grey(0)).save(image)
+    Image.fromarray(gray(0)).save(image)
     assert load_map(write_yaml(tmp_path, image=image)).cells.tolist() == [[100]]
 
 
 def test_numbers_that_yaml_1_1_takes_for_text_are_numbers(tmp_path):
-    Image.fromarray(grey(0)).save(tmp_path / 'map.png')
+    Image.fromarray(gray(0)).save(tmp_path / 'map.png')
     assert load_map(write_yaml(tmp_path, resolution='5e-2')).resolution == 0.05
 
 
@@ -191,7 +191,7 @@ def test_between_the_thresholds_a_saved_cell_is_unknown(tmp_path):
     ],
 )
 def test_a_bad_map_is_refused_in_one_sentence_with_its_name(tmp_path, changes, sentence):
-    Image.fromarray(grey(0, 255)).save(tmp_path / 'map.png')
+    Image.fromarray(gray(0, 255)).save(tmp_path / 'map.png')
     (tmp_path / 'short.pgm').write_bytes(b'P5\n9 9\n255\n123')
     with pytest.raises(MapError, match=sentence) as caught:
         load_map(write_yaml(tmp_path, **changes))

@@ -95,7 +95,7 @@ def is_up(pair, p, name, solve):
     to_knee, lower = x.knee_j - p.hip_i, x.foot_j - x.knee_j
     if solve is hip_held:
         return (to_knee.conj() * lower).imag * pair.span > 0.0
-    # Mirrored at the line between both circles' centres, the body would be lower.
+    # Mirrored at the line between both circles' centers, the body would be lower.
     upper_i, upper_j = x.knee_i - p.hip_i, x.knee_j - p.hip_i
     one, other = x.foot_i - upper_i, x.foot_j - upper_j
     along = (other - one) / np.abs(other - one)

@@ -53,10 +53,10 @@ def test_a_height_map_comes_through_a_message_unharmed(rows, columns, resolution
     assert again.resolution == pytest.approx(resolution, abs=1e-6)
     assert again.origin == pytest.approx(heights.origin, abs=2e-6)
     assert again.heights == pytest.approx(heights.heights, abs=1e-6, nan_ok=True)
-    assert again.centres == pytest.approx(heights.centres, abs=1e-4)
+    assert again.centers == pytest.approx(heights.centers, abs=1e-4)
 
 
-def test_the_message_is_an_organized_cloud_of_the_cells_centres():
+def test_the_message_is_an_organized_cloud_of_the_cells_centers():
     heights = heights_of()
     message = height_map_message(heights, 'map', STAMP)
     assert (message.header.frame_id, message.header.stamp) == ('map', STAMP)
@@ -69,7 +69,7 @@ def test_the_message_is_an_organized_cloud_of_the_cells_centres():
     assert (message.point_step, message.row_step, message.is_bigendian) == (12, 96, False)
     assert not message.is_dense
     points = points_of(message)
-    assert points[2, 3, :2] == pytest.approx(heights.centres[2, 3])
+    assert points[2, 3, :2] == pytest.approx(heights.centers[2, 3])
     assert np.isnan(points[1, 2, 2])
 
 

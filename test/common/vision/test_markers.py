@@ -1,4 +1,4 @@
-"""Markers fit on the robots, and their colours are colours."""
+"""Markers fit on the robots, and their colors are colors."""
 
 import math
 
@@ -25,7 +25,7 @@ def test_the_marker_of_titan_viii_is_the_one_that_nobody_asked_for():
     fitted, default = RobotMarker.on(load_robot('titan_viii')), RobotMarker()
     for name in ('length', 'width', 'height', 'disc_radius', 'disc_distance'):
         assert math.isclose(getattr(fitted, name), getattr(default, name), abs_tol=1e-3)
-    assert fitted.front_colour == default.front_colour
+    assert fitted.front_color == default.front_color
 
 
 def test_the_discs_of_the_goal_do_not_touch():
@@ -33,11 +33,11 @@ def test_the_discs_of_the_goal_do_not_touch():
     assert marker.radius + marker.heading_radius < marker.heading_distance
 
 
-@pytest.mark.parametrize('colour', [(0, 0), (0, 0, 256), (-1, 0, 0), (0.5, 0.5, 0.5)])
-def test_what_is_no_colour_is_refused(colour):
+@pytest.mark.parametrize('color', [(0, 0), (0, 0, 256), (-1, 0, 0), (0.5, 0.5, 0.5)])
+def test_what_is_no_color_is_refused(color):
     for make in (
-        lambda: RobotMarker(front_colour=colour),
-        lambda: GoalMarker(heading_colour=colour),
+        lambda: RobotMarker(front_color=color),
+        lambda: GoalMarker(heading_color=color),
     ):
         with pytest.raises(ParameterError, match='whole numbers from 0 to 255'):
             make()

@@ -118,7 +118,7 @@ def test_two_feet_in_the_air_in_a_static_gait_leave_it_without_margin():
     report = check_gait(TITAN, replace(WAVE, swings=swings, sway_weight=(0.0, 0.0)))
     assert report.motions == ()
     check_each_direction_is_told_of(report)
-    # Both right feet are up: the centre of mass is outside by half the stance's width.
+    # Both right feet are up: the center of mass is outside by half the stance's width.
     assert report.problems[0].startswith('stepping on the spot the least stability margin is -30')
     assert 'the body must sway more, or the swings come in another order' in report.problems[0]
     assert all('stability margin' in problem for problem in report.problems)
@@ -133,7 +133,7 @@ def test_a_trot_that_claims_to_be_static_has_problems_except_on_the_spot():
 
 
 def test_without_sway_the_margin_is_missing_on_the_spot():
-    # A symmetric robot's centre of mass lies on the edge of every triangle.
+    # A symmetric robot's center of mass lies on the edge of every triangle.
     for gait in (CRAWL, WAVE):
         assert check_gait(TITAN, gait, 0.01).problems == ()
         report = check_gait(TITAN, replace(gait, sway_weight=(0.0, 0.0)), 0.01)

@@ -189,7 +189,7 @@ def calf_axes(robot, cycle):
 
 @each_case
 def test_stance_feet_roll_on_the_ground_without_slipping(case):
-    # The centre of a ball of radius r moves with r (omega_y, -omega_x).
+    # The center of a ball of radius r moves with r (omega_y, -omega_x).
     cycle, radius = case.fine, case.robot.foot_radius
     h = cycle.times[1]
     axes = calf_axes(case.robot, cycle)
@@ -457,7 +457,7 @@ def test_smaller_motions_are_stable_as_well(kind, stride):
 
 @pytest.mark.parametrize('stride', [S_OF_FIGURE_16, S_MAX])
 def test_without_sway_the_margin_starts_or_ends_at_zero_in_each_phase(stride):
-    # S0's own schedule puts the centre of gravity on a diagonal of the feet.
+    # S0's own schedule puts the center of gravity on a diagonal of the feet.
     cycle = generate_cycle(on_points(ROBOT), PAPER, BodyMotion(forward=stride), sample_period=0.001)
     for swing in PAPER.swings:
         phase = (cycle.times > swing.liftoff) & (cycle.times < swing.touchdown)

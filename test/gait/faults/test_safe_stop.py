@@ -161,7 +161,7 @@ def test_where_joints_follow_exactly_a_stuck_one_is_named_as_well(lame_walk):
 
 
 def test_on_three_feet_of_its_initial_posture_a_robot_is_about_to_tip():
-    # Its centre of mass is above the line between two of them.
+    # Its center of mass is above the line between two of them.
     for leg in range(len(LEGS)):
         carries = np.arange(len(LEGS)) != leg
         margin, _ = tipping(ROBOT, ROBOT.initial_joint_angles, UP, carries)
@@ -169,7 +169,7 @@ def test_on_three_feet_of_its_initial_posture_a_robot_is_about_to_tip():
 
 
 def test_a_body_that_tips_turns_until_a_hip_meets_the_ground():
-    # Over its left feet alone: 301 mm from the centre of mass, the right hips 402 mm away.
+    # Over its left feet alone: 301 mm from the center of mass, the right hips 402 mm away.
     carries = np.array([True, False, True, False])
     margin, angle = tipping(ROBOT, ROBOT.initial_joint_angles, UP, carries)
     away = ROBOT.neutral_feet[0, 1]

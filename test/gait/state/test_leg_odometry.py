@@ -134,7 +134,7 @@ def test_on_balls_it_is_as_exact_as_their_rolling_is_planned(motion, senses):
     # A foot rolls for 8 to 17 mm, planned to a few percent of it.
     assert 5e-3 < rolled < 0.02
     assert worst[:2].max() < min(0.04 * rolled, 3e-4)
-    # The same error at a foot, 0.3 m off the centre, as an angle.
+    # The same error at a foot, 0.3 m off the center, as an angle.
     assert worst[2] < 1e-3
 
 
@@ -194,7 +194,7 @@ def test_the_balls_of_the_feet_roll_as_the_calves_lean():
 
 
 def test_a_body_that_rolls_over_its_stiff_legs_rolls_their_balls():
-    # Body and legs tilt as one by a about x: the feet's centres move by r (a x z) = -r a
+    # Body and legs tilt as one by a about x: the feet's centers move by r (a x z) = -r a
     # along y, and one pair of feet stays down.
     joints = TITAN.initial_joint_angles.reshape(-1)
     left = TITAN.neutral_feet[0]

@@ -22,7 +22,7 @@ def tilted(points, along=0.1, across=-0.2, height=0.5):
 def step_at_zero(height=0.05):
     """Make ground that is higher from x = 0 on."""
     heights = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
-    return heights.with_heights(np.where(heights.centres[..., 0] > 0.0, height, 0.0))
+    return heights.with_heights(np.where(heights.centers[..., 0] > 0.0, height, 0.0))
 
 
 def test_the_plane_goes_through_feet_that_lie_in_one():
@@ -62,7 +62,7 @@ def test_a_map_that_does_not_know_the_feet_is_not_used():
 
 def test_the_highest_ground_between_two_places_is_found_also_beside_the_way():
     heights = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
-    bump = np.hypot(heights.centres[..., 0], heights.centres[..., 1] - 0.06) < 0.015
+    bump = np.hypot(heights.centers[..., 0], heights.centers[..., 1] - 0.06) < 0.015
     ground = GroundModel.through(FEET, heights.with_heights(np.where(bump, 0.06, 0.0)))
     start, end = np.array([-0.3, 0.0]), np.array([0.3, 0.0])
     assert ground.highest_between(start, end, 0.08) == pytest.approx(0.06)
@@ -74,7 +74,7 @@ def test_a_corner_beside_a_fine_map_s_way_is_found_wherever_it_is():
     level = HeightMap.level((-0.2, -0.2, 0.2, 0.2), 0.005)
     start, end = np.array([-0.1, 0.0]), np.array([0.1, 0.0])
     for x in np.arange(-0.05, 0.05, 0.005):
-        corner = np.hypot(level.centres[..., 0] - x, level.centres[..., 1] - 0.01) < 0.004
+        corner = np.hypot(level.centers[..., 0] - x, level.centers[..., 1] - 0.01) < 0.004
         ground = GroundModel.through(FEET / 10.0, level.with_heights(np.where(corner, 0.03, 0.0)))
         assert ground.highest_between(start, end, 0.01) == pytest.approx(0.03)
 
@@ -121,7 +121,7 @@ def test_good_ground_is_left_as_it_is_and_so_is_ground_without_a_map():
 
 def test_a_foothold_moves_out_of_a_hole():
     heights = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
-    hole = np.hypot(*np.moveaxis(heights.centres, -1, 0)) < 0.05
+    hole = np.hypot(*np.moveaxis(heights.centers, -1, 0)) < 0.05
     ground = GroundModel.through(
         FEET + [-0.5, 0.0, 0.0], heights.with_heights(np.where(hole, -0.3, 0.0))
     )

@@ -249,8 +249,8 @@ def test_a_problem_is_said_and_stays_said():
         controller.set_plan(Plan.through([[0.0, 0.0], [1.0, 0.0]], 0.0))
         walk.run(1.0)
         # A map that shows a hole of half a metre under every place for a foot.
-        centres = HeightMap.level((-1.0, -1.0, 2.0, 1.0), 0.02).centres
-        deep = np.where(np.abs(centres[..., 0] % 0.4 - 0.2) < 0.15, -0.5, 0.0)
+        centers = HeightMap.level((-1.0, -1.0, 2.0, 1.0), 0.02).centers
+        deep = np.where(np.abs(centers[..., 0] % 0.4 - 0.2) < 0.15, -0.5, 0.0)
         controller.set_height_map(HeightMap(deep, 0.02, (-1.0, -1.0)))
         walk.run(30.0, lambda: controller.activity is Activity.STOPPED)
         said = controller.reason

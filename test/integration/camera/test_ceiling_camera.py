@@ -34,7 +34,7 @@ from quad_sim.world.random_room import random_room
 pytestmark = pytest.mark.ros
 
 ROBOT = load_robot('titan_viii')
-RED = Appearance().obstacle_colour
+RED = Appearance().obstacle_color
 BULLET = {'backend': 'bullet', 'camera': True, 'map_file': 'none', 'start_pose': [2.0, 2.0, 0.5]}
 
 
@@ -70,11 +70,11 @@ def pictures(bench: Bench):
     return Pictures(bench)
 
 
-def has(image, model, place, colour):
-    """Tell whether a colour is seen at a place of the world."""
+def has(image, model, place, color):
+    """Tell whether a color is seen at a place of the world."""
     column, row = model.project([place])[0].astype(int)
     patch = image[row - 1 : row + 2, column - 1 : column + 2].astype(int)
-    return bool((np.abs(patch - colour).max(axis=2) < 30).all())
+    return bool((np.abs(patch - color).max(axis=2) < 30).all())
 
 
 def marker(kind, x, y, size, action=Marker.ADD, name=0, frame='map'):
@@ -114,8 +114,8 @@ def test_the_robot_is_seen_where_odometry_says_that_it_is(bench: Bench, pictures
     pictures.wait_until(
         'both discs',
         lambda image: (
-            has(image, model, (ahead.x, ahead.y, height), disc.front_colour)
-            and has(image, model, (behind.x, behind.y, height), disc.rear_colour)
+            has(image, model, (ahead.x, ahead.y, height), disc.front_color)
+            and has(image, model, (behind.x, behind.y, height), disc.rear_color)
         ),
     )
 
@@ -147,8 +147,8 @@ def test_obstacles_and_goal_marker_come_move_and_go(bench: Bench, pictures):
         given.header.frame_id = 'map'
         bench.publisher(PoseStamped, 'goal_marker').publish(given)
         ahead = goal @ Pose2D(look.heading_distance, 0.0, 0.0)
-        spots = [((goal.x, goal.y, look.height), look.colour)]
-        spots.append(((ahead.x, ahead.y, look.height), look.heading_colour))
+        spots = [((goal.x, goal.y, look.height), look.color)]
+        spots.append(((ahead.x, ahead.y, look.height), look.heading_color))
         pictures.wait_until(
             f'the goal at {goal}',
             lambda image, spots=spots: all(has(image, model, *spot) for spot in spots),
@@ -209,7 +209,7 @@ def test_a_room_of_random_obstacles_takes_the_place_of_the_map(bench: Bench, pic
     model = pictures.model()
     room = random_room(3, 5, Pose2D(2.0, 2.0, 0.5))
     spots = [((one.pose.x, one.pose.y, one.height), RED) for one in room.world.obstacles]
-    spots.append(((room.goal.x, room.goal.y, GoalMarker().height), GoalMarker().colour))
+    spots.append(((room.goal.x, room.goal.y, GoalMarker().height), GoalMarker().color))
     pictures.wait_until('the room', lambda image: all(has(image, model, *spot) for spot in spots))
     bench.wait_until('the map', lambda: bool(maps))
     cells = np.array(maps[0].data, np.int8).reshape(160, 160)
@@ -235,7 +235,7 @@ def test_without_publish_map_nobody_is_told(bench: Bench):
         ({'room_obstacles': 3}, "'room_obstacles' is 3; it must be -1 without a 'room_seed'"),
         ({'camera': True, 'camera_size': [640.5, 480.0]}, "'camera_size' is [640.5, 480.0]; it"),
         ({'camera': True, 'camera_position': [0.0, 0.0, -1.0]}, 'it must be above the floor'),
-        ({'goal_colour': [0.0, 0.0, 300.0]}, "'goal_colour' is [0.0, 0.0, 300.0]; it must be red"),
+        ({'goal_color': [0.0, 0.0, 300.0]}, "'goal_color' is [0.0, 0.0, 300.0]; it must be red"),
     ],
 )
 def test_a_camera_that_cannot_be_is_refused(bench: Bench, parameters, words):

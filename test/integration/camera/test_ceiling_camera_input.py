@@ -47,23 +47,23 @@ def picture(robot: Pose2D | None = START, goals: Sequence[Pose2D] = ()) -> np.nd
     corners = CAMERA.project([(x, y, 0.0) for x, y in BOX])
     cv2.fillPoly(image, [corners.round().astype(np.int32)], (205, 50, 35))
     for goal in goals:
-        dot(image, goal, GOAL.height, GOAL.radius, GOAL.colour)
+        dot(image, goal, GOAL.height, GOAL.radius, GOAL.color)
         ahead = goal @ Pose2D(GOAL.heading_distance, 0.0, 0.0)
-        dot(image, ahead, GOAL.height, GOAL.heading_radius, GOAL.heading_colour)
+        dot(image, ahead, GOAL.height, GOAL.heading_radius, GOAL.heading_color)
     if robot is not None:
         height = ROBOT.standing_height + MARKER.height
-        for side, colour in ((0.5, MARKER.front_colour), (-0.5, MARKER.rear_colour)):
+        for side, color in ((0.5, MARKER.front_color), (-0.5, MARKER.rear_color)):
             at = robot @ Pose2D(side * MARKER.disc_distance, 0.0, 0.0)
-            dot(image, at, height, MARKER.disc_radius, colour)
+            dot(image, at, height, MARKER.disc_radius, color)
     return image
 
 
-def dot(image: np.ndarray, at: Pose2D, height: float, radius: float, colour) -> None:
+def dot(image: np.ndarray, at: Pose2D, height: float, radius: float, color) -> None:
     """Paint a disc."""
     turn = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
     rim = [(at.x + radius * np.cos(a), at.y + radius * np.sin(a), height) for a in turn]
     pixels = 256.0 * (CAMERA.project(rim) - 0.5)
-    cv2.fillPoly(image, [pixels.round().astype(np.int32)], colour, shift=8)
+    cv2.fillPoly(image, [pixels.round().astype(np.int32)], color, shift=8)
 
 
 class Room:

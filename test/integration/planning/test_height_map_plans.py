@@ -38,7 +38,7 @@ def room():
 def block(height: float, frame: str = 'map') -> PointCloud2:
     """Give level ground with a block in the middle of the room."""
     level = HeightMap.level((0.0, 0.0, 6.0, 5.0), 0.02)
-    x, y = np.moveaxis(level.centres, -1, 0)
+    x, y = np.moveaxis(level.centers, -1, 0)
     heights = np.where((np.abs(x - 3.0) < 0.2) & (np.abs(y - 2.5) < 0.3), height, 0.0)
     return height_map_message(level.with_heights(heights), frame, Time())
 

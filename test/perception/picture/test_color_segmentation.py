@@ -1,4 +1,4 @@
-"""Colours are told apart in any light; ranges are data."""
+"""Colors are told apart in any light; ranges are data."""
 
 import math
 
@@ -12,27 +12,27 @@ from quad_perception.picture.color_segmentation import ColorRange, load_ranges, 
 from quad_perception.picture.mask_picture import draw_masks
 from quad_perception.picture.perception import default_ranges
 
-COLOURS = {
+COLORS = {
     'obstacle': (205, 50, 35),
     'floor': (205, 205, 200),
-    'robot_front': RobotMarker().front_colour,
-    'robot_rear': RobotMarker().rear_colour,
-    'goal': GoalMarker().colour,
-    'goal_heading': GoalMarker().heading_colour,
+    'robot_front': RobotMarker().front_color,
+    'robot_rear': RobotMarker().rear_color,
+    'goal': GoalMarker().color,
+    'goal_heading': GoalMarker().heading_color,
 }
 
 
 def stripes():
-    """A picture with a stripe of 20 columns of each colour."""
-    return np.repeat(np.array([list(COLOURS.values())], np.uint8), 20, axis=1).repeat(60, axis=0)
+    """A picture with a stripe of 20 columns of each color."""
+    return np.repeat(np.array([list(COLORS.values())], np.uint8), 20, axis=1).repeat(60, axis=0)
 
 
 @pytest.mark.parametrize('brightness', [0.7, 0.85, 1.0, 1.15, 1.3])
 @pytest.mark.parametrize('noise', [0.0, 8.0])
-def test_each_colour_is_told_apart_in_any_light(brightness, noise):
+def test_each_color_is_told_apart_in_any_light(brightness, noise):
     picture = disturbed(stripes(), np.random.default_rng(1), brightness, noise)
     seen = segment(picture, default_ranges())
-    for k, name in enumerate(COLOURS):
+    for k, name in enumerate(COLORS):
         inside = np.zeros(picture.shape[:2], bool)
         inside[:, 20 * k + 2 : 20 * k + 18] = True
         outside = np.ones(picture.shape[:2], bool)
@@ -50,12 +50,12 @@ def test_a_range_of_hues_goes_through_zero():
     assert columns.tolist() == [True, True, False, False]
 
 
-def test_the_range_around_a_colour_holds_its_hue_and_not_grey():
+def test_the_range_around_a_color_holds_its_hue_and_not_gray():
     blue = ColorRange.around('blue', (0, 0, 255), hue=20.0)
     assert (blue.lower[0], blue.upper[0]) == pytest.approx((220.0, 260.0))
     red = ColorRange.around('red', (255, 0, 0), hue=20.0)
     assert (red.lower[0], red.upper[0]) == pytest.approx((340.0, 20.0))
-    with pytest.raises(ParameterError, match='grey has no hue'):
+    with pytest.raises(ParameterError, match='gray has no hue'):
         ColorRange.around('floor', (200, 200, 200))
 
 
@@ -86,7 +86,7 @@ def test_two_ranges_of_one_name_are_refused():
 
 
 def test_ranges_are_read_from_a_file(tmp_path):
-    path = tmp_path / 'colours.yaml'
+    path = tmp_path / 'colors.yaml'
     path.write_text('obstacle: {lower: [340, 0.4, 0.1], upper: [20, 1, 1]}\n')
     assert load_ranges(path) == (ColorRange('obstacle', (340.0, 0.4, 0.1), (20.0, 1.0, 1.0)),)
 
@@ -102,7 +102,7 @@ def test_ranges_are_read_from_a_file(tmp_path):
     ],
 )
 def test_a_file_without_ranges_is_refused_with_its_name(tmp_path, text, said):
-    path = tmp_path / 'colours.yaml'
+    path = tmp_path / 'colors.yaml'
     path.write_text(text)
     with pytest.raises(CameraError, match=said) as caught:
         load_ranges(path)

@@ -164,8 +164,8 @@ def test_an_obstacle_that_the_border_cuts_is_occupied_where_it_is_sure():
     assert not (expected & (grid.cells == 0)).any()
 
 
-def test_a_thing_of_another_colour_is_unknown(perceivers):
-    picture = paint(CAMERAS['straight'], [Obstacle(1.0, 1.0, 0.3, 0.6, 0.6)], colour=(130, 60, 200))
+def test_a_thing_of_another_color_is_unknown(perceivers):
+    picture = paint(CAMERAS['straight'], [Obstacle(1.0, 1.0, 0.3, 0.6, 0.6)], color=(130, 60, 200))
     grid = perceivers['straight'].perceive(picture).map
     assert cell(grid, 1.0, 1.0) == UNKNOWN
     assert not grid.occupied().any()
@@ -213,12 +213,12 @@ def test_floor_that_is_seen_beside_the_robot_is_free_at_once(perceivers):
     pose = Pose2D(2.5, 2.5, 0.5)
     alone = perceiver.perceive(paint(camera, [], robot_plates(pose, RobotMarker()))).map
     rows, columns = np.indices(alone.cells.shape)
-    centres = alone.map_to_world(np.stack((columns + 0.5, rows + 0.5), axis=-1))
-    away = np.hypot(centres[..., 0] - pose.x, centres[..., 1] - pose.y)
+    centers = alone.map_to_world(np.stack((columns + 0.5, rows + 0.5), axis=-1))
+    away = np.hypot(centers[..., 0] - pose.x, centers[..., 1] - pose.y)
     assert (alone.cells[away > perceiver.robot_radius] == 0).all()
 
 
-def test_a_robot_of_the_floors_colour_makes_no_obstacle_vanish(perceivers):
+def test_a_robot_of_the_floors_color_makes_no_obstacle_vanish(perceivers):
     perceiver, camera = perceivers['straight'], CAMERAS['straight']
     low = Obstacle(1.0, 1.5, 0.05, 0.3, 0.3)
     before = perceiver.perceive(paint(camera, [low])).map

@@ -36,7 +36,7 @@ def room(robots=(), goals=(), camera=CAMERA, obstacles=(), **options):
         obstacles,
         [plate for pose in robots for plate in robot_plates(pose, ROBOT, **options)],
         floor=(205, 205, 200),
-        colour=(205, 50, 35),
+        color=(205, 50, 35),
         below=[plate for pose in goals for plate in goal_plates(pose, GOAL)],
     )
 
@@ -101,7 +101,7 @@ def test_a_robot_or_a_goal_that_is_not_there_is_said():
     assert isinstance(seen.robot_problem, MarkerNotSeen)
     assert isinstance(seen.goal_problem, MarkerNotSeen)
     assert str(seen.goal_problem) == (
-        'the goal is not seen: there is no disc of the colours goal, goal_heading in the picture'
+        'the goal is not seen: there is no disc of the colors goal, goal_heading in the picture'
     )
 
 
@@ -147,20 +147,20 @@ def test_a_marker_at_the_border_is_hidden_by_it():
 
 def test_discs_that_are_too_far_apart_are_no_marker():
     plates = [
-        (disc(0.0, 1.0, GOAL.radius), 0.0, GOAL.colour),
-        (disc(1.0, 1.0, GOAL.heading_radius), 0.0, GOAL.heading_colour),
+        (disc(0.0, 1.0, GOAL.radius), 0.0, GOAL.color),
+        (disc(1.0, 1.0, GOAL.heading_radius), 0.0, GOAL.heading_color),
     ]
     seen = PERCEIVER.perceive(paint(CAMERA, [], plates))
     assert isinstance(seen.goal_problem, MarkerHidden)
     assert '0.30 m from each other' in str(seen.goal_problem)
 
 
-def test_specks_of_a_markers_colour_change_nothing():
+def test_specks_of_a_markers_color_change_nothing():
     pose = Pose2D(1.0, -1.0, 0.5)
     picture = room(goals=[pose])
     rng = np.random.default_rng(0)
     for row, column in rng.integers(10, 600, (40, 2)):
-        picture[row : row + 2, column : column + 2] = GOAL.colour
+        picture[row : row + 2, column : column + 2] = GOAL.color
     assert errors(PERCEIVER.perceive(picture).goal, pose)[0] < 0.02
 
 

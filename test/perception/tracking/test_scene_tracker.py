@@ -199,7 +199,7 @@ def test_of_two_robots_none_is_believed():
     assert room.fusion.pose.distance_to(ROBOT) < 0.03
 
 
-def test_markers_have_their_usual_colours():
+def test_markers_have_their_usual_colors():
     names = {color.name for color in default_ranges(robot=RobotMarker(), goal=GoalMarker())}
     assert {'robot_front', 'robot_rear', 'goal', 'goal_heading'} <= names
 

@@ -26,8 +26,8 @@ def random_cells(rng, height, width, share=0.05):
 def square_distances(points, blocked):
     """Return the distance of each point to the nearest blocked square [cells]."""
     rows, columns = np.nonzero(blocked)
-    centres = np.column_stack((columns, rows)) + 0.5
-    apart = np.maximum(np.abs(points[:, None] - centres) - 0.5, 0.0)
+    centers = np.column_stack((columns, rows)) + 0.5
+    apart = np.maximum(np.abs(points[:, None] - centers) - 0.5, 0.0)
     return np.linalg.norm(apart, axis=2).min(axis=1)
 
 

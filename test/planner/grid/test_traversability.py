@@ -34,7 +34,7 @@ CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2)
 def ground(width=6.0, depth=4.0, resolution=0.02, boxes=(), slope=0.0, origin=(0.0, 0.0)):
     """Level ground, or a plane that rises along x, with boxes: x, y, length, width, height."""
     level = HeightMap.level((*origin, origin[0] + width, origin[1] + depth), resolution)
-    x, y = np.moveaxis(level.centres, -1, 0)
+    x, y = np.moveaxis(level.centers, -1, 0)
     heights = slope * x
     for bx, by, length, across, height in boxes:
         inside = (np.abs(x - bx) < length / 2.0) & (np.abs(y - by) < across / 2.0)
@@ -72,7 +72,7 @@ def test_a_box_is_an_obstacle_exactly_if_it_is_higher_than_the_step_height():
 def test_of_a_high_box_the_cells_on_both_sides_of_its_faces_are_marked():
     heights = ground(boxes=[(3.0, 2.0, 0.6, 0.4, 0.3)])
     marked = obstacles(heights)
-    x, y = np.moveaxis(heights.centres, -1, 0)
+    x, y = np.moveaxis(heights.centers, -1, 0)
     beyond = np.maximum(np.abs(x - 3.0) - 0.3, np.abs(y - 2.0) - 0.2)
     assert (marked == (np.abs(beyond) < 0.02)).all()
 
@@ -93,7 +93,7 @@ def test_marks_do_not_depend_on_how_the_ground_is_turned_or_mirrored_or_how_high
 def test_faces_that_are_blurred_count_as_upright_ones_do(height):
     sharp = ground(boxes=[(3.0, 2.0, 2.0, 2.0, height)])
     # As if it had been interpolated to other cells and back: over three cells.
-    at = sharp.centres
+    at = sharp.centers
     blurred = sharp.with_heights(
         np.mean([sharp.height_at(np.clip(at + d, 0.0, (6.0, 4.0))) for d in (-0.013, 0.013)], 0)
     )
@@ -112,14 +112,14 @@ def test_noise_of_some_millimetres_changes_nothing_for_what_is_clearly_low_or_hi
     heights = ground(boxes=boxes)
     noisy = heights.with_heights(heights.heights + rng.normal(0.0, 0.003, heights.heights.shape))
     marked = obstacles(noisy)
-    left = heights.centres[..., 0] < 3.0
+    left = heights.centers[..., 0] < 3.0
     assert not marked[left].any()
     assert marked[obstacles(heights)].all()
 
 
 def test_a_plateau_that_is_reached_by_a_ramp_is_free_and_walled_elsewhere():
     heights = ground()
-    x, y = np.moveaxis(heights.centres, -1, 0)
+    x, y = np.moveaxis(heights.centers, -1, 0)
     # 0.3 m high from x = 3.5 m on, with a ramp of 11 degrees up to it in the lower half.
     ramp = np.clip((x - 2.0) / 1.5, 0.0, 1.0) * 0.3
     plateau = np.where(y < 2.0, ramp, np.where(x > 3.5, 0.3, 0.0))
@@ -173,7 +173,7 @@ def test_a_slope_is_that_of_the_plane_which_fits_the_known_heights():
         z = rng.normal(0.0, 0.08, (5, 5))
         z[tuple(rng.integers(0, 5, (2, 4)))] = np.nan
         known = ~np.isnan(z)
-        terms = np.column_stack((heights.centres[known], np.ones(known.sum())))
+        terms = np.column_stack((heights.centers[known], np.ones(known.sum())))
         plane = np.linalg.lstsq(terms, z[known], rcond=None)[0]
         wanted = math.hypot(plane[0], plane[1]) > math.tan(0.4) and known[2, 2]
         assert steep_slopes(heights.with_heights(z), limits)[2, 2] == wanted
@@ -188,7 +188,7 @@ def test_single_bumps_and_low_boxes_on_gentle_ground_are_no_slope():
     heights = ground(boxes=boxes, slope=math.tan(math.radians(5.0)))
     # They lie on each other here and there.
     tame = heights.heights - np.maximum(
-        heights.heights - 0.0875 * heights.centres[..., 0] - 0.9 * STEP, 0.0
+        heights.heights - 0.0875 * heights.centers[..., 0] - 0.9 * STEP, 0.0
     )
     assert not obstacles(heights.with_heights(tame)).any()
 
@@ -266,9 +266,9 @@ def test_a_turned_map_walks_around_the_same_block(yaw):
     grid = floor(origin=(*corner.tolist(), yaw))
     heights = ground(8.0, 8.0, boxes=[(3.0, 2.0, 0.3, 0.3, 0.25)], origin=(-1.0, -2.0))
     combined = Ground(heights, LIMITS).added_to(grid)
-    centres = combined.map_to_world(np.argwhere(combined.occupied())[:, ::-1] + 0.5)
-    away = np.abs(centres - middle).max(axis=1)
-    assert len(centres)
+    centers = combined.map_to_world(np.argwhere(combined.occupied())[:, ::-1] + 0.5)
+    away = np.abs(centers - middle).max(axis=1)
+    assert len(centers)
     assert away.max() < 0.15 + 0.02 + 0.05
     _, plan = planned(
         'shortest',
@@ -337,7 +337,7 @@ def field():
         for h in [rng.uniform(0.3, 0.97) * STEP]
     ]
     level = ground(8.0, 6.0, boxes=low)
-    x, y = np.moveaxis(level.centres, -1, 0)
+    x, y = np.moveaxis(level.centers, -1, 0)
     heights = np.array(level.heights)
     high = [(4.0, 3.0, 0.5, 0.6), (2.3, 4.9, 0.4, 0.4), (5.9, 1.6, 0.3, 0.5)]
     for bx, by, length, across in high:

@@ -76,8 +76,8 @@ def least_clearance(grid, plan):
             for a, b in pairwise(corners)
         ]
     )
-    # The nearest square is among those whose centres are at most sqrt(1/2) beyond the
-    # nearest centre, and as much again on the square's side.
+    # The nearest square is among those whose centers are at most sqrt(1/2) beyond the
+    # nearest center, and as much again on the square's side.
     tree = cKDTree(blocked)
     nearest = tree.query(points)[0]
     worst = math.inf

@@ -46,7 +46,7 @@ WEST, EAST = Pose2D(1.0, 3.0, 0.3), Pose2D(5.0, 3.1, 1.0)
 
 def circles(rng, size=100, resolution=0.1):
     """Draw twelve discs, in every other map seven of them as a U."""
-    centres = (np.indices((size, size)) + 0.5) * resolution
+    centers = (np.indices((size, size)) + 0.5) * resolution
     places = rng.uniform(1.5, size * resolution - 1.5, (12, 2)).tolist()
     if rng.random() < 0.5:
         y = rng.uniform(3.0, 7.0)
@@ -54,7 +54,7 @@ def circles(rng, size=100, resolution=0.1):
         places[3:7] = [[6.0 - 0.6 * k, y + 1.4 * side] for k in (0, 1) for side in (-1, 1)]
     occupied = np.zeros((size, size), dtype=bool)
     for x, y in places:
-        occupied |= np.hypot(centres[1] - x, centres[0] - y) <= rng.uniform(0.25, 0.45)
+        occupied |= np.hypot(centers[1] - x, centers[0] - y) <= rng.uniform(0.25, 0.45)
     return OccupancyGrid(
         np.where(occupied, 100, 0).astype(np.int8), resolution, Pose2D(0.0, 0.0, 0.0)
     )

@@ -16,11 +16,11 @@ RESOLUTION = 0.05
 
 
 def discs(size, *circles):
-    """Draw discs, given by centre and radius in metres, on a square floor."""
-    centres = (np.indices((size, size)) + 0.5) * RESOLUTION
+    """Draw discs, given by center and radius in metres, on a square floor."""
+    centers = (np.indices((size, size)) + 0.5) * RESOLUTION
     mask = np.zeros((size, size), dtype=bool)
     for x, y, radius in circles:
-        mask |= np.hypot(centres[1] - x, centres[0] - y) <= radius
+        mask |= np.hypot(centers[1] - x, centers[0] - y) <= radius
     return mask
 
 
@@ -53,7 +53,7 @@ def test_the_gradient_is_the_slope_of_the_potential():
     h = 1e-5
     for point in np.random.default_rng(1).uniform(1.0, 119.0, (300, 2)):
         if np.abs((point - 0.5) % 1.0 - 0.5).max() > 0.49:
-            # The distance has a kink on the lines between centres.
+            # The distance has a kink on the lines between centers.
             continue
         slope = [
             (ONE.potential(point + h * axis) - ONE.potential(point - h * axis))

@@ -94,7 +94,7 @@ def record(simulator, positions, velocities, every=20):
 
 
 def feet_in_world(seen):
-    """Centres of the feet, by forward kinematics from what is observed."""
+    """Centers of the feet, by forward kinematics from what is observed."""
     x, y, z, w = seen.orientation
     rotation = np.array(
         [

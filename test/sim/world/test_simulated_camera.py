@@ -69,31 +69,31 @@ def picture(simulator, model, seed=0, **options):
     return SimulatedCamera(model, **options).take(simulator, np.random.default_rng(seed))
 
 
-def weights(image, colour, background):
-    """How much of a colour is in each pixel, from 0 to 1, where it lies on a background."""
-    axis = np.subtract(colour, background, dtype=float)
+def weights(image, color, background):
+    """How much of a color is in each pixel, from 0 to 1, where it lies on a background."""
+    axis = np.subtract(color, background, dtype=float)
     return np.clip((image - np.asarray(background, float)) @ axis / (axis @ axis), 0.0, 1.0)
 
 
-def blobs(image, colour):
-    """Centres of the spots that have nearly a colour, (column, row), with their areas."""
-    mask = np.abs(image.astype(int) - colour).max(axis=2) < 40
-    _, _, stats, centres = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-    return centres[1:] + 0.5, stats[1:, cv2.CC_STAT_AREA]
+def blobs(image, color):
+    """Centers of the spots that have nearly a color, (column, row), with their areas."""
+    mask = np.abs(image.astype(int) - color).max(axis=2) < 40
+    _, _, stats, centers = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    return centers[1:] + 0.5, stats[1:, cv2.CC_STAT_AREA]
 
 
 @pytest.mark.parametrize('name', MODELS)
 def test_things_are_seen_where_the_model_projects_them(make, name):
     model = MODELS[name]
-    colour = (20, 170, 60)
+    color = (20, 170, 60)
     places = [(x, y) for x in (2.2, 3.4, 4.6, 5.8) for y in (2.4, 3.3, 4.8, 5.6)]
     simulator = make()
     simulator.reset(Pose2D(-3.0, -3.0, 0.0))
     height = 0.004
     for index, (x, y) in enumerate(places):
-        simulator.put_obstacle(index, Obstacle.cylinder(x, y, 0.12, height, colour))
-    centres, areas = blobs(picture(simulator, model), colour)
-    assert len(centres) == len(places)
+        simulator.put_obstacle(index, Obstacle.cylinder(x, y, 0.12, height, color))
+    centers, areas = blobs(picture(simulator, model), color)
+    assert len(centers) == len(places)
     missed = []
     for x, y in places:
         # The middle of a disc's picture is not the picture of its middle.
@@ -104,7 +104,7 @@ def test_things_are_seen_where_the_model_projects_them(make, name):
             for a in angles
         ]
         expected = model.project(inner[1:]).mean(axis=0)
-        missed.append((centres - expected)[np.argmin(np.linalg.norm(centres - expected, axis=1))])
+        missed.append((centers - expected)[np.argmin(np.linalg.norm(centers - expected, axis=1))])
     missed = np.array(missed)
     assert np.abs(missed).max() < 0.5
     # No half pixels: the renderer's own shift is taken out.
@@ -120,9 +120,9 @@ def test_the_robots_marker_shows_position_and_heading(make):
         image = picture(simulator, model)
         height = simulator.observe().position[2] + MARKER.height
         ends = []
-        for colour in (MARKER.front_colour, MARKER.rear_colour):
-            centres, areas = blobs(image, colour)
-            ends.append(model.on_plane([centres[np.argmax(areas)]], height)[0])
+        for color in (MARKER.front_color, MARKER.rear_color):
+            centers, areas = blobs(image, color)
+            ends.append(model.on_plane([centers[np.argmax(areas)]], height)[0])
         front, rear = ends
         assert np.linalg.norm((front + rear) / 2.0 - (pose.x, pose.y)) < 0.006
         assert np.linalg.norm(front - rear) == pytest.approx(MARKER.disc_distance, abs=0.008)
@@ -147,15 +147,15 @@ def test_the_goals_marker_is_laid_and_moved(make):
     simulator = make()
     simulator.reset(Pose2D(1.0, 1.0, 0.0))
     marker = GoalMarker()
-    assert len(blobs(picture(simulator, model), marker.colour)[0]) == 0
+    assert len(blobs(picture(simulator, model), marker.color)[0]) == 0
     for pose in (Pose2D(5.0, 5.0, 1.0), Pose2D(3.0, 6.0, -2.0)):
         simulator.put_goal_marker(pose)
         image = picture(simulator, model)
         ahead = pose @ Pose2D(marker.heading_distance, 0.0, 0.0)
-        for colour, place in ((marker.colour, pose), (marker.heading_colour, ahead)):
-            [centre], _ = blobs(image, colour)
+        for color, place in ((marker.color, pose), (marker.heading_color, ahead)):
+            [center], _ = blobs(image, color)
             expected = model.project([(place.x, place.y, marker.height)])[0]
-            assert np.abs(centre - expected).max() < 0.5
+            assert np.abs(center - expected).max() < 0.5
 
 
 def test_hues_of_markers_obstacles_and_floor_are_far_apart(make):
@@ -165,37 +165,37 @@ def test_hues_of_markers_obstacles_and_floor_are_far_apart(make):
     simulator.put_goal_marker(room.goal)
     image = picture(simulator, camera_model())
     hsv = cv2.cvtColor(image, cv2.COLOR_RGB2HSV)
-    coloured = hsv[..., 1] > 100
-    hues = np.unique(2 * hsv[coloured][:, 0].astype(int))
+    colored = hsv[..., 1] > 100
+    hues = np.unique(2 * hsv[colored][:, 0].astype(int))
     expected = {
-        2 * int(cv2.cvtColor(np.uint8([[colour]]), cv2.COLOR_RGB2HSV)[0, 0, 0])
-        for colour in (
-            LOOK.obstacle_colour,
-            MARKER.front_colour,
-            MARKER.rear_colour,
-            LOOK.goal_marker.colour,
-            LOOK.goal_marker.heading_colour,
+        2 * int(cv2.cvtColor(np.uint8([[color]]), cv2.COLOR_RGB2HSV)[0, 0, 0])
+        for color in (
+            LOOK.obstacle_color,
+            MARKER.front_color,
+            MARKER.rear_color,
+            LOOK.goal_marker.color,
+            LOOK.goal_marker.heading_color,
         )
     }
     ordered = sorted(expected)
     gaps = np.diff([*ordered, ordered[0] + 360])
     assert gaps.min() > 40
-    # Whatever has a colour has one of these; floor, plate and body have none.
+    # Whatever has a color has one of these; floor, plate and body have none.
     nearest = [min(abs(math.remainder(hue - other, 360)) for other in expected) for hue in hues]
     assert max(nearest) <= 6
 
 
-def test_tops_are_brighter_than_sides_and_have_their_own_colour(make):
+def test_tops_are_brighter_than_sides_and_have_their_own_color(make):
     simulator = make()
     simulator.reset(Pose2D(1.0, 1.0, 0.0))
     simulator.put_obstacle(0, Obstacle.box(Pose2D(6.0, 6.0, 0.3), 0.8, 0.8, 1.0))
     model = camera_model()
     image = picture(simulator, model)
     column, row = model.project([(6.0, 6.0, 1.0)])[0].astype(int)
-    assert image[row, column] == pytest.approx(LOOK.obstacle_colour, abs=2)
+    assert image[row, column] == pytest.approx(LOOK.obstacle_color, abs=2)
     red = image[(image[..., 0] > 100) & (image[..., 1] < 80)]
     assert len(np.unique(red, axis=0)) >= 2
-    assert (red[:, 0] <= LOOK.obstacle_colour[0] + 1).all()
+    assert (red[:, 0] <= LOOK.obstacle_color[0] + 1).all()
 
 
 def rocked(simulator, camera=None, steps=300):
@@ -226,7 +226,7 @@ def test_noise_is_that_of_the_seed(make):
     noisy = picture(simulator, model, seed=5, noise=8.0)
     assert (noisy == picture(simulator, model, seed=5, noise=8.0)).all()
     assert (noisy != picture(simulator, model, seed=6, noise=8.0)).any()
-    plain = (clean == LOOK.floor_colour).all(axis=2)
+    plain = (clean == LOOK.floor_color).all(axis=2)
     assert plain.sum() > 10_000
     added = noisy[plain].astype(float) - clean[plain]
     assert added.std() == pytest.approx(8.0, rel=0.03)

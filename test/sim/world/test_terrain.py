@@ -242,7 +242,7 @@ def test_blocks_do_not_overlap():
 
 def test_the_map_shows_the_higher_of_field_and_block():
     field = HeightMap.level((0.0, 0.0, 2.0, 1.0), 0.1)
-    field = field.with_heights(np.where(field.centres[..., 0] > 1.0, 0.5, 0.0))
+    field = field.with_heights(np.where(field.centers[..., 0] > 1.0, 0.5, 0.0))
     block = Block(Pose2D(1.0, 0.5, 0.0), 1.0, 0.4, 0.2)
     terrain = Terrain(field, (block,))
     assert terrain.height_at([[0.7, 0.5], [1.3, 0.5], [0.7, 0.1]]).tolist() == [0.2, 0.5, 0.0]
@@ -260,7 +260,7 @@ def settled(simulator, pose, seconds=2.0):
 
 
 def feet_of(seen):
-    """Centres of the feet in the world, shape (4, 3) [m]."""
+    """Centers of the feet in the world, shape (4, 3) [m]."""
     x, y, z, w = seen.orientation
     rotation = np.array(
         [
@@ -498,7 +498,7 @@ def test_a_file_is_a_ground_of_its_own_or_a_part_of_one(tmp_path):
     assert alone.field.bounds == pytest.approx(heights.bounds)
     both = make_terrain(specs_from_text(f'{path}+slope'), BOUNDS, START)
     slope = terrain_of('slope').field
-    inside = slope.centres[(np.abs(slope.centres - 0.5) < 0.45).all(axis=-1)]
+    inside = slope.centers[(np.abs(slope.centers - 0.5) < 0.45).all(axis=-1)]
     expected = slope.height_at(inside) + 0.03
     assert both.field.height_at(inside) == pytest.approx(expected, abs=1e-5)
 
