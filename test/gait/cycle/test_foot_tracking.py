@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_common.robot.leg_kinematics import TrackedLeg
+from quad_common.robot.leg_kinematics import Leg
 from quad_common.robot.robot import available_robots, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.foot_tracking import (
@@ -29,7 +29,7 @@ STEP = 0.02 * np.array([math.sin(math.pi / 4), math.cos(math.pi / 4), 0.0])
 
 def leg_of_links(a1, a2, a3):
     """S1 eq. 9: yaw about z, straight along x at zero."""
-    return TrackedLeg(
+    return Leg(
         name='lf',
         hip=np.zeros(3),
         first_axis=np.array([0.0, 0.0, 1.0]),
