@@ -20,7 +20,7 @@ from quad_common.robot.robot import load_robot
 from quad_lab.attacks.messages.attacker import Attacker
 from quad_lab.attacks.messages.nonsense import accepted_nonsense
 from quad_lab.attacks.stage.report import Report, bars_of
-from quad_lab.attacks.stage.scenes import MAP, QUICK_SCENES, SCENES, START
+from quad_lab.attacks.stage.scenes import MAP, QUICK_SCENES, ROBOT, SCENES, START
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.state import growth
 from quad_lab.closed_loop.random_goals import GoalDrawer
@@ -30,14 +30,14 @@ from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 MESSAGES = 2000
 """To each node, with the robot standing, and as many with it walking."""
 
-QUICK_MESSAGES = 60
+QUICK_MESSAGES = 40
 
 LENGTH = 1.0
 """Longest way to the good goal after an attack [m]."""
 
-QUICK_LENGTH = 0.4
+QUICK_LENGTH = 0.25
 
-QUICK_NONSENSE = 8
+QUICK_NONSENSE = 5
 """Messages that must be refused, to each node."""
 
 _BATCH = 20
@@ -51,8 +51,6 @@ _GAP = 0.004
 
 _MOMENTS, _BETWEEN = 10, 0.1
 """At which memory is measured, and the time between two of them [s]."""
-
-_ROBOT = 'titan_viii'
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -83,7 +81,7 @@ def attack_messages(
     counts: dict[str, int] = {}
     tracebacks: list[str] = []
     for scene in QUICK_SCENES if quick else SCENES:
-        with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
+        with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
             scene.start(stage)
             for state, node in itertools.product(scene.states, scene.targets):
                 attack = MessageAttack(
@@ -140,7 +138,7 @@ class MessageAttack:
         self.report = report
         self._longest = longest
         self._stage = stage
-        self._goals = GoalDrawer(load_robot(_ROBOT), sample_map(MAP), seed, clearance=clearance)
+        self._goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed, clearance=clearance)
         self._rng = np.random.default_rng(seed)
         self._attacker = Attacker(stage, report.node, self._rng)
         self._maps = stage.node.create_publisher(OccupancyGrid, 'map', _LATCHED)

@@ -6,17 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from quad_lab.attacks.stage.violations import (
-    JOINTS_OUTSIDE,
-    NOT_FINITE,
-    OUTSIDE_LIMITS,
-    TOO_LONG,
-    UNREADABLE,
-)
+from quad_lab.attacks.stage.violations import violation_bars
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
-
-_KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE, TOO_LONG, UNREADABLE)
-
 
 LARGEST_GROWTH = 0.05
 """Memory that a node may gain in an attack, as a fraction."""
@@ -78,7 +69,7 @@ def bars_of(
         at_most('node deaths', sum(len(r.deaths) for r in reports), '', 0),
         at_most('tracebacks', len(tracebacks), '', 0),
         at_most('reactions slower than 2 s', sum(len(r.slow) for r in reports), '', 0),
-        *(at_most(kind, counts.get(kind, 0), '', 0) for kind in _KINDS),
+        *violation_bars(counts),
         figure('largest growth of memory', largest, 'fraction')
         if quick
         else at_most('largest growth of memory', largest, 'fraction', LARGEST_GROWTH),

@@ -13,6 +13,7 @@ from quad_lab.attacks.stage.stage import Stage
 from quad_lab.topic_walk.walk import CAMERA_MAP_RESOLUTION, camera_over
 
 MAP = 'room'
+ROBOT = 'titan_viii'
 START = Pose2D(1.2, 1.2, 0.0)
 """Where the robot begins."""
 
@@ -70,12 +71,25 @@ QUICK_SCENES = (
 )
 
 
-def start_nodes(stage: Stage, backend: str) -> None:
-    """Start simulator, planner and gait, and wait until a goal would be walked to."""
+def start_nodes(stage: Stage, backend: str, rate: float = _RATE, **gait: object) -> None:
+    """
+    Start simulator, planner and gait, and wait until a goal would be walked to.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where they run.
+    backend : str
+        Of the simulator: ``kinematic`` or ``bullet``.
+    rate : float
+        Simulated over real time; 0 is as fast as possible.
+    **gait
+        Parameters of gait_node.
+    """
     start = [START.x, START.y, START.yaw]
-    stage.start('sim_node', backend=backend, real_time_factor=_RATE, start_pose=start)
+    stage.start('sim_node', backend=backend, real_time_factor=rate, start_pose=start)
     stage.start('planner_node')
-    stage.start('gait_node')
+    stage.start('gait_node', **gait)
     stage.wait_until_ready()
 
 

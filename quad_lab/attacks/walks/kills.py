@@ -15,8 +15,14 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import load_robot
 from quad_lab.attacks.stage.reasons import reason_for_standing
+from quad_lab.attacks.stage.scenes import MAP, NODES, ROBOT, START, start_nodes
 from quad_lab.attacks.stage.stage import NotSeen, Stage
-from quad_lab.attacks.stage.violations import NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
+from quad_lab.attacks.stage.violations import (
+    NOT_FINITE,
+    OUTSIDE_LIMITS,
+    UNREADABLE,
+    violation_bars,
+)
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
@@ -24,7 +30,6 @@ from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 WALKS = 40
 QUICK_WALKS = 2
 
-NODES = ('planner_node', 'gait_node', 'sim_node')
 WAYS = ('SIGKILL', 'SIGSTOP')
 
 _STOPPED_FOR = 5.0
@@ -49,10 +54,6 @@ _ATTEMPTS = 3
 
 _RATE = 3.0
 """Simulated over real time."""
-
-_ROBOT = 'titan_viii'
-_MAP = 'room'
-_START = Pose2D(1.2, 1.2, 0.0)
 
 
 @dataclass
@@ -119,13 +120,9 @@ def attack_by_kills(
     ways = [(node, way) for way in WAYS for node in NODES]
     order = rng.permutation(len(ways))
     walks: list[KilledWalk] = []
-    with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
-        start = [_START.x, _START.y, _START.yaw]
-        stage.start('sim_node', real_time_factor=_RATE, start_pose=start)
-        stage.start('planner_node')
-        stage.start('gait_node')
-        stage.wait_until_ready()
-        goals = GoalDrawer(load_robot(_ROBOT), sample_map(_MAP), seed)
+    with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
+        start_nodes(stage, 'bullet', _RATE)
+        goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed)
         for number in range(count):
             node, way = ways[order[number % len(ways)]]
             walk = KilledWalk(number, node, way)
@@ -145,7 +142,7 @@ def attack_by_kills(
 
 def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: float) -> None:
     """Walk to a goal; kill a node on the way."""
-    pose = stage.pose or _START
+    pose = stage.pose or START
     goal = goals.draw(pose, 0.4, 1.2)
     walk.moment = moment
     try:
@@ -260,10 +257,7 @@ def bars_of(walks: list[KilledWalk], counts: dict[str, int], tracebacks: int) ->
             '',
             0,
         ),
-        *(
-            at_most(kind, counts.get(kind, 0), '', 0)
-            for kind in (NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE)
-        ),
+        *violation_bars(counts, (NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE)),
         at_most('tracebacks', tracebacks, '', 0),
     ]
 

@@ -8,18 +8,12 @@ import time
 
 from rich.console import Console
 
-from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import load_robot
+from quad_lab.attacks.stage.scenes import MAP, ROBOT, START, start_nodes
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.state import growth
-from quad_lab.attacks.stage.violations import (
-    JOINTS_OUTSIDE,
-    NOT_FINITE,
-    OUTSIDE_LIMITS,
-    TOO_LONG,
-    UNREADABLE,
-)
+from quad_lab.attacks.stage.violations import violation_bars
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
@@ -36,8 +30,6 @@ _WARM_UP = 600.0
 _LINE_EVERY = 30.0
 """A line of progress [s], on the wall clock."""
 
-_KINDS = (NOT_FINITE, OUTSIDE_LIMITS, JOINTS_OUTSIDE, TOO_LONG, UNREADABLE)
-
 LARGEST_GROWTH = 0.02
 """Memory that a node may gain after the warm-up, as a fraction."""
 
@@ -46,10 +38,6 @@ _FEWEST = 2
 
 _MOST_MISSED = 10
 """After so many goals that were not reached the soak is given up."""
-
-_ROBOT = 'titan_viii'
-_MAP = 'room'
-_START = Pose2D(1.2, 1.2, 0.0)
 
 
 def soak(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
@@ -71,21 +59,17 @@ def soak(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dic
         The bars, and details for JSON: memory over time, and goals that were not reached.
     """
     duration = QUICK_DURATION if quick else DURATION
-    goals = GoalDrawer(load_robot(_ROBOT), sample_map(_MAP), seed)
+    goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed)
     missed: list[str] = []
     reached = 0
     memory: list[tuple[float, dict[str, float]]] = []
     said_at = time.monotonic()
-    with isolated_domain(), Stage(load_robot(_ROBOT)) as stage:
-        start = [_START.x, _START.y, _START.yaw]
-        # Without physics: it is the nodes that are soaked, and they know no difference.
-        stage.start('sim_node', backend='kinematic', real_time_factor=0.0, start_pose=start)
-        stage.start('planner_node')
-        # As fast as possible, a message is on its way for a good part of a simulated second.
-        stage.start('gait_node', lead_time=2.0)
-        stage.wait_until_ready()
+    with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
+        # Without physics: it is the nodes that are soaked, and they know no difference. As fast as
+        # possible, a message is on its way for a good part of a simulated second.
+        start_nodes(stage, 'kinematic', rate=0.0, lead_time=2.0)
         while (stage.listener.time < duration or reached < _FEWEST) and len(missed) < _MOST_MISSED:
-            goal = goals.draw(stage.pose or _START, 0.3, 0.6 if quick else 5.0)
+            goal = goals.draw(stage.pose or START, 0.3, 0.6 if quick else 5.0)
             try:
                 stage.walk_to(goal, 900.0)
                 reached += 1
@@ -144,7 +128,7 @@ def bars_of(reached: int, missed: int, counts: dict[str, int], tracebacks: int) 
     total = reached + missed
     return [
         at_least('goals reached', reached if total else None, f'of {total}', total),
-        *(at_most(kind, counts.get(kind, 0), '', 0) for kind in _KINDS),
+        *violation_bars(counts),
         at_most('tracebacks', tracebacks, '', 0),
     ]
 
