@@ -36,6 +36,9 @@ _LARGEST_COUNT = 12
 _INSTANT = 0.02
 """Time over which the speed of a command is taken [s]."""
 
+_ALIKE = 0.02
+"""Share of what joints may be off by which one command fits no worse than another."""
+
 _EXPIRY = 0.5
 """After so long past its end a trajectory that was not followed is void [s]."""
 
@@ -122,7 +125,9 @@ class CommandTracker:
             return np.zeros(0)
         return np.abs(now - before) / _INSTANT
 
-    def explain(self, time: float, positions: Array) -> Explanation | None:
+    def explain(
+        self, time: float, positions: Array, strictness: Array | None = None
+    ) -> Explanation | None:
         """
         Find the command that fits the joints.
 
@@ -132,16 +137,27 @@ class CommandTracker:
             When they were measured [s].
         positions : ndarray, shape (n,)
             [rad]
+        strictness : ndarray, shape (n,), optional
+            By so much less than usual a joint may be off [rad]. Where more than one joint would be
+            off by that, it does not count.
 
         Returns
         -------
         Explanation or None
             One that fits all joints, or all but one; None if none does.
         """
+        if strictness is not None and strictness.any():
+            found = self._explain(time, positions, strictness)
+            if found is not None:
+                return found
+        return self._explain(time, positions, np.zeros_like(positions))
+
+    def _explain(self, time: float, positions: Array, strictness: Array) -> Explanation | None:
+        """Find the command that fits, with joints that may be off by less than usual."""
         begun = [c for c in self._candidates if c.path.given <= time and c.path.begin <= time]
         for candidate in reversed(begun):
             posture, allowed = candidate.path.at(time - candidate.delay)
-            off = np.abs(positions - posture) > allowed
+            off = np.abs(positions - posture) > allowed - strictness
             if not off.any():
                 goes_on = len(begun) > 1 and self._settle_for(candidate, begun, time, positions)
                 candidate.matched = time
@@ -149,7 +165,7 @@ class CommandTracker:
                 if candidate.path.starts_on_arrival and not np.isfinite(candidate.latest):
                     self._bound_delay(candidate, time, positions)
                 return self._explanation(posture, allowed, off, candidate, begun, goes_on)
-        return self._search(begun, time, positions)
+        return self._search(begun, time, positions, strictness)
 
     def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
         """Find the largest delay of a trajectory that the joints have begun to follow."""
@@ -192,7 +208,9 @@ class CommandTracker:
                 followed.is_outdated = True
         return goes_on
 
-    def _search(self, begun: list[Candidate], time: float, positions: Array) -> Explanation | None:
+    def _search(
+        self, begun: list[Candidate], time: float, positions: Array, strictness: Array
+    ) -> Explanation | None:
         """Look at all that may be followed, with delays and on the way into each other."""
         blocks = [(candidate, *candidate.rows(time, self._options.age)) for candidate in begun]
         for k, later in enumerate(self._candidates):
@@ -207,7 +225,7 @@ class CommandTracker:
         allowed = np.concatenate([block[2] for block in blocks])
         delays = np.concatenate([block[3] for block in blocks])
         owners = np.repeat(np.arange(len(blocks)), [len(block[1]) for block in blocks])
-        share = np.abs(positions - postures) / allowed
+        share = np.abs(positions - postures) / (allowed - strictness)
         off = share > 1.0
         count = off.sum(axis=1)
         least = int(count.min())
@@ -216,7 +234,8 @@ class CommandTracker:
         rows = np.flatnonzero(count == least)
         # How well all joints but the one that is off fit.
         fit = np.where(off[rows], 0.0, share[rows]).max(axis=1)
-        row = int(rows[fit.argmin()])
+        # Of trajectories that ask for the same now the latest is followed.
+        row = int(rows[np.flatnonzero(fit <= fit.min() + _ALIKE)[-1]])
         owner = blocks[int(owners[row])][0]
         goes_on = False
         if np.isfinite(delays[row]):

@@ -50,6 +50,11 @@ class FaultDetectorOptions:
     """Fraction of its torque from which on a motor is overloaded, and has not failed."""
     slack: float = 0.03
     """Fraction of its torque below which a motor gives none."""
+    slack_tolerance: float = 0.03
+    """Distance that a joint may have from its command while its motor gives none [rad]; a drive
+    that is farther off would pull."""
+    slack_time: float = 0.06
+    """For so long it must have given none, for that to count [s]."""
     rest: float = 0.004
     """Angle; a joint that has turned by less since it is off does not move [rad]."""
     jump: float = 0.08
@@ -82,6 +87,7 @@ class JointFaultDetector:
         self._knows_posture = False
         self._last: tuple[float, Array] | None = None
         self._suspect = -1
+        self._slack_for = np.zeros(len(self._largest))
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
 
@@ -140,13 +146,25 @@ class JointFaultDetector:
         if not self._knows_posture:
             self._tracker.hold(*last)
             self._knows_posture = True
-        found = self._tracker.explain(time, positions)
         step = min(dt, self._options.longest_gap)
+        found = self._tracker.explain(time, positions, self._strictness(efforts, step))
         if found is None or not found.off.any():
             self._suspect = -1
             self._note_following(found, step)
             return None
         return self._suspected(found, time, positions, moved / dt, step, efforts)
+
+    def _strictness(self, efforts: Array | None, step: float) -> Array:
+        """Return by how much less joints may be off whose motors give no torque, (12,) [rad]."""
+        options = self._options
+        if efforts is None or not efforts.any():
+            self._slack_for[:] = 0.0
+        else:
+            is_slack = np.abs(efforts) < options.slack * self._largest
+            self._slack_for = np.where(is_slack, self._slack_for + step, 0.0)
+        less = max(0.0, options.tracker.tolerance - options.slack_tolerance)
+        strictness: Array = np.where(self._slack_for >= options.slack_time - 1e-9, less, 0.0)
+        return strictness
 
     def _note_following(self, found: Explanation | None, step: float) -> None:
         """Count for how long the joints have not followed what should run."""

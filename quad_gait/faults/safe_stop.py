@@ -42,6 +42,12 @@ _TRIES = 15
 _SCRAPE = 0.002
 """A leg that is lifted may go so much lower than it is [m]."""
 
+_LANDING_TURN, _LANDINGS = 0.8, 161
+"""To put a lame leg down its sound joint is turned by so much at most [rad], in so many tries."""
+
+_LANDING_ERROR = 0.01
+"""Error of its foot's height with which it counts as put down [m]."""
+
 _FOLDED = 0.85
 """Share of the knee's range to which a leg is folded."""
 
@@ -80,11 +86,26 @@ class SafeStopOptions:
     """To bring the center of mass there."""
     shifts_at_once: bool = False
     """Whether the center of mass goes over the sound feet while those that swing are put down."""
+    lands_on_it: bool = False
+    """Whether a lame leg that swings is put down too, if it may bear: then it is a foot more."""
+    sufficient: float = 0.8
+    """Share of ``margin`` with which the body is not moved any more."""
+    largest_tilt: float = 0.05
+    """Nor is it if it is tilted by less [rad]."""
 
     @classmethod
     def hasty(cls) -> SafeStopOptions:
         """Return the options for a gait that is not static: it leaves no time to settle."""
-        return cls(catch_time=0.27, settle_time=0.45, pause=0.08, attempts=2, shifts_at_once=True)
+        return cls(
+            catch_time=0.27,
+            settle_time=0.45,
+            pause=0.08,
+            attempts=2,
+            shifts_at_once=True,
+            lands_on_it=True,
+            sufficient=0.45,
+            largest_tilt=0.08,
+        )
 
 
 class _Stage(enum.Enum):
@@ -177,17 +198,22 @@ class SafeStop:
         self._fault = fault
         self._options = SafeStopOptions() if options is None else options
         self._scale = robot.relative_size
-        self._wanted = 0.8 * self._scale * self._options.margin
+        self._wanted = self._options.sufficient * self._scale * self._options.margin
         self._leg = fault.leg
         self._sound = np.arange(len(LEGS)) != fault.leg
         self._joints = commanded.copy()
         self._standing = standing.copy()
         # A joint that turns about the vertical carries no weight.
         has_lever = abs(robot.foot_jacobians(commanded)[self._leg, 2, fault.joint % 3]) > 1e-6
-        self.bears = bool(standing[self._leg]) and (
-            not fault.is_slack or (fault.joint % 3 == 0 and not has_lever)
-        )
+        turns_freely = fault.joint % 3 == 0 and not has_lever
+        self.bears = bool(standing[self._leg]) and (not fault.is_slack or turns_freely)
         """Whether the lame leg bears the body as well."""
+        # In the air a motor needs no torque: one that does not move may hold.
+        self._lands = (
+            self._options.lands_on_it
+            and not standing[self._leg]
+            and (turns_freely or fault.kind == 'stuck')
+        )
         # One that has not moved may be stuck, with nothing to bear: it is not given up at once.
         self._is_lost = bool(standing[self._leg]) and not self.bears and fault.kind == 'free'
         self._tilt = 0.0
@@ -281,7 +307,7 @@ class SafeStop:
             self.sits = not self.bears
             return None
         if self._stage in (_Stage.CATCH, _Stage.SETTLE):
-            is_done = self.margin >= self._wanted and _tilt(now) < 0.05
+            is_done = self.margin >= self._wanted and _tilt(now) < self._options.largest_tilt
             if not is_done and self._attempts < self._options.attempts:
                 self._attempts += 1
                 self._stage = _Stage.SETTLE
@@ -331,14 +357,22 @@ class SafeStop:
         ground = float(under.mean())
         target = feet.copy()
         landing = self._sound & ~self._standing
-        target[landing, 2] = ground - self._scale * options.press
+        press = self._scale * options.press
         shift = np.zeros(3)
+        lame = posture[self._leg]
+        if self._lands and not self._is_lost:
+            # On four feet it is not to rock from one diagonal to the other.
+            put_down = self._put_down(posture, level, ground)
+            self._lands = False
+            if put_down is not None:
+                self.bears, press, lame = True, 0.0, put_down
+        target[landing, 2] = ground - press
         if self._is_lost:
+            lame = self._helpful(posture)
             crouch = -float(robot.foot_positions(crouching_joint_angles(robot))[:, 2].mean())
             shift[2] = -max(0.0, -ground - crouch)
         elif options.shifts_at_once and not self.bears:
             shift[:2] = self._way_over(posture, level, target)
-        lame = self._helpful(posture) if self._is_lost else posture[self._leg]
         return self._move(
             now.time + options.reaction,
             options.catch_time,
@@ -458,6 +492,40 @@ class SafeStop:
         share = minimum_jerk(begin, self._end, np.array([time]))[0][0]
         joints: Array = start + share * (end - start)
         return joints
+
+    def _put_down(self, joints: Array, level: Array, height: float) -> Array | None:
+        """
+        Return a posture of the lame leg with its foot at a height, turned by its sound joints.
+
+        Heights are in level axes through base_link [m]; None if the foot does not get there.
+        """
+        other = 1 if self._fault.joint % 3 == 2 else 2
+        now: Array = joints[self._leg]
+        if self._fault.joint % 3 == 0:
+            # Both other joints: straight down.
+            arms = self._robot.foot_positions(joints) @ level.T
+            arms[self._leg, 2] = height
+            try:
+                straight: Array = self._robot.joint_angles(arms @ level)[self._leg]
+            except GaitError:
+                return None
+            straight[0] = now[0]
+            return straight
+        lower, upper = self._robot.lower[self._leg, other], self._robot.upper[self._leg, other]
+        tried = np.repeat(now[None], _LANDINGS, axis=0)
+        tried[:, other] = np.linspace(
+            max(lower, now[other] - _LANDING_TURN),
+            min(upper, now[other] + _LANDING_TURN),
+            _LANDINGS,
+        )
+        _, _, feet = self._robot.legs[self._leg].chain(tried)
+        off = np.abs((feet @ level.T)[:, 2] - height)
+        fits = np.flatnonzero(off <= max(float(off.min()), self._scale * _LANDING_ERROR / 2.0))
+        best = int(fits[np.abs(tried[fits, other] - now[other]).argmin()])
+        if off[best] > self._scale * _LANDING_ERROR:
+            return None
+        landed: Array = tried[best]
+        return landed
 
     def _helpful(self, joints: Array) -> Array:
         """Return a posture of the lame leg in which its knee may bear, or it is not in the way."""

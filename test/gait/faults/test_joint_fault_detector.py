@@ -162,3 +162,57 @@ def test_when_the_clock_is_set_back_the_watch_begins_anew(watch):
     assert watch_for(2.0, path, watch) is None
     assert watch.update(0.1, POSTURE + 1.0, LOADED) is None
     assert watch_for(2.0, lambda t: POSTURE + 0.2, watch, start=0.12) is None
+
+
+def off_by(way, joints, path, since=1.0):
+    """Joints that are off their commands from a time on."""
+
+    def measured(time):
+        positions = path(time)
+        if time > since:
+            positions[joints] += way
+        return positions
+
+    return measured
+
+
+def without_torque(joints, since=1.0):
+    def efforts(time):
+        given = LOADED.copy()
+        if time > since:
+            given[joints] = 0.02 * 100.0
+        return given
+
+    return efforts
+
+
+@pytest.mark.parametrize('joint', JOINTS)
+def test_a_joint_that_is_a_little_off_and_does_not_pull_is_named(watch, joint):
+    path = path_of(swaying())
+    measured = off_by(0.05, [joint], path)
+    assert watch_for(1.4, measured, watch) is None
+    watch.forget()
+    watch.expect(swaying(), 0.2)
+    fault = watch_for(2.0, measured, watch, without_torque([joint]))
+    assert (fault.joint, fault.is_slack) == (joint, True)
+    assert fault.time - 1.0 < 0.2
+
+
+@pytest.mark.parametrize('joint', JOINTS)
+def test_a_joint_that_need_not_pull_is_sound_where_it_was_sent(watch, joint):
+    path = path_of(swaying())
+    measured = off_by(0.02, [joint], path)
+    assert watch_for(4.0, measured, watch, without_torque([joint])) is None
+
+
+def test_two_joints_that_are_a_little_off_and_do_not_pull_hide_no_third_one(watch):
+    path = path_of(swaying())
+    little = off_by(0.05, [1, 8], path)
+
+    def measured(time):
+        positions = little(time)
+        if time > 1.0:
+            positions[4] += 0.2
+        return positions
+
+    assert watch_for(2.0, measured, watch, without_torque([1, 8])).joint == 4
