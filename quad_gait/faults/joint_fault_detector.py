@@ -87,7 +87,7 @@ class JointFaultDetector:
         self._knows_posture = False
         self._last: tuple[float, Array] | None = None
         self._suspect = -1
-        self._slack_for = np.zeros(len(self._largest))
+        self._slack_for: Array = np.zeros(len(self._largest))
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
 
