@@ -139,14 +139,16 @@ class CommandTracker:
             [rad]
         strictness : ndarray, shape (n,), optional
             By so much less than usual a joint may be off [rad]. Where more than one joint would be
-            off by that, it does not count.
+            off by that, or a trajectory starts on arrival, it does not count.
 
         Returns
         -------
         Explanation or None
             One that fits all joints, or all but one; None if none does.
         """
-        if strictness is not None and strictness.any():
+        # How late what starts on arrival has come is not known so exactly.
+        is_exact = not any(candidate.path.starts_on_arrival for candidate in self._candidates)
+        if is_exact and strictness is not None and strictness.any():
             found = self._explain(time, positions, strictness)
             if found is not None:
                 return found

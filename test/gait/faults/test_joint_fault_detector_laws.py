@@ -130,6 +130,21 @@ def test_trajectories_that_come_late_or_never_are_no_faults(seed, stamped, lost)
     assert robot.walk(12.0) is None
 
 
+@pytest.mark.parametrize('seed', range(6))
+@pytest.mark.parametrize('stamped', [True, False])
+@pytest.mark.parametrize('lateness', [0.0, 0.5])
+def test_joints_that_need_next_to_no_torque_are_sound(seed, stamped, lateness):
+    robot = Robot(seed, lateness=lateness, lost=0.1 if lateness else 0.0, stamped=stamped)
+    bearing = robot.rng.random(12) < 0.3
+
+    def as_drives_tell(time, joints):
+        # A position drive pulls by how far it is off; encoders' errors it does not know.
+        pull = ROBOT.effort.reshape(-1) * (robot.commanded - robot.joints) / 0.35
+        return joints, np.where(bearing, 20.0, 0.2 * pull)
+
+    assert robot.walk(12.0, as_drives_tell) is None
+
+
 @pytest.mark.parametrize('seed', range(4))
 def test_measurements_that_come_late_are_no_faults(seed):
     robot = Robot(seed)
