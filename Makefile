@@ -59,8 +59,10 @@ venv: $(VENV)/quadwalk.stamp
 demo: venv
 	@$(BIN)/quadwalk demo $(ARGS)
 
+# Two at a time: while the nodes of one test begin, another computes. A worker that has nothing left
+# to do takes tests over from the other. One at a time: make test ARGS='-n 0'
 test: venv
-	@$(BIN)/python -m pytest $(ARGS)
+	@$(BIN)/python -m pytest -n 2 --dist worksteal $(ARGS)
 
 bench: venv
 	@$(BIN)/quadwalk bench $(or $(ARGS),walk)

@@ -32,7 +32,14 @@ EXTRAS = {
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
     # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
-    'test': ['pytest>=7.4,<9', 'pytest-timeout>=2.1', 'catkin_pkg>=0.5', 'setuptools>=64', 'wheel'],
+    'test': [
+        'pytest>=7.4,<9',
+        'pytest-timeout>=2.1',
+        'pytest-xdist>=3.4',
+        'catkin_pkg>=0.5',
+        'setuptools>=64',
+        'wheel',
+    ],
     'lint': ['ruff>=0.6', 'mypy>=1.10', 'types-PyYAML'],
 }
 EXTRAS['all'] = [requirement for extra in EXTRAS.values() for requirement in extra]

@@ -98,11 +98,15 @@ def _claim_domain(stack: contextlib.ExitStack) -> int:
     """Hold a TCP port that stands for the domain as long as the stack lives."""
     domains = list(range(1, 101))
     random.SystemRandom().shuffle(domains)
-    for domain in filter(_is_quiet, domains):
+    for domain in domains:
         lock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
             lock.bind(('127.0.0.1', _FIRST_LOCK_PORT + domain))
         except OSError:
+            lock.close()
+            continue
+        # Only now: to look takes the ports for a moment, which nodes that begin may be about to.
+        if not _is_quiet(domain):
             lock.close()
             continue
         stack.enter_context(contextlib.closing(lock))
