@@ -57,15 +57,20 @@ START = Pose2D(1.2, 1.2, 0.0)
 SIMULATED_TIMEOUT = 300.0
 """For whatever a test waits for [s]."""
 
-WALL_TIMEOUT = 30.0
+WALL_TIMEOUT = 60.0
 """For simulated time to advance, or, where none runs, for what a test waits for [s]."""
 
 DEFAULTS: dict[str, dict[str, object]] = {
-    'sim_node': {'backend': 'kinematic', 'real_time_factor': 0.0},
-    # As fast as possible, a message is on its way for a good part of a simulated second.
+    # Bounded, so that a walk does not end before a test has done what it does in its middle: at
+    # twenty times real time half a metre takes half a second.
+    'sim_node': {'backend': 'kinematic', 'real_time_factor': 20.0},
+    # At that pace a message is on its way for a good part of a simulated second.
     'gait_node': {'lead_time': 2.0},
 }
 """Parameters of the nodes, unless a test says otherwise."""
+
+SLOWLY = 8.0
+"""Times real time: for tests that do several things while the robot walks half a metre."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,11 @@ class Status:
             and level in (None, self.level)
             and (code is None or self.values.get('error_code') == str(code))
         )
+
+    @property
+    def activity(self) -> str:
+        """What a gait node says it does."""
+        return self.values.get('activity', '')
 
     def __str__(self) -> str:
         name = {OK: 'OK', WARN: 'WARN', ERROR: 'ERROR', STALE: 'STALE'}[self.level]
@@ -117,6 +127,7 @@ class Bench:
         self._pids: list[int] = []
         self._listeners: list[Callable[[str, Status], None]] = []
         self._publishers: dict[str, Any] = {}
+        self._clients: dict[str, Any] = {}
         self._dead_readers: set[bytes] = set()
         self._context = rclpy.Context()
         rclpy.init(context=self._context)
@@ -171,6 +182,10 @@ class Bench:
         self._alive.discard(name)
         self.processes[name].kill()
         self.statuses.pop(name, None)
+        # A client would take the dead node for a living one just as long.
+        for client in self._clients.values():
+            self.node.destroy_client(client)
+        self._clients.clear()
 
     def interrupt(self, name: str, gap: float) -> int:
         """Press Ctrl-C twice; return the node's exit code."""
@@ -233,18 +248,30 @@ class Bench:
         return self.statuses[node]
 
     @contextlib.contextmanager
-    def expects(self, node: str, words: str, **wanted: Any) -> Iterator[None]:
-        """Expect that what is done in this block makes a node say something, if only once."""
-        heard: list[Status] = []
+    def listening(self, node: str) -> Iterator[list[Status]]:
+        """Give all that a node says in this block, first what it said last before."""
+        heard = [self.statuses[node]] if node in self.statuses else []
 
         def listener(name: str, status: Status) -> None:
-            if name == node and status.is_like(words, **wanted):
+            if name == node:
                 heard.append(status)
 
         self._listeners.append(listener)
-        yield
-        self.wait_until(f"{node} says '{words}' {wanted or ''}", lambda: bool(heard))
-        self._listeners.remove(listener)
+        try:
+            yield heard
+        finally:
+            self._listeners.remove(listener)
+
+    @contextlib.contextmanager
+    def expects(self, node: str, words: str, **wanted: Any) -> Iterator[None]:
+        """Expect that what is done in this block makes a node say something, if only once."""
+        with self.listening(node) as heard:
+            del heard[:]
+            yield
+            self.wait_until(
+                f"{node} says '{words}' {wanted or ''}",
+                lambda: any(status.is_like(words, **wanted) for status in heard),
+            )
 
     # ---- listening ----
 
@@ -274,7 +301,7 @@ class Bench:
     def activity(self) -> str:
         """What the gait node says it does."""
         status = self.statuses.get('gait_node')
-        return '' if status is None else status.values.get('activity', '')
+        return '' if status is None else status.activity
 
     def is_near(self, goal: Pose2D, distance: float = 0.05, angle: float = 0.09) -> bool:
         """Return whether the robot is at a pose, within 5 cm and 5 degrees."""
@@ -297,10 +324,16 @@ class Bench:
     def wait_for_walking(self, distance: float = 0.15) -> None:
         """Listen until the robot is in the middle of its walk."""
         start = self.pose
-        self.wait_until(
-            f'the robot walks, and has come {distance} m far',
-            lambda: self.activity == 'walking' and self.pose.distance_to(start) > distance,
-        )
+        # Statuses and odometry are heard in no common order: what was said counts, not what was
+        # said last when the robot is seen to have come so far.
+        with self.listening('gait_node') as heard:
+            self.wait_until(
+                f'the robot walks, and has come {distance} m far',
+                lambda: (
+                    any(status.activity == 'walking' for status in heard)
+                    and self.pose.distance_to(start) > distance
+                ),
+            )
 
     # ---- talking ----
 
@@ -340,12 +373,18 @@ class Bench:
 
     def call(self, service: str, kind: Any = Trigger, request: Any = None) -> Any:
         """Call a service and return its answer."""
-        client = self.node.create_client(kind, service)
-        self.wait_until(f"service '{service}' is there", client.service_is_ready)
-        answer = client.call_async(kind.Request() if request is None else request)
+        request = kind.Request() if request is None else request
+        answer = self.client(service, kind).call_async(request)
         self.wait_until(f"service '{service}' answers", answer.done)
-        self.node.destroy_client(client)
         return answer.result()
+
+    def client(self, service: str, kind: Any = Trigger) -> Any:
+        """Return a service's client once that is there; before a walk, if time is short in it."""
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+        client = self._clients[service]
+        self.wait_until(f"service '{service}' is there", client.service_is_ready)
+        return client
 
     # ---- callbacks ----
 

@@ -161,10 +161,11 @@ def test_obstacles_and_goal_marker_come_move_and_go(bench: Bench, pictures):
 def test_a_robot_walks_into_an_obstacle_that_is_dropped_before_it_and_nobody_sees(bench: Bench):
     north = math.pi / 2.0
     bench.start_robot(backend='bullet', start_pose=[1.5, 1.2, north])
+    obstacles = bench.publisher(MarkerArray, 'obstacles')
     bench.give_goal(Pose2D(1.5, 3.0, north))
     bench.wait_for_walking()
     box = marker(Marker.CUBE, 1.5, bench.pose.y + 1.0, (1.0, 0.3, 0.5))
-    bench.publisher(MarkerArray, 'obstacles').publish(MarkerArray(markers=[box]))
+    obstacles.publish(MarkerArray(markers=[box]))
     bench.wait_for_status('sim_node', 'touches obstacle', level=WARN)
 
 

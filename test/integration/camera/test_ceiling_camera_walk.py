@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from geometry_msgs.msg import PoseStamped
-from harness import OK, WARN, Bench
+from harness import OK, SLOWLY, WARN, Bench
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.planar_pose import Pose2D, distance_to_polyline
@@ -21,12 +21,13 @@ START = Pose2D(3.0, 3.0, 0.0)
 ROBOT = load_robot('titan_viii')
 
 
-def start(bench: Bench) -> None:
+def start(bench: Bench, gait: str) -> None:
     """Start all nodes on an empty floor, and wait until a goal would be walked to."""
     bench.start('ceiling_camera_node')
     bench.start(
         'sim_node',
         backend='bullet',
+        real_time_factor=SLOWLY,
         map_file='none',
         camera=True,
         publish_map=False,
@@ -34,7 +35,9 @@ def start(bench: Bench) -> None:
         start_pose=[START.x, START.y, START.yaw],
     )
     bench.start('planner_node', odom_topic='odom/camera', method='shortest', any_angle=True)
-    bench.start('gait_node', odom_topic='odom/camera', leg_odometry_start='origin')
+    bench.start(
+        'gait_node', gait=gait, odom_topic='odom/camera', leg_odometry_start='origin'
+    )
     bench.wait_for_status('planner_node', 'ready', level=OK)
     bench.wait_for_status('gait_node', 'standing', level=OK)
 
@@ -52,7 +55,8 @@ def goes_to(bench: Bench, goal: Pose2D) -> bool:
 
 
 def test_an_obstacle_on_the_path_and_a_goal_that_moves_lead_to_new_plans(bench: Bench):
-    start(bench)
+    start(bench, 'wave')
+    obstacles = bench.publisher(MarkerArray, 'obstacles')
     goal = Pose2D(5.5, 3.0, 0.0)
     put_goal(bench, goal)
     bench.wait_for_walking()
@@ -63,7 +67,7 @@ def test_an_obstacle_on_the_path_and_a_goal_that_moves_lead_to_new_plans(bench: 
     box.header.frame_id = 'map'
     box.scale.x = box.scale.y = 0.3
     box.scale.z = 0.5
-    bench.publisher(MarkerArray, 'obstacles').publish(MarkerArray(markers=[box]))
+    obstacles.publish(MarkerArray(markers=[box]))
     clearance = ROBOT.footprint_radius + 0.15
     bench.wait_until(
         'a plan around the pillar',
@@ -79,8 +83,8 @@ def test_an_obstacle_on_the_path_and_a_goal_that_moves_lead_to_new_plans(bench: 
 
 
 def test_without_a_pose_the_robot_stops_on_four_feet_and_goes_on_when_it_is_seen(bench: Bench):
-    start(bench)
-    goal = Pose2D(4.2, 3.0, 0.0)
+    start(bench, 'crawl')
+    goal = Pose2D(4.0, 3.0, 0.0)
     put_goal(bench, goal)
     bench.wait_for_walking()
     bench.kill('ceiling_camera_node')

@@ -21,6 +21,8 @@ from quad_lab.topic_walk.node_processes import NODES, NodeProcess, isolated_doma
 
 pytestmark = pytest.mark.ros
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
 INVALID = [
     ('gait_node', {'settle_time': -1}, "'settle_time' is -1; it must be a finite number from 0"),
     ('gait_node', {'settle_time': float('nan')}, "'settle_time' is nan; it must be a finite"),
@@ -51,7 +53,7 @@ def test_whole_numbers_will_do_where_others_are_expected(bench: Bench):
     assert bench.is_near(Pose2D(2.0, 3.0, 0.0))
 
 
-@pytest.mark.parametrize('gap', [0.0, 0.01, 0.1])
+@pytest.mark.parametrize('gap', [0.0, 0.1])
 def test_two_interrupts_end_every_node_quietly_in_the_middle_of_a_walk(bench: Bench, gap):
     bench.start_robot()
     bench.give_goal(Pose2D(2.0, 1.2, 0.0))
@@ -108,14 +110,14 @@ def test_a_planner_that_still_compiles_its_searches_ends_at_once(bench, tmp_path
     assert 'Traceback' not in process.log_tail(1000)
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize('node', NODES)
-def test_a_node_ends_quietly_however_soon_a_signal_comes(domain, tmp_path, node, number):
-    # A tenth of a second is about when its modules are imported, a second when it is made.
-    for delay in (0.0, 0.1, 0.3, 1.0):
+@pytest.mark.parametrize(('place', 'node'), enumerate(NODES), ids=NODES)
+def test_a_node_ends_quietly_however_soon_a_signal_comes(domain, tmp_path, place, node):
+    # A tenth of a second is about when its modules are imported, a second when it is made. Each
+    # node hears each signal, and at each of these moments some node hears each of them.
+    for turn, delay in enumerate((0.0, 0.1, 0.3, 1.0)):
         process = NodeProcess(node, {}, tmp_path / 'log')
         time.sleep(delay)
-        os.kill(process.pid, number)
+        os.kill(process.pid, SIGNALS[(place + turn) % len(SIGNALS)])
         began = time.monotonic()
         assert process.wait(WALL_TIMEOUT) == 0
         assert time.monotonic() - began < 5.0

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import EVERY_SAMPLE, OK, STALE, START, Bench
+from harness import EVERY_SAMPLE, OK, SLOWLY, STALE, START, Bench
 from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D
@@ -40,7 +40,7 @@ def has_fallen(bench: Bench) -> bool:
 
 
 def test_a_walk_outlives_its_planner(bench: Bench):
-    bench.start_robot()
+    bench.start_robot(real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     bench.kill('planner_node')
@@ -54,7 +54,7 @@ def test_a_walk_outlives_its_planner(bench: Bench):
 
 
 def test_without_its_gait_node_the_robot_stands_until_it_is_back(bench: Bench):
-    bench.start_robot(backend='bullet')
+    bench.start_robot(backend='bullet', real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     bench.kill('gait_node')
@@ -76,11 +76,13 @@ def test_without_its_gait_node_the_robot_stands_until_it_is_back(bench: Bench):
 
 
 def test_a_robot_that_is_reset_walks_again_from_its_start(bench: Bench):
-    bench.start_robot(backend='bullet')
-    bench.give_goal(GOAL)
-    bench.wait_for_walking(distance=0.3)
-    before = bench.time
+    bench.start_robot(backend='bullet', real_time_factor=SLOWLY)
+    bench.client('reset')
     heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
+    bench.give_goal(GOAL)
+    bench.wait_for_walking()
+    before = bench.time
+    del heard[:]
     assert bench.call('reset').success
 
     def was_at_start() -> bool:
@@ -94,7 +96,7 @@ def test_a_robot_that_is_reset_walks_again_from_its_start(bench: Bench):
 
 
 def test_a_simulator_that_comes_back_with_time_at_zero_is_walked_on(bench: Bench):
-    bench.start_robot()
+    bench.start_robot(real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     bench.kill('sim_node')

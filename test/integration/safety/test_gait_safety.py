@@ -28,6 +28,7 @@ def fastest_joint(bench: Bench) -> float:
 
 def test_an_emergency_stop_freezes_the_robot_until_it_is_released(bench: Bench):
     bench.start_robot(backend='bullet', real_time_factor=2.0)
+    bench.client('emergency_stop', SetBool)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     bench.wait_until('a leg swings', lambda: fastest_joint(bench) > 0.5)

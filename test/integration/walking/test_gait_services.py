@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
-from harness import EVERY_SAMPLE, LATCHED, OK, START, Bench
+from harness import EVERY_SAMPLE, LATCHED, OK, SLOWLY, START, Bench
 from nav_msgs.msg import Odometry, Path
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
@@ -86,7 +86,8 @@ def get_parameter(bench: Bench, name: str) -> str:
 
 
 def test_a_robot_sits_down_in_the_middle_of_a_walk_until_it_is_told_to_stand(bench: Bench):
-    bench.start_robot()
+    bench.start_robot(real_time_factor=SLOWLY)
+    bench.client('sit')
     upright = height(bench)
     assert upright == pytest.approx(ROBOT.standing_height, abs=1e-3)
     bench.give_goal(GOAL)
@@ -113,7 +114,8 @@ def test_a_robot_sits_down_in_the_middle_of_a_walk_until_it_is_told_to_stand(ben
 
 
 def test_the_goal_that_a_robot_was_stopped_on_its_way_to_does_not_start_it_again(bench: Bench):
-    bench.start_robot()
+    bench.start_robot(real_time_factor=SLOWLY)
+    bench.client('stop')
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     answer = bench.call('stop')
@@ -132,7 +134,7 @@ def test_the_goal_that_a_robot_was_stopped_on_its_way_to_does_not_start_it_again
 def test_a_robot_changes_its_gait_in_the_middle_of_a_walk_without_a_jump(bench: Bench):
     start_on_empty_floor(bench)
     heard = bench.hear(JointTrajectory, 'joint_trajectory')
-    goal = Pose2D(3.6, 1.2, 0.0)
+    goal = Pose2D(3.2, 1.2, 0.0)
     give_plan(bench, START, goal)
     bench.wait_for_walking()
 
@@ -182,7 +184,7 @@ def assert_no_jump(trajectories: list[Trajectory]) -> None:
 
 def test_the_legs_tell_the_way_and_the_margins_are_positive_throughout_a_crawl(bench: Bench):
     # Slowly, so that hardly any joint states are missed.
-    bench.start_robot(backend='bullet', real_time_factor=3.0)
+    bench.start_robot(backend='bullet', real_time_factor=2.0)
     margins = bench.hear(Float64, 'stability_margin')
     measured = bench.hear(Float64, 'stability_margin/measured')
     truth = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
@@ -224,7 +226,7 @@ def test_the_legs_tell_the_way_and_the_margins_are_positive_throughout_a_crawl(b
 def test_an_l_is_walked_sideways_with_crab_and_round_the_corner_with_arc(bench: Bench):
     start_on_empty_floor(bench, turning='crab')
     heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
-    corner, goal = Pose2D(1.8, 1.2, math.pi / 2), Pose2D(1.8, 1.8, 0.0)
+    corner, goal = Pose2D(1.6, 1.2, math.pi / 2), Pose2D(1.6, 1.6, 0.0)
     give_plan(bench, START, corner, goal)
     bench.wait_for_arrival(goal)
     poses = [pose_from_message(message.pose.pose) for message in heard]
@@ -233,7 +235,7 @@ def test_an_l_is_walked_sideways_with_crab_and_round_the_corner_with_arc(bench: 
 
     assert set_parameter(bench, 'turning', 'arc').successful
     heard.clear()
-    corner, end = Pose2D(2.6, 1.8, -math.pi / 2), Pose2D(2.6, 1.0, -math.pi / 2)
+    corner, end = Pose2D(2.2, 1.6, -math.pi / 2), Pose2D(2.2, 1.0, -math.pi / 2)
     give_plan(bench, goal, corner, end)
     bench.wait_for_arrival(end)
     poses = [pose_from_message(message.pose.pose) for message in heard]

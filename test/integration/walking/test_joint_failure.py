@@ -31,6 +31,7 @@ def test_a_joint_that_fails_in_mid_walk_is_named_and_the_robot_stands_still_unti
     bench.start('sim_node', map_file='none', backend='bullet', real_time_factor=4.0)
     bench.start('gait_node', cmd_vel_timeout=60.0)
     bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.client('sim_node/set_parameters', SetParameters)
     bench.publisher(Twist, 'cmd_vel').publish(Twist(linear=Vector3(x=0.04)))
     bench.wait_for_walking()
     # One that gives way leaves a tenth of a second, which a busy machine may not have.
