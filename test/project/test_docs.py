@@ -83,7 +83,10 @@ class Interface:
 def interfaces() -> Iterator[Interface]:
     """Find every publisher, subscription and service that the sources make."""
     for path in SOURCES:
-        tree = ast.parse(path.read_text(encoding='utf-8'), str(path))
+        text = path.read_text(encoding='utf-8')
+        if not any(call in text for call in ROWS):
+            continue
+        tree = ast.parse(text, str(path))
         types = imported_types(tree)
         nodes = (path.stem,) if path.stem in NODES else ()
         nodes = SHARED.get(path.stem, nodes)

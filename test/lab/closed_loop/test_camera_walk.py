@@ -17,14 +17,14 @@ from quad_sim.world.world import Obstacle
 @pytest.mark.timeout(600)
 def test_the_camera_alone_leads_to_the_goal_around_an_obstacle_that_is_dropped():
     room = random_room(1, start=Pose2D(1.0, 1.0, 0.0))
-    options = CameraWalkOptions(method='shortest', picture_period=2.0, noise=4.0)
+    options = CameraWalkOptions(gait='wave', method='shortest', picture_period=2.0, noise=4.0)
     walk = CameraWalk(load_robot('titan_viii'), room, options)
     dropped = []
 
     def drop(walk):
         # On the path, well ahead of the robot, once it is on its way.
         pose = walk.watch.fusion.pose
-        if dropped or walk.plan is None or walk.simulation.time < 20.0:
+        if dropped or walk.plan is None or walk.simulation.time < 10.0:
             return
         for corner in walk.plan.corners[1:-1].tolist():
             place = Pose2D(*corner, 0.0)

@@ -12,8 +12,19 @@ from quad_planner.grid.compiled import compiled, compiled_part
 
 ROOT = Path(__file__).parents[3]
 
+OPTIONS = (
+    {'method': 'mesh'},
+    {'method': 'shortest', 'any_angle': True},
+    {'method': 'shortest', 'fewest_turns': True},
+    {'method': 'quickest', 'any_angle': True},
+    {'method': 'potential', 'potential': 'paper'},
+    {'method': 'potential', 'potential': 'either'},
+)
+
+# Each planner in a child of its own, in which nothing is compiled yet; all is imported only once.
 COUNT = """
 import json
+import os
 import sys
 import numba
 import numpy as np
@@ -29,55 +40,55 @@ def kinds():
     compiled = [f for f in found.values() if hasattr(f, 'signatures') and hasattr(f, 'py_func')]
     return {f'{f.__module__}.{f.__name__}': len(f.signatures) for f in compiled}
 
-planner = make_planner(
-    mesh_size=0.6, clearance_radius=0.35, pace=load_pace('titan_viii', 'crawl'),
-    **json.loads(sys.argv[1])
-)
-planner.warm_up()
-ready = kinds()
-rng = np.random.default_rng(0)
-plans = 0
-for _ in range(12):
-    height, width = rng.integers(40, 130, 2)
-    cells = np.zeros((height, width), dtype=np.int8)
-    for y, x in rng.integers(0, min(height, width), (height * width // 700, 2)):
-        cells[y : y + rng.integers(1, 12), x : x + rng.integers(1, 12)] = rng.choice([100, -1])
-    for changed in (False, True):
-        if changed:
-            cells = cells.copy()
-            cells[5:8] = 0
-        grid = OccupancyGrid(cells, 0.1, Pose2D(0.0, 0.0, 0.3))
-        planner.set_map(grid)
-        for _ in range(4):
-            ends = grid.map_to_world(rng.uniform(0.0, (width, height), (2, 2))).tolist()
-            try:
-                planner.plan(*(Pose2D(x, y, rng.uniform(-3.0, 3.0)) for x, y in ends))
-                plans += 1
-            except PlannerError:
-                pass
-print(json.dumps([plans, ready, kinds()]))
+def count(options):
+    planner = make_planner(
+        mesh_size=0.6, clearance_radius=0.35, pace=load_pace('titan_viii', 'crawl'), **options
+    )
+    planner.warm_up()
+    ready = kinds()
+    rng = np.random.default_rng(0)
+    plans = 0
+    for _ in range(12):
+        height, width = rng.integers(40, 130, 2)
+        cells = np.zeros((height, width), dtype=np.int8)
+        for y, x in rng.integers(0, min(height, width), (height * width // 700, 2)):
+            cells[y : y + rng.integers(1, 12), x : x + rng.integers(1, 12)] = rng.choice([100, -1])
+        for changed in (False, True):
+            if changed:
+                cells = cells.copy()
+                cells[5:8] = 0
+            grid = OccupancyGrid(cells, 0.1, Pose2D(0.0, 0.0, 0.3))
+            planner.set_map(grid)
+            for _ in range(4):
+                ends = grid.map_to_world(rng.uniform(0.0, (width, height), (2, 2))).tolist()
+                try:
+                    planner.plan(*(Pose2D(x, y, rng.uniform(-3.0, 3.0)) for x, y in ends))
+                    plans += 1
+                except PlannerError:
+                    pass
+    return [plans, ready, kinds()]
+
+for options in json.loads(sys.argv[1]):
+    child = os.fork()
+    if child == 0:
+        print(json.dumps(count(options)), flush=True)
+        os._exit(0)
+    os.waitpid(child, 0)
 """
 
 
-@pytest.mark.parametrize(
-    'options',
-    [
-        {'method': 'mesh'},
-        {'method': 'shortest', 'any_angle': True},
-        {'method': 'shortest', 'fewest_turns': True},
-        {'method': 'quickest', 'any_angle': True},
-        {'method': 'potential', 'potential': 'paper'},
-        {'method': 'potential', 'potential': 'either'},
-    ],
-    ids=lambda options: '-'.join(str(value) for value in options.values()),
-)
-def test_after_warming_up_nothing_is_left_to_compile(options):
-    command = [sys.executable, '-c', COUNT, json.dumps(options)]
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_after_warming_up_nothing_is_left_to_compile():
+    command = [sys.executable, '-c', COUNT, json.dumps(OPTIONS)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    plans, ready, then = json.loads(done.stdout)
-    assert plans > 20
-    assert then == ready
-    assert max(then.values()) == 1
+    lines = done.stdout.splitlines()
+    assert len(lines) == len(OPTIONS), done.stderr
+    for options, line in zip(OPTIONS, lines):
+        plans, ready, then = json.loads(line)
+        assert plans > 20, options
+        assert then == ready, options
+        assert max(then.values()) == 1, options
 
 
 @compiled_part
