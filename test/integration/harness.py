@@ -12,7 +12,7 @@ import contextlib
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -165,11 +165,13 @@ class Bench:
         self._pids.append(self.processes[name].pid)
         self._alive.add(name)
 
-    def start_robot(self, **sim_parameters: object) -> None:
+    def start_robot(
+        self, gait_parameters: Mapping[str, object] | None = None, **sim_parameters: object
+    ) -> None:
         """Start simulator, planner and gait, and wait until a goal would be walked to."""
         self.start('sim_node', **sim_parameters)
         self.start('planner_node')
-        self.start('gait_node')
+        self.start('gait_node', **(gait_parameters or {}))
         self.wait_for_status('planner_node', 'ready', level=OK)
         self.wait_for_status('gait_node', 'standing', level=OK)
         self.wait_for_robot()

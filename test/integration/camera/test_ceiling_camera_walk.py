@@ -21,7 +21,7 @@ START = Pose2D(3.0, 3.0, 0.0)
 ROBOT = load_robot('titan_viii')
 
 
-def start(bench: Bench, gait: str) -> None:
+def start(bench: Bench) -> None:
     """Start all nodes on an empty floor, and wait until a goal would be walked to."""
     bench.start('ceiling_camera_node')
     bench.start(
@@ -30,14 +30,14 @@ def start(bench: Bench, gait: str) -> None:
         real_time_factor=SLOWLY,
         map_file='none',
         camera=True,
+        # To draw pictures is most of the work.
+        camera_rate=1.0,
         publish_map=False,
         publish_tf=False,
         start_pose=[START.x, START.y, START.yaw],
     )
     bench.start('planner_node', odom_topic='odom/camera', method='shortest', any_angle=True)
-    bench.start(
-        'gait_node', gait=gait, odom_topic='odom/camera', leg_odometry_start='origin'
-    )
+    bench.start('gait_node', odom_topic='odom/camera', leg_odometry_start='origin')
     bench.wait_for_status('planner_node', 'ready', level=OK)
     bench.wait_for_status('gait_node', 'standing', level=OK)
 
@@ -55,7 +55,7 @@ def goes_to(bench: Bench, goal: Pose2D) -> bool:
 
 
 def test_an_obstacle_on_the_path_and_a_goal_that_moves_lead_to_new_plans(bench: Bench):
-    start(bench, 'wave')
+    start(bench)
     obstacles = bench.publisher(MarkerArray, 'obstacles')
     goal = Pose2D(5.5, 3.0, 0.0)
     put_goal(bench, goal)
@@ -83,7 +83,7 @@ def test_an_obstacle_on_the_path_and_a_goal_that_moves_lead_to_new_plans(bench: 
 
 
 def test_without_a_pose_the_robot_stops_on_four_feet_and_goes_on_when_it_is_seen(bench: Bench):
-    start(bench, 'crawl')
+    start(bench)
     goal = Pose2D(4.0, 3.0, 0.0)
     put_goal(bench, goal)
     bench.wait_for_walking()

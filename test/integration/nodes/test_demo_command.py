@@ -19,7 +19,7 @@ def demo(folder, *arguments: str) -> subprocess.CompletedProcess:
     command = [sys.executable, '-m', 'quad_cli.main', 'demo', '--backend', 'kinematic', '--json']
     return subprocess.run(
         [*command, '--output', str(folder), *arguments],
-        capture_output=True, text=True, check=False, timeout=110,
+        capture_output=True, text=True, check=False, timeout=200,
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from quad_common.process.temporary_folder import ownerless_folders
 
 pytestmark = pytest.mark.ros
 
-WALL_TIMEOUT = 40.0
+WALL_TIMEOUT = 100.0
 """For whatever a test waits for [s]."""
 
 
@@ -106,7 +106,7 @@ def test_a_demo_that_is_ended_leaves_nothing_and_the_next_one_walks(tmp_path, pl
         assert list(place.iterdir()) == []
 
     second = demo(tmp_path, NEAR)
-    output, said = second.communicate(timeout=110)
+    output, said = second.communicate(timeout=2.0 * WALL_TIMEOUT)
     assert second.returncode == 0, said
     assert json.loads(output)['arrived'] is True
     with Reader(recording) as reader:

@@ -40,7 +40,8 @@ def has_fallen(bench: Bench) -> bool:
 
 
 def test_a_walk_outlives_its_planner(bench: Bench):
-    bench.start_robot(real_time_factor=SLOWLY)
+    # By default a plan waits for its planner after some seconds of the wall clock.
+    bench.start_robot({'planner_timeout': 0.0}, real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     bench.kill('planner_node')
