@@ -87,7 +87,7 @@ def pages(folder: Path = ROOT / 'msg_docs') -> list[Page]:
         parts = path.read_text(encoding='utf-8').split('\n\n')
         lines = [line.strip('|').split('|', 1) for line in parts[1].splitlines() if '|' in line]
         rows = {line[0].strip(): line[1].strip() for line in lines if len(line) == 2}
-        if rows.keys() & {'published by', 'heard by', 'offered by'}:
+        if rows.keys() & {'published by', 'subscribed by', 'offered by'}:
             found += [Page(name, rows) for name in re.findall('`([^`]+)`', parts[0])]
     return sorted(found, key=lambda page: page.name)
 
@@ -119,7 +119,7 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
     for page in found:
         for owner in page.names_in('published by'):
             rights[owner]['topic', 'publish'].add(page.name)
-        for owner in page.names_in('heard by'):
+        for owner in page.names_in('subscribed by'):
             rights[owner]['topic', 'subscribe'].add(page.name)
         for owner in page.names_in('offered by'):
             rights[owner]['service', 'reply'].add(page.name)

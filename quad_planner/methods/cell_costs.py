@@ -1,8 +1,8 @@
 """
-How much dearer a way through a cell is than its length: one interface for all reasons.
+By which factor a path through a cell costs more than its length: one interface for all reasons.
 
 A layer gives each cell a factor of at least 1. Factors of several layers are multiplied.
-Where the robot must not be is another matter: that is the safety map's.
+Where the robot must not be is another matter: that is the inflated map's.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from quad_planner.potential.map_potential import boundary_distances
 Floats = NDArray[np.float64]
 
 LARGEST_FACTOR = 250.0
-"""Ways are compared in whole numbers, which must not become too large."""
+"""Costs of paths are compared as whole numbers, which must not become too large."""
 
 
 class CostLayer(Protocol):
-    """A reason why ways through some cells are dearer."""
+    """A reason why paths through some cells cost more than their length."""
 
     def factors(self, safety: InflatedMap) -> Floats:
         """Return a factor for each cell, shape (height, width), at least 1."""
@@ -35,7 +35,7 @@ class CostLayer(Protocol):
 @dataclass(frozen=True)
 class UnknownCost:
     """
-    A way through cells of which nothing is known is dearer.
+    Makes paths through unknown cells cost more than their length.
 
     Raises
     ------
@@ -57,7 +57,7 @@ class UnknownCost:
 @dataclass(frozen=True)
 class ClearanceCost:
     """
-    A way beside the safety boundary is dearer: most at the boundary, less farther away.
+    Makes paths near the safety boundary cost more than their length, most at the boundary.
 
     Raises
     ------
@@ -66,9 +66,9 @@ class ClearanceCost:
     """
 
     factor: float
-    """At the boundary."""
+    """Factor at the boundary."""
     distance: float
-    """Farther from the boundary nothing is dearer [m]."""
+    """Distance from the boundary beyond which the factor is 1 [m]."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""
