@@ -35,7 +35,14 @@ pytestmark = pytest.mark.ros
 
 ROBOT = load_robot('titan_viii')
 RED = Appearance().obstacle_color
-BULLET = {'backend': 'bullet', 'camera': True, 'map_file': 'none', 'start_pose': [2.0, 2.0, 0.5]}
+# Pictures take long to draw: they are to come at the pace in which a test looks at them.
+BULLET = {
+    'backend': 'bullet',
+    'real_time_factor': 5.0,
+    'camera': True,
+    'map_file': 'none',
+    'start_pose': [2.0, 2.0, 0.5],
+}
 
 
 class Pictures:

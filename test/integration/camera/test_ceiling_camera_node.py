@@ -18,6 +18,8 @@ pytestmark = pytest.mark.ros
 
 SIM = {
     'backend': 'bullet',
+    # Pictures take long to draw: they are to come at the pace in which a test looks at them.
+    'real_time_factor': 5.0,
     'camera': True,
     'camera_rate': 4.0,
     'map_file': 'none',
