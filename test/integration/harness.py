@@ -61,15 +61,16 @@ WALL_TIMEOUT = 60.0
 """For simulated time to advance, or, where none runs, for what a test waits for [s]."""
 
 DEFAULTS: dict[str, dict[str, object]] = {
-    # Bounded, so that a walk does not end before a test has done what it does in its middle: at
-    # twenty times real time half a metre takes half a second.
-    'sim_node': {'backend': 'kinematic', 'real_time_factor': 20.0},
+    # Bounded, so that a walk does not end before a test has done what it does in its middle, and
+    # a node that has to wait for the processor misses no more than it may: at ten times real time
+    # half a metre takes a second.
+    'sim_node': {'backend': 'kinematic', 'real_time_factor': 10.0},
     # At that pace a message is on its way for a good part of a simulated second.
     'gait_node': {'lead_time': 2.0},
 }
 """Parameters of the nodes, unless a test says otherwise."""
 
-SLOWLY = 8.0
+SLOWLY = 5.0
 """Times real time: for tests that do several things while the robot walks half a metre."""
 
 
