@@ -57,10 +57,11 @@ ROWS = {
 }
 """The row of a page's first table that names the nodes."""
 
-# A citation: S0, then eq., fig. or sec. with numbers, "to" between two of them for a range.
+# A citation: S0 or [Nguyen2017], then eq., fig. or sec. with numbers, "to" for ranges.
 _KINDS = {'eq': 'eq', 'eqs': 'eq', 'fig': 'fig', 'figs': 'fig', 'sec': 'sec', 'section': 'sec'}
 _PLACE = r'(?:eqs?\.|figs?\.|sec\.|section)\s\d+(?:\sto\s\d+)?'
-_CITATION = re.compile(rf"\b(S\d)\b(?:'s)?\s?\(?((?:(?:,\s|\sand\s)?{_PLACE})*)")
+_KEY = r'\b(S\d)\b|\[(Nguyen2017|Hoang2013|Liu|Marin|Yi)\](?!:)'
+_CITATION = re.compile(rf"(?:{_KEY})(?:'s)?\s?\(?((?:(?:,\s|\sand\s)?{_PLACE})*)")
 _EACH = re.compile(r'(eqs?|figs?|sec|section)\.?\s(\d+)(?:\sto\s(\d+))?')
 
 
@@ -241,7 +242,8 @@ def citations(text: str) -> set[tuple[str, str, int]]:
     """Find what is cited, for example ('S0', 'eq', 16) for "S0 eq. 16"."""
     text = re.sub(r'\s*\n[\s#]*', ' ', text)
     found = set()
-    for key, places in _CITATION.findall(text):
+    for short, author, places in _CITATION.findall(text):
+        key = short or author
         found.add((key, '', 0))
         for kind, first, last in _EACH.findall(places):
             found |= {(key, _KINDS[kind], n) for n in range(int(first), int(last or first) + 1)}
@@ -253,17 +255,19 @@ def resolvable() -> set[tuple[str, str, int]]:
     text = (ROOT / 'docs' / 'references.md').read_text(encoding='utf-8')
     found = set()
     for section in re.split(r'^## ', text, flags=re.MULTILINE)[1:]:
-        key = section.split()[0]
-        found.add((key, '', 0))
-        for kind, first, last in _EACH.findall(section):
-            found |= {(key, _KINDS[kind], n) for n in range(int(first), int(last or first) + 1)}
+        author, short = section.split()[:2]
+        for key in (author, short.strip('()')):
+            found.add((key, '', 0))
+            for kind, first, last in _EACH.findall(section):
+                found |= {(key, _KINDS[kind], n) for n in range(int(first), int(last or first) + 1)}
     return found
 
 
 def links(page: Path) -> Iterator[str]:
     """Yield the relative links of a page, outside its code."""
     text = re.sub(r'```.*?```|`[^`\n]*`', '', page.read_text(encoding='utf-8'), flags=re.DOTALL)
-    for target in re.findall(r'\]\(([^)\s]+)\)', text):
+    for target in re.findall(r'\]\(([^)\s]+)\)|^\[\w+\]: (\S+)$', text, flags=re.MULTILINE):
+        target = ''.join(target)
         if not re.match(r'[a-z]+:', target):
             yield target
 
@@ -414,19 +418,21 @@ def test_the_page_of_gaits_has_every_key_of_a_gait_file():
     assert [name for name in Gait.__dataclass_fields__ if f'`{name}`' not in page] == []
 
 
-@pytest.mark.parametrize('path', [*SOURCES, *DATA], ids=relative)
+@pytest.mark.parametrize('path', [*SOURCES, *DATA, *PAGES], ids=relative)
 def test_every_source_that_is_cited_stands_in_the_references(path):
     assert citations(path.read_text(encoding='utf-8')) <= resolvable()
 
 
 def test_citations_are_read_over_line_breaks_ranges_and_lists():
-    text = "# S0 eqs. 11 to 13, sec. 4; S0\n# fig. 12 and eq. 11; S4's mu; ROS2 eq. 1"
+    text = "# S0 eqs. 11 to 13, sec. 4; S0\n# fig. 12 and eq. 11; S4's mu; ROS2 eq. 1; [Yi] sec. 2"
     assert citations(text) == {
         ('S0', '', 0),
         *(('S0', 'eq', n) for n in (11, 12, 13)),
         ('S0', 'sec', 4),
         ('S0', 'fig', 12),
         ('S4', '', 0),
+        ('Yi', '', 0),
+        ('Yi', 'sec', 2),
     }
 
 
