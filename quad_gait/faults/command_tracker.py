@@ -27,8 +27,12 @@ from quad_gait.faults.joint_path import JointPath
 
 Array = NDArray[np.float64]
 
-_ARRIVALS = 5
-"""Number of instants at which a later trajectory may have arrived that are tried."""
+_ARRIVAL_SPACING = 0.02
+"""Time between two instants at which a later trajectory may have arrived [s]. Legs that swing turn
+by more than a joint may be off in a few of them."""
+
+_MOST_ARRIVALS = 101
+"""Number of such instants that are tried at most."""
 
 _LARGEST_COUNT = 12
 """Number of trajectories that the joints may follow that are kept."""
@@ -295,7 +299,9 @@ class CommandTracker:
         is_ahead = path.begin > time
         if not is_ahead and not path.starts_on_arrival and time - latest > options.joining:
             return None
-        arrivals: Array = np.linspace(min(latest, time), time, _ARRIVALS, dtype=np.float64)
+        first = min(latest, time)
+        count = min(1 + int(np.ceil((time - first) / _ARRIVAL_SPACING)), _MOST_ARRIVALS)
+        arrivals: Array = np.linspace(first, time, count, dtype=np.float64)
         before, allowed_before = earlier.path.over(arrivals - earlier.delay)
         if is_ahead or path.starts_on_arrival:
             there, allowed = path.at(path.begin)
@@ -307,4 +313,4 @@ class CommandTracker:
         share = np.clip(((positions - there) * offset).sum(axis=1) / length, 0.0, 1.0)
         postures = there + share[:, None] * offset
         # Which part of the way it is tells nothing of a delay.
-        return postures, np.maximum(allowed, allowed_before), np.full(_ARRIVALS, np.nan)
+        return postures, np.maximum(allowed, allowed_before), np.full(count, np.nan)

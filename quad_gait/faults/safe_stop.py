@@ -217,6 +217,7 @@ class SafeStop:
         # One that has not moved may be stuck, with nothing to bear: it is not given up at once.
         self._is_lost = bool(standing[self._leg]) and not self.bears and fault.kind == 'free'
         self._tilt = 0.0
+        self._tilt_before = np.inf
         self._stage: _Stage | None = None
         self._attempts = 0
         self._end = -np.inf
@@ -308,7 +309,9 @@ class SafeStop:
             return None
         if self._stage in (_Stage.CATCH, _Stage.SETTLE):
             is_done = self.margin >= self._wanted and _tilt(now) < self._options.largest_tilt
-            if not is_done and self._attempts < self._options.attempts:
+            # Three feet that do not bear the body lever it over the lame leg: no more of that.
+            tips = _tilt(now) > self._tilt_before + self._options.giving_way
+            if not is_done and not tips and self._attempts < self._options.attempts:
                 self._attempts += 1
                 self._stage = _Stage.SETTLE
                 return self._settle(now)
@@ -386,6 +389,7 @@ class SafeStop:
 
     def _settle(self, now: Stance) -> JointTrajectory:
         """Level the body over the sound feet, with its center of mass well inside them."""
+        self._tilt_before = _tilt(now)
         start = self._joints.copy()
         level = _level(now.body.rotation[2])
         joints = now.joint_positions.copy()

@@ -13,7 +13,9 @@ from quad_common.errors import TrajectoryError
 from quad_common.robot.robot import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
+from quad_gait.faults.command_tracker import CommandTracker
 from quad_gait.faults.joint_fault_detector import JointFaultDetector
+from quad_gait.faults.joint_path import JointPath
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -143,6 +145,32 @@ def test_joints_that_need_next_to_no_torque_are_sound(seed, stamped, lateness):
         return joints, np.where(bearing, 20.0, 0.2 * pull)
 
     assert robot.walk(12.0, as_drives_tell) is None
+
+
+@pytest.mark.parametrize('arrival', np.arange(1.02, 1.6, 0.035))
+def test_joints_that_join_a_swing_while_they_are_not_measured_are_sound(arrival):
+    # Two joints of one leg, one after the other: so one of them is off where the instant of the
+    # arrival is not known well.
+    times = np.linspace(0.0, 1.0, 51)
+    turn = 2.0 * math.pi * times
+    size = np.eye(12)[[0, 2]]
+    late = JointTrajectory(
+        ROBOT.joint_names,
+        1.0,
+        times,
+        POSTURE + 0.75 * np.stack([np.sin(turn), 1.0 - np.cos(turn)], axis=1) @ size,
+        1.5 * math.pi * np.stack([np.cos(turn), np.sin(turn)], axis=1) @ size,
+    )
+    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE, np.full(12, 8.0))
+    tracker = CommandTracker()
+    tracker.hold(0.5, POSTURE)
+    tracker.add(JointPath(late, 0.8, 0.07, 0.01))
+    assert tracker.explain(0.99, POSTURE) is not None
+    executor.accept(late, arrival)
+    for time in arrival + np.array([0.12, 0.18, 0.24, 0.3]):
+        found = tracker.explain(time, executor.command(time)[0])
+        assert found is not None
+        assert not found.off.any()
 
 
 @pytest.mark.parametrize('seed', range(4))

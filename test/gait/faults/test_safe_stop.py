@@ -116,6 +116,13 @@ def test_a_trotting_robot_stands_still_within_two_strides(joint, kind, time):
     assert outcome.still <= 2.0 * outcome.period
 
 
+def test_a_body_that_three_feet_cannot_level_is_not_tipped_over_but_sits():
+    # Genibo's lame leg is folded under it: its other feet would lever it over that.
+    outcome = walk_and_fail(FailureCase('genibo', 'crawl', 'flat', 2, 'free', 2.4413, 607))
+    assert outcome.reason.endswith('the robot sits on the ground')
+    assert outcome.largest_tilt < math.radians(15.0)
+
+
 def test_a_lame_robot_refuses_plans_and_steering_and_says_so(lame_walk):
     walk = lame_walk('rf_knee_pitch_joint', 'stuck', 4.5)
     walk.rests()
