@@ -1,5 +1,5 @@
 """
-Makes a planner as the parameters of ``planner_node`` say.
+Makes planners and planning sessions as the parameters of ``planner_node`` say.
 """
 
 from __future__ import annotations
@@ -8,22 +8,42 @@ from collections.abc import Callable
 from typing import Any
 
 from quad_common.errors import ParameterError
+from quad_common.frames.map_frame import MapFrame
 from quad_common.robot.robot import Robot
 from quad_common.robot.walking_time import WalkingTimeModel, load_pace
+from quad_planner.grid.traversability import GroundLimits
 from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
+from quad_planner.session.planning_map import PlanningMap
+from quad_planner.session.planning_session import (
+    Output,
+    PlanningSession,
+    Requests,
+    SessionOptions,
+)
 
 
-def planner_from_parameters(
+def no_clock() -> float:
+    """Return no time: searches are not limited by it."""
+    return 0.0
+
+
+def never() -> bool:
+    """Return that a search is not superseded."""
+    return False
+
+
+def session_from_parameters(
     parameters: PlannerParameters,
     robot: Robot,
-    pace: WalkingTimeModel | None,
-    clock: Callable[[], float],
-    is_superseded: Callable[[], bool],
-) -> Planner[Any]:
+    frame: MapFrame,
+    requests: Requests,
+    output: Output,
+    clock: Callable[[], float] = no_clock,
+) -> PlanningSession:
     """
-    Make the planner of a node.
+    Make a planning session.
 
     Parameters
     ----------
@@ -31,8 +51,48 @@ def planner_from_parameters(
         Of the node.
     robot : Robot
         The robot.
-    pace : Pace or None
-        Of the gait; ``quickest`` needs one.
+    frame : MapFrame
+        What relates frames to the map's.
+    requests : Requests
+        What works on searches.
+    output : Output
+        What is told of decisions.
+    clock : callable
+        Returns the time that searches are limited by [s].
+
+    Returns
+    -------
+    PlanningSession
+        Without a map.
+    """
+    p = parameters
+    planning_map = PlanningMap(
+        planner_from_parameters(p, robot, clock, requests.is_superseded),
+        frame,
+        GroundLimits.of(robot, p.step_height, p.largest_slope),
+        p.occupied_threshold,
+        steps_over_low=p.low_obstacles == 'step_over',
+        warn=output.warn,
+    )
+    options = SessionOptions(p.replan_distance, p.odom_timeout)
+    return PlanningSession(planning_map, requests, output, options)
+
+
+def planner_from_parameters(
+    parameters: PlannerParameters,
+    robot: Robot,
+    clock: Callable[[], float] = no_clock,
+    is_superseded: Callable[[], bool] = never,
+) -> Planner[Any]:
+    """
+    Make a planner.
+
+    Parameters
+    ----------
+    parameters : PlannerParameters
+        Of the node.
+    robot : Robot
+        The robot.
     clock : callable
         Returns the time that searches are limited by [s].
     is_superseded : callable
@@ -46,7 +106,7 @@ def planner_from_parameters(
     p = parameters
     return make_planner(
         p.method,
-        pace=pace,
+        pace=pace_from_parameters(p),
         mesh_size=robot.mesh_size,
         any_angle=p.any_angle,
         fewest_turns=p.fewest_turns,

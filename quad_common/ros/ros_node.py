@@ -25,6 +25,7 @@ from quad_common.parameters import Parameter, checked_parameters, parameters_of,
 from quad_common.process.spare_memory import give_back_spare_memory
 from quad_common.quoting import clipped
 from quad_common.ros.guarded_node import GuardedNode
+from quad_common.status import Status
 
 Table = TypeVar('Table')
 
@@ -104,6 +105,13 @@ class QuadNode(GuardedNode, Generic[Table]):
             self._said = self._status
             self._log(level, message)
             self._publish_status(level, message)
+
+    def report_status(self, status: Status | QuadError) -> None:
+        """Report a status of the core, or the error that is its status."""
+        if isinstance(status, QuadError):
+            self.report_error(status)
+        else:
+            self.report(bytes([status.level]), status.message, **status.values)
 
     def update_status(self) -> None:
         """Report what is going on; called every second. Nodes override it."""

@@ -11,12 +11,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from quad_common.frames.frame_tree import FrameTransform
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.map_file import load_map
-from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
@@ -24,11 +22,8 @@ from quad_gait.cycle.gait import load_gait
 from quad_gait.state.measurement import Measurement
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_lab.closed_loop.gait_measures import make_controller
-from quad_planner.grid.traversability import GroundLimits
+from quad_lab.closed_loop.planner_in_loop import PlannerInLoop
 from quad_planner.parameters import PlannerParameters
-from quad_planner.planner_setup import planner_from_parameters
-from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.planning_session import PlanningSession, SessionOptions
 from quad_sim.engines.simulator import Observation
 from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
 from quad_sim.world.world import world_from_map
@@ -101,20 +96,12 @@ class LocalisedWalk:
         self._walk.locate = self._locate
         self._walk.on_observation.append(self._note_contacts)
         self._odometry = start
-        self._followed: tuple[Plan, int] | None = None
-        self._stamp = 0
         self.record = LocalisedRecord()
-        parameters = PlannerParameters(any_angle=True)
-        planner = planner_from_parameters(parameters, robot, None, lambda: 0.0, lambda: False)
-        limits = GroundLimits.of(robot, parameters.step_height, parameters.largest_slope)
-        self._session = PlanningSession(
-            PlanningMap(planner, self._frame, limits),
-            self,
-            self,
-            SessionOptions(parameters.replan_distance),
+        self._planner = PlannerInLoop(
+            robot, self._controller, PlannerParameters(any_angle=True), self._frame
         )
-        self._session.take_grid(grid, self._frame.name)
-        self._session.give_goal(self._frame.name, goal)
+        self._planner.session.take_grid(grid, self._frame.name)
+        self._planner.session.give_goal(self._frame.name, goal)
 
     def run(self, timeout: float) -> LocalisedRecord:
         """Walk until the robot has arrived or given up; at most so long [s], simulated."""
@@ -125,6 +112,7 @@ class LocalisedWalk:
         record.has_arrived = controller.activity is Activity.ARRIVED
         record.reason = controller.reason
         record.duration = self._walk.time
+        record.plans = self._planner.plans
         record.position_error = true.distance_to(self._goal)
         record.heading_error = abs(error.yaw)
         record.odometry_error = true.distance_to(self._odometry)
@@ -138,32 +126,6 @@ class LocalisedWalk:
         """Release the simulator."""
         self._walk.close()
 
-    # What the planner's session asks for
-
-    def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
-        """Work on a search at once."""
-        done(work)
-
-    def publish_plan(self, plan: Plan | None) -> int:
-        """Hand a plan to the gait."""
-        self._stamp += 1
-        self.record.plans += plan is not None
-        self._controller.set_plan(plan)
-        if plan is not None and self._controller.wanted_plan is plan:
-            self._followed = plan, self._stamp
-        return self._stamp
-
-    def show_map(self) -> None:
-        """Nobody looks."""
-
-    def say(self, sentence: str) -> None:
-        """Nobody listens."""
-
-    def update_status(self) -> None:
-        """Nobody asks."""
-
-    # The robot
-
     def _locate(self, seen: Observation) -> tuple[Pose2D, Pose2D]:
         """Return where the robot takes itself to be in the map, and its odometry."""
         told = self._localisation.observe(seen)
@@ -175,10 +137,7 @@ class LocalisedWalk:
         self.record.largest_pose_error = max(
             self.record.largest_pose_error, pose.distance_to(seen.pose)
         )
-        self._session.take_pose(seen.time, pose)
-        if self._followed is not None and self._controller.wanted_plan is not self._followed[0]:
-            self._session.take_followed(self._followed[1], self._frame.name, None)
-            self._followed = None
+        self._planner.take_pose(seen.time, pose)
         return pose, told.pose
 
     def _note_contacts(self, seen: Observation) -> None:

@@ -14,10 +14,12 @@ from functools import partial
 from typing import Any, Protocol
 
 from quad_common.errors import PlannerError, QuadError, WrongFrame, without_frames
+from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.pose_age import PoseAge
 
@@ -33,9 +35,19 @@ _ARRIVED = 0.1
 _ARRIVED_TURN = 0.2
 """And turned away from its heading by no more than this [rad]."""
 
+_LONG = 3.0
+"""Time in which compiled searches are ready at the latest [s]."""
+
 
 class Requests(Protocol):
     """What works on searches; see :class:`quad_planner.session.latest_request.LatestRequest`."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a request waits for its answer."""
+
+    def is_superseded(self) -> bool:
+        """Return, to work that asks, whether it may stop."""
 
     def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
         """Take a request; those before it are given up."""
@@ -47,11 +59,14 @@ class Output(Protocol):
     def publish_plan(self, plan: Plan | None) -> int:
         """Publish a plan, or take the last one back; return its stamp, each another one [ns]."""
 
-    def show_map(self) -> None:
+    def show_map(self, prepared: InflatedMap) -> None:
         """Show what is planned on now."""
 
     def say(self, sentence: str) -> None:
         """Log a sentence."""
+
+    def warn(self, sentence: str) -> None:
+        """Log what a user should know."""
 
     def update_status(self) -> None:
         """Say what goes on."""
@@ -126,6 +141,21 @@ class PlanningSession:
         """Reason why the last goal was refused, or has no plan."""
 
     @property
+    def frame(self) -> MapFrame:
+        """What relates frames to the map's."""
+        return self._frame
+
+    @property
+    def has_map(self) -> bool:
+        """Whether there is a map to plan on."""
+        return self._planner.prepared is not None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a search, or what makes searches ready, is under way."""
+        return self._requests.is_busy
+
+    @property
     def pending_goal(self) -> Pose2D | None:
         """Goal that is being searched for."""
         return None if self._pending is None else self._pending.goal
@@ -174,7 +204,8 @@ class PlanningSession:
 
     def _plan_on_new_map(self) -> None:
         self.problem = None
-        self._output.show_map()
+        assert self._planner.prepared is not None
+        self._output.show_map(self._planner.prepared)
         wish = self._pending
         if wish is None and self._goal is not None:
             wish = _Wish(self._frame.name, self._goal, is_given=False)
@@ -192,7 +223,28 @@ class PlanningSession:
         self._try_waiting_goal()
         self._output.update_status()
 
-    def pose_on_map(self, frame: str, pose: Pose2D, what: str) -> Pose2D:
+    def plan_between(self, start: tuple[str, Pose2D], goal: tuple[str, Pose2D]) -> Plan:
+        """
+        Plan once, beside what is planned for the robot.
+
+        Parameters
+        ----------
+        start, goal : tuple of str and Pose2D
+            Each with its frame; without a name it is the map's.
+
+        Raises
+        ------
+        PlannerError
+            If there is no map or no plan, or nothing relates a frame to the map's.
+        """
+        # Unlike a topic, a request is meant for this planner: its map goes without saying.
+        named = [(frame or self._frame.name, pose) for frame, pose in (start, goal)]
+        poses = [
+            self._on_map(*pose, what) for pose, what in zip(named, ('start', 'goal'), strict=True)
+        ]
+        return self._planner.plan(*poses)
+
+    def _on_map(self, frame: str, pose: Pose2D, what: str) -> Pose2D:
         """Bring a pose into the map; WrongFrame if nothing relates its frame to the map's."""
         placed = self._frame.on_map(frame, pose)
         if placed is None:
@@ -206,7 +258,7 @@ class PlanningSession:
             return
         self._waiting = None
         try:
-            goal = self.pose_on_map(wish.frame, wish.goal, 'goal')
+            goal = self._on_map(wish.frame, wish.goal, 'goal')
         except PlannerError as error:
             self.problem = without_frames(error)
             return
@@ -313,6 +365,23 @@ class PlanningSession:
         self._output.update_status()
 
     # Searches
+
+    def warm_up(self, clock: Callable[[], float]) -> None:
+        """Get the searches ready; one that is under way is not given up for it."""
+
+        def work() -> float:
+            began = clock()
+            self._planner.warm_up()
+            return clock() - began
+
+        if not self.is_busy:
+            self._requests.submit(work, self._on_warm)
+
+    def _on_warm(self, result: Callable[[], float]) -> None:
+        took = result()
+        if took > _LONG:
+            self._output.say(f'the searches were compiled in {took:.0f} s; they are kept')
+        self._output.update_status()
 
     def _search(self, wish: _Wish, is_plan_void: bool = False) -> None:
         """

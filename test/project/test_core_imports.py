@@ -17,9 +17,11 @@ MOST_MODULES = 16
 """In one folder, without ``__init__``."""
 
 SHELLS = {
-    'ros_node', 'run_node', 'map_frame_listener', 'bullet_simulator'
+    'ros_node', 'run_node', 'map_frame_listener', 'transform_publisher', 'bullet_simulator'
 }  # fmt: skip
-"""Modules whose work it is to talk to ROS or PyBullet, besides ``*_node`` and ``*_conversions``."""
+"""Modules whose work it is to talk to ROS or PyBullet, besides those of :data:`_SHELL_NAMES`."""
+
+_SHELL_NAMES = ('_node', '_conversions', '_topics')
 
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
@@ -70,7 +72,7 @@ def module_name(path):
 
 
 def is_shell(path):
-    is_ros = path.stem.endswith(('_node', '_conversions'))
+    is_ros = path.stem.endswith(_SHELL_NAMES)
     return is_ros or path.stem in SHELLS or module_name(path) in ROS_COMMANDS
 
 

@@ -34,7 +34,14 @@ PAGES = sorted([*ROOT.glob('*.md'), *ROOT.glob('docs/**/*.md'), *ROOT.glob('msg_
 NODES = sorted(TABLES)
 LIBRARY = ('quad_common', 'quad_planner', 'quad_gait', 'quad_sim', 'quad_perception', 'quad_lab')
 
-SHARED = {'ros_node': tuple(NODES), 'map_frame_listener': ('gait_node', 'planner_node')}
+SHARED = {
+    'ros_node': tuple(NODES),
+    'map_frame_listener': ('gait_node', 'planner_node'),
+    'transform_publisher': ('ceiling_camera_node', 'sim_node'),
+    'camera_topics': ('ceiling_camera_node',),
+    'planner_topics': ('planner_node',),
+    'sim_topics': ('sim_node',),
+}
 """The nodes that a module makes publishers and subscriptions for."""
 
 QUALITIES = {
@@ -328,21 +335,30 @@ def test_the_profiles_mean_what_the_pages_call_them():
     pytest.importorskip('rclpy')
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
-    from quad_common.ros import map_frame_listener
+    from quad_common.ros import map_frame_listener, transform_publisher
     from quad_gait import gait_node
-    from quad_perception import ceiling_camera_node
-    from quad_planner import planner_node
-    from quad_sim import sim_node
+    from quad_perception import camera_topics, ceiling_camera_node
+    from quad_planner import planner_node, planner_topics
+    from quad_sim import sim_node, sim_topics
 
     profiles: dict[str, list[Any]] = {
         '10': [QoSProfile(depth=10)],
         '100': [QoSProfile(depth=100)],
         '_LATCHED': [
-            module._LATCHED for module in (ceiling_camera_node, gait_node, planner_node, sim_node)
+            module._LATCHED
+            for module in (
+                camera_topics,
+                gait_node,
+                planner_node,
+                planner_topics,
+                sim_node,
+                sim_topics,
+                transform_publisher,
+            )
         ],
         '_EVERY_PLAN': [planner_node._EVERY_PLAN],
         '_STATIC': [map_frame_listener._STATIC],
-        '_CLOCK': [sim_node._CLOCK],
+        '_CLOCK': [sim_topics._CLOCK],
         '_NEWEST': [ceiling_camera_node._NEWEST],
         'qos_profile_sensor_data': [qos_profile_sensor_data],
     }
@@ -375,12 +391,15 @@ def test_the_diagnostics_page_has_every_message_and_every_value():
     said = {activity.value for activity in Activity}
     values = {'error', 'error_code'}
     for path in SOURCES:
-        if not path.stem.endswith('_node'):
+        if not path.stem.endswith(('_node', '_session', '_status')):
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) == 'self.report':
+            reports = ('self.report', 'Status')
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in reports:
                 said.add(beginning(node.args[1]))
                 values |= {keyword.arg for keyword in node.keywords if keyword.arg}
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == 'message':
+                said.add(beginning(node.value))
             if (
                 isinstance(node, ast.Assign)
                 and ast.unparse(node.targets[0]) == 'values'

@@ -27,6 +27,10 @@ class Later:
     def __init__(self):
         self.request = None
 
+    @property
+    def is_busy(self):
+        return self.request is not None
+
     def submit(self, work, done):
         self.request = work, done
 
@@ -70,7 +74,7 @@ class Room:
         self.stamps.append(len(self.stamps) + 1)
         return self.stamps[-1]
 
-    def show_map(self):
+    def show_map(self, prepared):
         pass
 
     def say(self, sentence):

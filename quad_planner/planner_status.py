@@ -1,0 +1,73 @@
+"""
+What a planning session is doing, or what it waits for, as a status.
+"""
+
+from __future__ import annotations
+
+from quad_common.errors import QuadError
+from quad_common.plan import Plan
+from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.status import Level, Status
+from quad_planner.parameters import PlannerParameters
+from quad_planner.session.planning_session import PlanningSession
+
+
+def session_status(
+    session: PlanningSession,
+    parameters: PlannerParameters,
+    pace: WalkingTimeModel | None,
+    old_correction: str = '',
+) -> Status | QuadError:
+    """
+    Return what a session does, or what it waits for.
+
+    Parameters
+    ----------
+    session : PlanningSession
+        The session.
+    parameters : PlannerParameters
+        Of its node.
+    pace : WalkingTimeModel or None
+        Of the gait, for the time that a plan takes.
+    old_correction : str
+        Sentence about corrections of odometry that have grown old; empty if they have not.
+
+    Returns
+    -------
+    Status or QuadError
+        The error if the last goal was refused.
+    """
+    topic, goal = parameters.odom_topic, session.pending_goal
+    if not session.has_map and session.problem is None:
+        return Status(Level.WARN, "no map: waiting for one on 'map'")
+    if session.is_busy and goal is None:
+        return Status(
+            Level.OK, 'getting the searches ready: once after an installation they compile'
+        )
+    if goal is not None:
+        return Status(Level.OK, f'searching a way to ({goal.x:.2f}, {goal.y:.2f}) m')
+    if session.problem is not None:
+        return session.problem
+    if not session.has_pose:
+        return Status(Level.WARN, f"no odometry: waiting for it on '{topic}'")
+    if session.silence:
+        return Status(
+            Level.WARN,
+            f"silent odometry: none on '{topic}' for {session.silence:.0f} s; "
+            'plans wait for the robot to say where it is',
+        )
+    if old_correction:
+        return Status(Level.WARN, f'old localisation: {old_correction}')
+    if session.plan is None:
+        return Status(Level.OK, "ready: waiting for a goal on 'goal_pose'")
+    values = {'error_code': 0}
+    return Status(Level.OK, _described(session, session.plan, parameters.gait, pace), values)
+
+
+def _described(
+    session: PlanningSession, plan: Plan, gait: str, pace: WalkingTimeModel | None
+) -> str:
+    text = f'plan of {len(plan.poses)} turning points, {plan.length:.2f} m'
+    if session.planned_from is not None and pace is not None:
+        text += f', {pace.walking_time(session.planned_from, plan):.0f} s to walk ({gait})'
+    return f'{text}: it has ended' if session.has_ended else text
