@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test_core_imports import imported_modules
 
 from quad_cli.parameters import TABLES
 from quad_common import errors
@@ -32,6 +33,8 @@ SOURCES = sorted(ROOT.glob('quad_*/**/*.py'))
 DATA = sorted(ROOT.glob('quad_*/**/*.yaml'))
 PAGES = sorted([*ROOT.glob('*.md'), *ROOT.glob('docs/**/*.md'), *ROOT.glob('msg_docs/*.md')])
 NODES = sorted(TABLES)
+ARCHITECTURE = ROOT / 'docs' / 'architecture.md'
+TOP = 'the top'
 LIBRARY = ('quad_common', 'quad_planner', 'quad_gait', 'quad_sim', 'quad_perception', 'quad_lab')
 
 SHARED = {
@@ -237,10 +240,48 @@ def name_table(package: str) -> str:
     return '\n'.join(lines)
 
 
+def room_table(package: str) -> str:
+    """Write the rooms of a package as a Markdown table: what each package says of itself."""
+    lines = [f'| room of `{package}` | what lives there |', '| --- | --- |']
+    for room in sorted(ROOT.glob(f'{package}/**/__init__.py')):
+        name = room.parent.relative_to(ROOT / package).as_posix()
+        text = ast.get_docstring(ast.parse(room.read_text(encoding='utf-8'))) or ''
+        if name != '.':
+            lines.append(f'| `{name}` | {" ".join(text.split())} |')
+    return '\n'.join(lines)
+
+
+def layer_table() -> str:
+    """Write which rooms import which: each imports those before it at most."""
+    uses: dict[str, dict[str, set[str]]] = {}
+    for path in SOURCES:
+        if path.name != '__init__.py':
+            package, *room = path.relative_to(ROOT).parent.parts
+            here = '/'.join(room) or TOP
+            needs = uses.setdefault(package, {}).setdefault(here, set())
+            for module in imported_modules(path):
+                other, *parts = module.split('.')[:-1]
+                if other == package:
+                    needs.add('/'.join(parts) or TOP)
+            needs.discard(here)
+    lines = ['| package | its rooms, each of which imports those before an arrow at most |']
+    lines.append('| --- | --- |')
+    for package in (*LIBRARY, 'quad_cli'):
+        layers, left = [], dict(uses[package])
+        while left:
+            layers.append(sorted(room for room, needs in left.items() if not needs & left.keys()))
+            assert layers[-1], f'these rooms import one another: {left}'
+            left = {room: needs for room, needs in left.items() if room not in layers[-1]}
+        lines.append(f'| `{package}` | {" <- ".join(map(", ".join, layers))} |')
+    return '\n'.join(lines)
+
+
 GENERATED = {
     **{node: (MSG_DOCS / f'{node}.md', partial(parameter_table, node)) for node in NODES},
     'errors': (MSG_DOCS / 'diagnostics.md', error_table),
     **{package: (ROOT / 'docs' / 'api.md', partial(name_table, package)) for package in LIBRARY},
+    **{f'rooms of {name}': (ARCHITECTURE, partial(room_table, name)) for name in LIBRARY},
+    'layers': (ARCHITECTURE, layer_table),
 }
 """Each page that holds a generated table, and what writes the table."""
 
@@ -464,6 +505,13 @@ def test_links_between_documents_lead_somewhere(page):
         if not target.exists() or (anchor and anchor not in anchors(target)):
             dead.append(link)
     assert dead == []
+
+
+@pytest.mark.parametrize('page', PAGES, ids=relative)
+def test_files_that_documents_name_exist(page):
+    text = page.read_text(encoding='utf-8')
+    named = re.findall(r'`((?:quad_\w+|test|tools|maps|config|launch|docs)/[\w./*-]+)`', text)
+    assert [path for path in named if not list(ROOT.glob(path))] == []
 
 
 @pytest.mark.parametrize('page', [page for page in PAGES if examples(page)], ids=relative)
