@@ -29,7 +29,7 @@ from quad_common.quantity import Quantity
 from quad_common.resources import sample_map
 from quad_common.robot.robot import load_robot
 from quad_gait.cycle.gait import load_gait
-from quad_gait.following.path_follower import TURNINGS
+from quad_gait.following.follower_options import TURNINGS
 from quad_planner.parameters import PLANNING_METHODS, PlannerParameters
 from quad_sim.world.terrain_spec import specs_from_text
 

@@ -22,7 +22,7 @@ from quad_common.robot.walking_time import WalkingTimeModel, load_paces, paces_f
 from quad_gait.cycle.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.cycle.gait_check import check_gait
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.path_follower import pace_of
+from quad_gait.following.follower_pace import pace_of
 
 EXAMPLES = """examples:
   quadwalk gait list

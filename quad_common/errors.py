@@ -8,6 +8,7 @@ callbacks and turn it into a log line and a ``diagnostics`` entry.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from os import PathLike
 from typing import TypeVar
@@ -575,6 +576,71 @@ class FootholdNotFound(GaitError):
         super().__init__(
             f'foot {leg} met no ground, not even {1e3 * depth:.0f} mm below where it was '
             f'expected, nor back where it had stood'
+        )
+
+
+class LeftPath(GaitError):
+    """
+    The robot is too far from its plan to follow it.
+
+    Parameters
+    ----------
+    distance : float
+        Distance between the robot and its path [m].
+    tolerance : float
+        Distance within which it follows [m].
+    """
+
+    def __init__(self, distance: float, tolerance: float) -> None:
+        self.distance = distance
+        self.tolerance = tolerance
+        super().__init__(
+            f'the robot is {distance:.2f} m from its path; it follows within {tolerance:.2f} m: '
+            f'waiting for a new plan'
+        )
+
+
+class CannotFollow(GaitError):
+    """
+    The gait can do nothing at all of what the path asks for.
+
+    Parameters
+    ----------
+    what : str
+        What the path asks for, as the end of the sentence "the gait cannot ...".
+    reason : str
+        What forbids it.
+    """
+
+    def __init__(self, what: str, reason: str) -> None:
+        self.what = what
+        self.reason = reason
+        super().__init__(
+            f'the gait cannot {what} on this robot, not even a little at a time: {reason}'
+        )
+
+
+class GoalNotReached(GaitError):
+    """
+    The robot is at the goal, but its cycles do not bring it within the tolerances.
+
+    Parameters
+    ----------
+    distance : float
+        Distance that is left [m].
+    angle : float
+        Angle that is left [rad].
+    cycles : int
+        Number of cycles that were tried.
+    """
+
+    def __init__(self, distance: float, angle: float, cycles: int) -> None:
+        self.distance = distance
+        self.angle = angle
+        self.cycles = cycles
+        super().__init__(
+            f'after {cycles} cycles at the goal the robot is still {distance:.3f} m and '
+            f'{math.degrees(angle):.1f} degrees off'
         )
 
 

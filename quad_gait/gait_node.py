@@ -44,7 +44,7 @@ from quad_common.ros.run_node import run_node
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
-from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import compensation_for
 from quad_gait.parameters import GaitParameters
 from quad_gait.ros_conversions import (
@@ -59,7 +59,7 @@ from quad_gait.ros_conversions import (
 from quad_gait.state.leg_odometry import LegOdometry
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.sensor_inputs import InputOptions, SensorInputs
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import check_suits_uneven_ground
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -38,8 +38,7 @@ from quad_common.robot.leg_kinematics import (
     yaw_pitch_pitch_leg,
 )
 from quad_common.robot.own_parts import LEAST_CLEARANCE, OwnParts
-from quad_common.robot.robot_numbers import JOINTS_PER_LEG as JOINTS_PER_LEG
-from quad_common.robot.robot_numbers import RobotNumbers
+from quad_common.robot.robot_numbers import JOINTS_PER_LEG, RobotNumbers
 from quad_common.robot.robot_shape import RobotShape
 
 Array = NDArray[np.float64]
@@ -386,6 +385,29 @@ class Robot:
             float(self.lower.flat[joint]),
             float(self.upper.flat[joint]),
         )
+
+    def check_joint_speeds(self, joint_velocities: Array) -> None:
+        """
+        Raise if a joint is faster than it can be.
+
+        Parameters
+        ----------
+        joint_velocities : ndarray, shape (..., 4, 3)
+            [rad/s].
+
+        Raises
+        ------
+        JointLimitExceeded
+            Naming the joint that is fastest beside its limit.
+        """
+        excess = np.abs(joint_velocities) / self.velocity
+        if not np.max(excess) > 1.0:
+            return
+        worst = int(np.argmax(excess))
+        joint = worst % len(self.joint_names)
+        limit = float(np.broadcast_to(self.velocity, (len(LEGS), JOINTS_PER_LEG)).flat[joint])
+        speed = float(joint_velocities.reshape(-1)[worst])
+        raise JointLimitExceeded(self.joint_names[joint], speed, -limit, limit, 'rad/s')
 
     def within_joint_limits(self, joint_angles: Array) -> NDArray[np.bool_]:
         """

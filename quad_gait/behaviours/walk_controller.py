@@ -23,8 +23,8 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.command_gate import CommandGate
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import Cycle
 from quad_gait.cycle.gait import Gait
-from quad_gait.cycle.gait_generator import Cycle
 from quad_gait.cycle.posture import crouching_joint_angles, posture_trajectory
 from quad_gait.cycle.stability import stability_margin, support_polygon
 from quad_gait.faults.execution_check import ExecutionCheck
@@ -32,17 +32,19 @@ from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_fault_detector import JointFaultDetector
 from quad_gait.faults.safe_stop import JointRecovery, SafeStop, SafeStopOptions
 from quad_gait.following.cycle_planner import CyclePlanner
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.motion_sequence import MotionSequence, ScheduledCycle
-from quad_gait.following.path_follower import FollowerOptions, PathFollower, Step
+from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.following.steering import Steering
+from quad_gait.following.step import Step
 from quad_gait.following.stuck_detector import StuckDetector
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.rest_check import RestCheck
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride
 
 Array = NDArray[np.float64]

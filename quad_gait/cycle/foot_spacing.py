@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from quad_common.robot.robot import LEGS, Robot
-from quad_gait.cycle.gait_generator import Cycle
+from quad_gait.cycle.cycle import Cycle
 
 
 def crossing_feet(robot: Robot, cycle: Cycle) -> str:

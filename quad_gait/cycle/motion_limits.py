@@ -14,12 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
-from quad_common.planar_pose import STILL, Twist2D
+from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot import LEGS, Robot
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import Gait
-from quad_gait.cycle.gait_generator import generate_cycle, generate_steady_cycle, margins_of_orders
+from quad_gait.cycle.gait_generator import (
+    CycleOptions,
+    generate_cycle,
+    generate_steady_cycle,
+    margins_of_orders,
+)
 
 _SAMPLES = 80
 """Per trial cycle: limits are met between samples to a fraction of a percent."""
@@ -238,9 +244,8 @@ class MotionLimits:
 
     def _margin(self, gait: Gait, motion: BodyMotion) -> float:
         try:
-            cycle = generate_steady_cycle(
-                self._robot, gait, motion, gait.cycle_period / _SAMPLES_OF_TRIALS
-            )
+            options = CycleOptions(gait.cycle_period / _SAMPLES_OF_TRIALS)
+            cycle = generate_steady_cycle(self._robot, gait, motion, options)
         except GaitError:
             return -math.inf
         return cycle.least_margin
@@ -255,10 +260,10 @@ class MotionLimits:
 
     def _problem(self, gait: Gait, motion: BodyMotion) -> str | None:
         """Say why a motion is not possible: from rest, steadily, and back to rest."""
-        robot, margin = self._robot, self.least_margin
-        period = gait.cycle_period / _SAMPLES
+        robot = self._robot
+        options = CycleOptions(gait.cycle_period / _SAMPLES, self.least_margin)
         try:
-            cycle = generate_steady_cycle(robot, gait, motion, period, margin)
+            cycle = generate_steady_cycle(robot, gait, motion, options)
             crossing = crossing_feet(robot, cycle)
             if crossing:
                 return crossing
@@ -268,10 +273,11 @@ class MotionLimits:
                     motion.scaled(gait.acceleration_fraction),
                     motion.scaled(1.0 - gait.acceleration_fraction),
                 )
-                generate_cycle(robot, gait, last, cycle.end_feet, speed, STILL, period, margin)
+                ends = CycleEnds(cycle.end_feet, entry=speed)
+                generate_cycle(robot, gait, last, ends, options)
                 if gait.is_static:
                     # Dynamic gaits gather speed over several cycles.
-                    generate_cycle(robot, gait, first, None, STILL, speed, period, margin)
+                    generate_cycle(robot, gait, first, CycleEnds(exit=speed), options)
         except GaitError as error:
             return str(error)
         return None

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import Cycle, CycleEnds
 from quad_gait.cycle.foot_tracking import track_feet
 from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.gait_generator import (
-    Cycle,
+    CycleOptions,
     FootTracking,
     generate_cycle,
     generate_largest_cycle,
@@ -21,8 +22,8 @@ from quad_gait.cycle.gait_generator import (
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.motion_sequence import ScheduledCycle
-from quad_gait.following.path_follower import Step
 from quad_gait.following.slip_compensation import SlipCompensation
+from quad_gait.following.step import Step
 
 Array = NDArray[np.float64]
 
@@ -129,12 +130,10 @@ class CyclePlanner:
             self._robot,
             gait,
             compensated(gear.gait, motion),
-            start_feet=None if before is None else before.end_feet,
-            entry=STILL if before is None else before.exit,
-            exit=speed,
-            sample_period=self._sample_period,
-            least_margin=_slack(gear.least_margin),
-            track=self._tracking(joints),
+            CycleEnds(exit=speed)
+            if before is None
+            else CycleEnds(before.end_feet, before.exit, speed),
+            self._cycle_options(gear, joints),
             accept=self._check_stop_after,
         )
         share = _ratio(cycle.exit, speed)
@@ -151,16 +150,18 @@ class CyclePlanner:
             self._robot,
             cycle.gait,
             BodyMotion.during(cycle.exit, (1.0 - cycle.gait.acceleration_fraction) * cycle.period),
-            start_feet=cycle.end_feet,
-            entry=cycle.exit,
-            sample_period=self._sample_period,
-            least_margin=_slack(self.gear.least_margin),
-            track=self._tracking(cycle.joint_positions[-1]),
+            CycleEnds(cycle.end_feet, entry=cycle.exit),
+            self._cycle_options(self.gear, cycle.joint_positions[-1]),
         )
 
     def _check_stop_after(self, cycle: Cycle) -> None:
         """Raise a GaitError if the body could not be brought to rest after a cycle."""
         self._stop_after(cycle)
+
+    def _cycle_options(self, gear: MotionLimits, start_joints: Array) -> CycleOptions:
+        """Say how a cycle is computed that begins at the joints' angles."""
+        least_margin = _slack(gear.least_margin)
+        return CycleOptions(self._sample_period, least_margin, self._tracking(start_joints))
 
     def _tracking(self, start_joints: Array) -> FootTracking | None:
         """Return S1's law, beginning at the joints' angles, if it is to be used."""

@@ -11,7 +11,7 @@ from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.path_follower import Step
+from quad_gait.following.step import Step
 
 _PURE_TURN = 0.02
 """Steering that moves the body by less than this per radian is a turn on the spot [m]."""

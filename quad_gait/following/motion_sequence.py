@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.cycle.gait_generator import Cycle
+from quad_gait.cycle.cycle import Cycle
 
 Array = NDArray[np.float64]
 

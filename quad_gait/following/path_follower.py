@@ -12,120 +12,25 @@ heading and sideways is corrected within the gait's reach.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-from quad_common.errors import GaitError, ParameterError
+from quad_common.errors import CannotFollow, GoalNotReached, LeftPath, ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
-from quad_common.robot.walking_time import WalkingTimeModel
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.following.follower_options import TURNINGS, FollowerOptions
 from quad_gait.following.reference_path import Piece, rounded_pieces, straight_pieces
-
-TURNINGS = ('in_place', 'crab', 'arc')
-"""The ways to follow a plan."""
+from quad_gait.following.step import Gear, Step, advance
 
 _CATCH_UP = 0.2
-"""Share of a stride by which a robot that keeps its speed makes up for lost way."""
-
-_AT_ONCE = 0.3
-"""Share of a stride that a robot which comes to rest may walk more in its last cycle."""
+"""Fraction of a stride by which a robot that keeps its speed makes up for lost distance."""
 
 _TURNING_RADIUS = 0.02
 """A circle smaller than this is a turn on the spot [m]."""
 
 _LEAST_CORRECTION = 1e-4
 """A path this short is no path [m]."""
-
-
-class Gear(Protocol):
-    """What a follower needs to know of a gait on a robot."""
-
-    @property
-    def period(self) -> float:
-        """How long a cycle takes [s]."""
-
-    @property
-    def is_steady(self) -> bool:
-        """Whether the body may keep its speed from cycle to cycle."""
-
-    @property
-    def acceleration_fraction(self) -> float:
-        """Share of a cycle's way at speed in which it gathers that speed."""
-
-    def largest_share(self, motion: BodyMotion) -> float:
-        """Return how many times a motion fits into one cycle."""
-
-    def reason(self, motion: BodyMotion) -> str:
-        """Say what forbids more of a motion."""
-
-
-@dataclass(frozen=True)
-class FollowerOptions:
-    """How a plan is followed, and when the robot has arrived."""
-
-    turning: str = 'in_place'
-    """One of :data:`TURNINGS`."""
-    position_tolerance: float = 0.02
-    """The robot is at a turning point or the goal when it is this near [m]."""
-    heading_tolerance: float = math.radians(2.0)
-    """The robot has the goal's heading when it is this near [rad]."""
-    turn_threshold: float = math.radians(12.0)
-    """Larger heading errors are turned away on the spot [rad]."""
-    largest_correction: float = 0.05
-    """Sideways in a straight cycle, and in any direction while turning [m]."""
-    path_tolerance: float = 0.5
-    """Farther from the plan the robot does not follow it [m]."""
-    corner_deviation: float = 0.1
-    """How far a rounded corner may pass inside the turning point [m]."""
-    corner_radius: float = 1.0
-    """Largest radius of a rounded corner [m]."""
-    largest_speed: float = math.inf
-    """The robot walks no faster along its path, if the gait could [m/s]."""
-    final_cycles: int = 12
-    """At the goal the robot turns and corrects its pose at most so often."""
-
-
-@dataclass(frozen=True)
-class Step:
-    """What the next cycle is to do."""
-
-    is_turn: bool
-    """Whether it is a turn on the spot."""
-    motion: BodyMotion
-    exit: Twist2D = STILL
-    """With which speed the cycle should end."""
-
-
-class LeftPath(GaitError):
-    """The robot is too far from its plan to follow it."""
-
-    def __init__(self, distance: float, tolerance: float) -> None:
-        super().__init__(
-            f'the robot is {distance:.2f} m from its path; it follows within {tolerance:.2f} m: '
-            f'waiting for a new plan'
-        )
-
-
-class CannotFollow(GaitError):
-    """The gait can do nothing at all of what the path asks for."""
-
-    def __init__(self, what: str, reason: str) -> None:
-        super().__init__(
-            f'the gait cannot {what} on this robot, not even a little at a time: {reason}'
-        )
-
-
-class GoalNotReached(GaitError):
-    """The robot is at the goal, but its cycles do not bring it within the tolerances."""
-
-    def __init__(self, distance: float, angle: float, cycles: int) -> None:
-        super().__init__(
-            f'after {cycles} cycles at the goal the robot is still {distance:.3f} m and '
-            f'{math.degrees(angle):.1f} degrees off'
-        )
 
 
 class PathFollower:
@@ -280,14 +185,14 @@ class PathFollower:
             behind = self._expected - (self._before(self._piece) + done)
             catch_up = max(-_CATCH_UP * stride, min(_CATCH_UP * stride, behind))
             done, remaining = done + catch_up, remaining - catch_up
-        advance, exit_speed = _advance(remaining, speed, stride, self._walking)
+        length, exit_speed = advance(remaining, speed, stride, self._walking)
         if exit_speed:
             # What comes then may be slower: a bend, after a straight line.
-            exit_speed = min(exit_speed, self._pace(done + advance))
+            exit_speed = min(exit_speed, self._pace(done + length))
             share = self._walking.acceleration_fraction
-            advance = (1.0 - share) * speed + share * exit_speed
-        self._expected = self._before(self._piece) + done + advance
-        ahead, along = self._ahead(done + advance)
+            length = (1.0 - share) * speed + share * exit_speed
+        self._expected = self._before(self._piece) + done + length
+        ahead, along = self._ahead(done + length)
         target = ahead.at(along)
         # An error across the path is taken back gently: what is left, in the next cycles.
         limit = self._options.largest_correction
@@ -355,13 +260,13 @@ class PathFollower:
         largest = self._turning.largest_share(direction)
         if not largest > 0.0:
             raise CannotFollow('turn on the spot', self._turning.reason(direction))
-        advance, exit_speed = _advance(abs(angle), abs(entry.turn) * period, largest, self._turning)
+        part, exit_speed = advance(abs(angle), abs(entry.turn) * period, largest, self._turning)
         ahead = pose.inverse() @ target
         limit = self._options.largest_correction
         aim = Pose2D(
             max(-limit, min(limit, ahead.x)),
             max(-limit, min(limit, ahead.y)),
-            math.copysign(advance, angle),
+            math.copysign(part, angle),
         )
         return Step(
             is_turn=True,
@@ -412,85 +317,6 @@ class PathFollower:
         return int(np.argmin(distances))
 
 
-def pace_of(
-    walking: Gear, turning: Gear, options: FollowerOptions | None = None
-) -> WalkingTimeModel:
-    """
-    Say how many cycles a follower needs for stretches and turns, for a planner to know.
-
-    Parameters
-    ----------
-    walking : Gear
-        The gait for walking.
-    turning : Gear
-        The gait for turning on the spot, with cycles as long.
-    options : FollowerOptions, optional
-        How plans are followed, ``in_place``.
-
-    Returns
-    -------
-    WalkingTimeModel
-        What :func:`_advance` makes of lengths and angles.
-
-    Raises
-    ------
-    CannotFollow
-        If the gaits can do nothing at all.
-    GaitError
-        If their cycles are not equally long.
-    """
-    options = options or FollowerOptions()
-    if abs(walking.period - turning.period) > 1e-9:
-        raise GaitError(
-            f'cycles of walking take {walking.period:g} s and of turning {turning.period:g} s; '
-            f'a pace is counted in cycles of one length'
-        )
-    stride = walking.largest_share(BodyMotion(forward=1.0))
-    turns = [turning.largest_share(BodyMotion(turn=sign)) for sign in (1.0, -1.0)]
-    if not stride > 0.0:
-        raise CannotFollow('walk straight on', walking.reason(BodyMotion(forward=1.0)))
-    if not min(turns) > 0.0:
-        raise CannotFollow('turn on the spot', turning.reason(BodyMotion(turn=1.0)))
-    return WalkingTimeModel(
-        cycle_period=walking.period,
-        stride=stride,
-        turn=min(turns),
-        stopping=1.0 - _AT_ONCE if walking.is_steady else 0.0,
-        bend=options.turn_threshold,
-        heading_tolerance=options.heading_tolerance,
-    )
-
-
 def _is_turning(twist: Twist2D) -> bool:
     """Whether a body turns on the spot."""
     return abs(twist.turn) * _TURNING_RADIUS > math.hypot(twist.forward, twist.left)
-
-
-def _advance(remaining: float, entry: float, largest: float, gear: Gear) -> tuple[float, float]:
-    """
-    Divide what is left before a stop into cycles.
-
-    Parameters
-    ----------
-    remaining : float
-        Length or angle, 0 or more.
-    entry : float
-        Speed at the start of the cycle, per cycle.
-    largest : float
-        Most that one cycle does.
-    gear : Gear
-        What cycles it has.
-
-    Returns
-    -------
-    tuple of float
-        What the next cycle does, and the speed at its end, per cycle.
-    """
-    if not gear.is_steady:
-        return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
-    share = gear.acceleration_fraction
-    if remaining <= (1.0 - share) * entry + _AT_ONCE * largest:
-        return remaining, 0.0
-    # In two cycles: from the entry to a speed, and from that to rest.
-    exit_speed = min(remaining - (1.0 - share) * entry, largest)
-    return (1.0 - share) * entry + share * exit_speed, exit_speed

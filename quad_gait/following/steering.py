@@ -11,7 +11,7 @@ from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.gait_pair import GaitPair
-from quad_gait.following.path_follower import Step
+from quad_gait.following.step import Step
 
 _LARGEST_TURN_BACK = math.radians(12.0)
 """A robot turned farther from its course than this has lost it [rad]."""

@@ -10,98 +10,54 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError, JointLimitExceeded
+from quad_common.errors import GaitError
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
-from quad_gait.cycle.part_check import check_nearing_parts
-from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over, rotation_of
+from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
+from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
+from quad_gait.uneven.shin import shin_points
+from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
 Planned = TypeVar('Planned')
 
 _LIFT_AT = 0.85
-"""A foot is lifted after this share of the time in which the body goes over the others."""
+"""A foot is lifted after this fraction of the time in which the body goes over the others."""
 
-_SHARES = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Of a step, of which the legs may reach one only."""
+_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
+"""Fractions of a step, of which the legs may reach one only."""
 
 _TILTS = (0.0, 0.5, 1.0)
-"""Shares of the ground's tilt that the body may take."""
+"""Fractions of the ground's tilt that the body may take."""
 
 _LOWER = (0.0, 0.03, 0.06)
 """How much lower than in its initial posture the body may be [m]."""
 
 _STRETCHED = 0.4
-"""Share of its speed at which a leg comes back from where there was no ground: it is stretched
+"""Fraction of its speed at which a leg comes back from where there was no ground: it is stretched
 then, and its knee would be too fast."""
 
 BIT = 3
 """So many samples of a search are given out at a time: a foot presses on for no longer."""
 
-_STANCE = (0.5, 0.0, -0.5, -1.0)
-"""Where a foot stands beside its place under the body, in strides, until it is lifted."""
-
-_ON_SHIN = np.linspace(0.0, 0.7, 8)
-"""Points between foot and knee, higher than which no step is."""
 
 _WAYS = sorted(
-    product(_SHARES, _TILTS, _LOWER),
+    product(_FRACTIONS, _TILTS, _LOWER),
     # A lower body costs little, a shorter step more, and a tilt most.
     key=lambda way: (1.0 - way[0]) + 0.75 * way[1] + 3.0 * way[2],
 )
-"""How a swing may be done, in the order in which it is tried."""
+"""Kinds of swings, in the order in which they are tried."""
 
 _POSTURES = tuple(product(_TILTS, _LOWER))
-"""Of tilt and lowering, in the order in which they are tried."""
-
-
-@dataclass(frozen=True)
-class UnevenOptions:
-    """How a robot walks where the ground is not flat; lengths are TITAN-VIII's."""
-
-    sample_period: float = 0.02
-    """Between a trajectory's points [s]."""
-    reaction_time: float = 0.06
-    """A trajectory that answers to a contact begins so long after it [s]: it must have come
-    to the joints by then, and the foot presses on meanwhile."""
-    margin: float = 0.035
-    """How far inside its three feet the center of mass is kept, if they give so much [m]."""
-    contact_share: float = 0.05
-    """A foot that bears more than this share of the weight stands."""
-    clearance: float = 0.03
-    """Over what a height map shows in the way of a foot [m]."""
-    search_speed: float = 0.12
-    """At which a foot is lowered where the ground may be [m/s]."""
-    search_above: float = 0.01
-    """The search begins so far above the ground that a height map shows [m]."""
-    shift_time: float = 0.4
-    """For the body to go over three feet [s]."""
-    shift_speed: float = 0.2
-    """Farther moves take longer [m/s], on average."""
-    lift_time: float = 0.2
-    """[s]"""
-    transfer_time: float = 0.35
-    """[s]"""
-    lower_time: float = 0.2
-    """[s]"""
-    foot_speed: float = 0.65
-    """Longer ways of a foot take longer than these times [m/s], on average."""
-    foothold_reach: float = 0.08
-    """How far a foot may be put beside its place, for a better hold [m]."""
-    foothold_radius: float = 0.045
-    """Around a foot the ground should be even [m]."""
-    shin_clearance: float = 0.01
-    """Around foot and shin what is higher than they are is kept so far away [m]."""
-    largest_step: float = 0.025
-    """Heights around a foot differ by at most so much on even ground [m]."""
+"""Tilts and lowerings, in the order in which they are tried."""
 
 
 @dataclass(frozen=True)
@@ -109,15 +65,35 @@ class PlannedSwing:
     """A motion in which one foot swings, or feels for the ground."""
 
     motion: JointMotion
-    """Of all joints."""
+    """Motion of all joints."""
     lifted_at: int
     """Sample from which on the foot is in the air."""
     feels_from: int
     """Sample from which on it may meet the ground."""
     depth: float
-    """How far below the ground where it should be the foot feels for it [m]."""
+    """Depth below the expected ground down to which the foot feels for it [m]."""
     limit: str = ''
-    """Why it is shorter than wanted; empty if it is not."""
+    """Reason why it is shorter than wanted; empty if it is not."""
+
+
+class _Swing(NamedTuple):
+    """What one foot is to do."""
+
+    leg: int
+    """Index of the leg."""
+    target: Array
+    """Place where the foot is to stand, its center, shape (3,) [m]."""
+    pace: float
+    """Fraction of its speed at which the foot goes there."""
+
+
+class _Posture(NamedTuple):
+    """How the body stands over the other feet."""
+
+    tilt: float
+    """Fraction of the ground's tilt that the body takes."""
+    lower: float
+    """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
 
 
 class SwingPlanner:
@@ -170,14 +146,17 @@ class SwingPlanner:
             If they can do none.
         """
         start = now.feet[leg]
-        shin = self._shin(leg, place - start[:2], now.body.yaw)
+        shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
-        def plan(share: float, tilt: float, lower: float) -> tuple[float, PlannedSwing]:
-            target = self._target(ground, start, place, share, shin)
-            return share, self._swing_to(now, commanded, ground, leg, target, 1.0, tilt, lower)
+        def plan(fraction: float, tilt: float, lower: float) -> tuple[float, PlannedSwing]:
+            target = self._target(ground, start, place, fraction, shin)
+            swing = _Swing(leg, target, 1.0)
+            return fraction, self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
-        (share, swing), problem = _first_possible(plan, _WAYS)
-        return swing if share == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
+        (fraction, swing), problem = _first_possible(plan, _WAYS)
+        return (
+            swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
+        )
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
@@ -185,7 +164,8 @@ class SwingPlanner:
         """Plan the way back to where a foot stood, its center, shape (3,) [m]; as `swing`."""
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
-            return self._swing_to(now, commanded, ground, leg, target, _STRETCHED, tilt, lower)
+            swing = _Swing(leg, target, _STRETCHED)
+            return self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
         return _first_possible(plan, _POSTURES)[0]
 
@@ -197,7 +177,8 @@ class SwingPlanner:
         feet = np.repeat(now.feet[None], len(times), axis=0)
         feet[:, legs, 2] -= _searched(times, speed, depth)[:, None]
         still = np.zeros(len(times))
-        return self._planned(now, commanded, times, now.body, still, feet, sure=2, given=BIT)
+        paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
+        return self._motion_along(now, commanded, paths)
 
     def search_deeper(
         self, now: Stance, commanded: Array | None, leg: int, depth: float
@@ -209,9 +190,10 @@ class SwingPlanner:
         times = self._times(shift + depth / speed + _ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, 2] -= _searched(times - shift, speed, depth)
-        share = minimum_jerk(0.0, shift, times)[0]
+        progress = minimum_jerk(0.0, shift, times)[0]
         sure = int(np.searchsorted(times, shift))
-        motion = self._planned(now, commanded, times, target, share, path, sure + 1, sure)
+        paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
+        motion = self._motion_along(now, commanded, paths)
         return PlannedSwing(motion, lifted_at=0, feels_from=0, depth=depth)
 
     def shift(self, now: Stance, commanded: Array | None, ground: GroundModel) -> JointMotion:
@@ -223,9 +205,9 @@ class SwingPlanner:
             target = _lowered(target, self._scale * lower)
             duration = self._shift_duration(now.body, target)
             times = self._times(duration)
-            share = minimum_jerk(0.0, duration, times)[0]
+            progress = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
-            return self._planned(now, commanded, times, target, share, feet)
+            return self._motion_along(now, commanded, PlannedPaths(times, target, progress, feet))
 
         return _first_possible(plan, _POSTURES)[0]
 
@@ -234,19 +216,19 @@ class SwingPlanner:
         now: Stance,
         commanded: Array | None,
         ground: GroundModel,
-        leg: int,
-        target: Array,
-        pace: float,
-        tilt: float,
-        lower: float,
+        swing: _Swing,
+        posture: _Posture,
     ) -> PlannedSwing:
         options, robot, scale = self._options, self._robot, self._scale
+        leg, target, pace = swing
         start = now.feet[leg]
         feet = now.feet.copy()
         feet[leg] = 0.5 * (start + target)
         feet[leg, 2] = target[2]
         yaw = heading_over(robot, feet)
-        body = _lowered(body_over(robot, feet, yaw, ground.slope, tilt), scale * lower)
+        body = _lowered(
+            body_over(robot, feet, yaw, ground.slope, posture.tilt), scale * posture.lower
+        )
         body = self._balanced_over(body, now, leg)
 
         shift = self._shift_duration(now.body, body)
@@ -273,49 +255,25 @@ class SwingPlanner:
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, :2] += over[:, None] * (target - start)[:2]
         path[:, leg, 2] = height
-        body_share = minimum_jerk(0.0, shift, times)[0]
+        progress = minimum_jerk(0.0, shift, times)[0]
         # What is below the ground only matters where it is missing: as deep as legs reach.
         sure = int(np.searchsorted(times, low + above / (scale * options.search_speed)))
         given = None
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
             given = sure if ground.height_map is not None else int(np.searchsorted(times, low))
-        motion = self._planned(now, commanded, times, body, body_share, path, sure + 1, given)
+        paths = PlannedPaths(times, body, progress, path, sure + 1, given)
+        motion = self._motion_along(now, commanded, paths)
         lifted_at, feels_from = (int(np.searchsorted(times, t)) for t in (lift, lift_end))
         return PlannedSwing(motion, lifted_at, feels_from, depth)
 
-    def _shin(self, leg: int, stride: Array, yaw: float) -> Array:
-        """
-        Place points of foot and shin while the foot stands, shape (n, 3) [m].
-
-        They are measured from the point below the foot. The body goes on by one stride,
-        shape (2,), until the foot is lifted again; how it sways meanwhile does not count.
-        """
-        robot, c, s = self._robot, math.cos(yaw), math.sin(yaw)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        way = np.array([*stride, 0.0]) @ turn
-        shins = []
-        for share in _STANCE:
-            foot = robot.neutral_feet[leg] + share * way
-            try:
-                shins.append(robot.legs[leg].chain(robot.legs[leg].inverse(foot))[1] - foot)
-            except GaitError:
-                continue
-        shin = np.array(shins).reshape(-1, 1, 3)
-        points = _ON_SHIN[:, None] * shin
-        # The foot rolls under its shin.
-        points[..., :2] += robot.foot_radius * (_lean(shin) - _lean(shin[:1]))
-        points[..., 2] += robot.foot_radius
-        turned: Array = points.reshape(-1, 3) @ turn.T
-        return turned
-
     def _target(
-        self, ground: GroundModel, start: Array, place: Array, share: float, shin: Array
+        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: Array
     ) -> Array:
         """Choose where a foot goes: its center, shape (3,) [m]."""
         options, scale = self._options, self._scale
-        wanted = start[:2] + share * (place - start[:2])
-        if share > 0.0:
+        wanted = start[:2] + fraction * (place - start[:2])
+        if fraction > 0.0:
             choice = FootholdChoice(
                 scale * options.foothold_reach,
                 max(scale * options.foothold_radius, self._robot.foot_radius),
@@ -358,69 +316,20 @@ class SwingPlanner:
 
     def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
         way = float(np.linalg.norm(end.position - start.position))
-        turned = np.abs([end.roll - start.roll, end.pitch - start.pitch, _turn(start, end)]).max()
+        turned = np.abs(
+            [end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)]
+        ).max()
         way = max(way, self._robot.footprint_radius * float(turned))
         return max(self._options.shift_time, way / (self._scale * self._options.shift_speed))
+
+    def _motion_along(
+        self, now: Stance, commanded: Array | None, paths: PlannedPaths
+    ) -> JointMotion:
+        return motion_along(self._robot, self._options, now, commanded, paths)
 
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
         return np.linspace(0.0, duration, count + 1, dtype=np.float64)
-
-    def _planned(
-        self,
-        now: Stance,
-        commanded: Array | None,
-        times: Array,
-        end: BodyPose,
-        share: Array,
-        feet: Array,
-        sure: int | None = None,
-        given: int | None = None,
-    ) -> JointMotion:
-        """
-        Turn paths of body and feet into joint motion, from where the joints are commanded.
-
-        Samples from ``sure`` on are left out where a leg does not reach; those up to ``given``
-        are given out at once, all of them if it is None.
-        """
-        robot, start = self._robot, now.body
-        position = start.position + share[:, None] * (end.position - start.position)
-        turns = np.array([end.roll - start.roll, end.pitch - start.pitch, _turn(start, end)])
-        angles = np.array([start.roll, start.pitch, start.yaw]) + share[:, None] * turns
-        arms = np.einsum('nji,nkj->nki', rotation_of(angles), feet - position[:, None])
-        needed = len(times) if sure is None else min(sure, len(times))
-        joints = robot.joint_angles(arms[:needed])
-        while needed < len(times):
-            # Beyond what is sure the foot goes only as deep as the leg reaches.
-            try:
-                joints = np.concatenate([joints, robot.joint_angles(arms[needed : needed + 1])])
-            except GaitError:
-                break
-            needed += 1
-        times, share = times[:needed], share[:needed]
-        commanded = now.joint_positions if commanded is None else commanded
-        blend = minimum_jerk(0.0, min(self._options.shift_time, float(times[-1])), times)[0]
-        joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
-        velocities = np.gradient(joints, times, axis=0)
-        velocities[0] = velocities[-1] = 0.0
-        excess = np.abs(velocities) / robot.velocity
-        if np.max(excess) > 1.0:
-            leg, kind = np.unravel_index(int(np.argmax(excess.max(axis=0))), (4, 3))
-            limit = float(np.broadcast_to(robot.velocity, (4, 3))[leg, kind])
-            fastest = float(np.abs(velocities[:, leg, kind]).max())
-            name = robot.joint_names[3 * int(leg) + int(kind)]
-            raise JointLimitExceeded(name, fastest, -limit, limit, 'rad/s')
-        check_nearing_parts(robot, times, joints)
-        last = len(times) - 1
-        return JointMotion(
-            robot.joint_names,
-            times,
-            joints,
-            velocities,
-            np.broadcast_to(robot.velocity, (4, 3)).reshape(-1),
-            start=now.time + self._options.reaction_time,
-            given=last if given is None else min(given, last),
-        )
 
 
 def _first_possible(
@@ -437,17 +346,8 @@ def _first_possible(
     raise problem
 
 
-def _turn(start: BodyPose, end: BodyPose) -> float:
-    return float((end.yaw - start.yaw + np.pi) % (2.0 * np.pi) - np.pi)
-
-
 def _lowered(body: BodyPose, way: float) -> BodyPose:
     return BodyPose(body.position - np.array([0.0, 0.0, way]), body.roll, body.pitch, body.yaw)
-
-
-def _lean(shin: Array) -> Array:
-    """By which angles a shin, shape (..., 3), leans to x and y, shape (..., 2) [rad]."""
-    return np.arctan2(shin[..., :2], shin[..., 2:])
 
 
 def _ramp(duration: float) -> float:

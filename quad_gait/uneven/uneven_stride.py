@@ -26,7 +26,8 @@ from quad_gait.state.foot_forces import GRAVITY
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner, UnevenOptions
+from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
+from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from quad_common.robot.robot import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_lab.closed_loop.terrain_walk import make_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure

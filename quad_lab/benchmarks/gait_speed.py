@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from quad_common.robot.robot import Robot, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
-from quad_gait.cycle.gait_generator import generate_cycle
+from quad_gait.cycle.gait_generator import CycleOptions, generate_cycle
 from quad_lab.tools.criterion import Criterion, at_most, figure
 
 Array = NDArray[np.float64]
@@ -41,10 +41,10 @@ def speed_bars(quick: bool) -> list[Criterion]:
     motion = BodyMotion(forward=0.2)
 
     def plan() -> None:
-        generate_cycle(robot, crawl, motion, sample_period=_SAMPLE_PERIOD)
+        generate_cycle(robot, crawl, motion, options=CycleOptions(_SAMPLE_PERIOD))
 
     planned = _fastest(plan, 20 if quick else 100)
-    cycle = generate_cycle(robot, crawl, motion, sample_period=_SAMPLE_PERIOD)
+    cycle = generate_cycle(robot, crawl, motion, options=CycleOptions(_SAMPLE_PERIOD))
     feet = robot.foot_positions(cycle.joint_positions)
 
     def loop() -> None:

@@ -18,7 +18,7 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait, turning_gait_for
-from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.reference_path import circle_pieces
 from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.state.leg_odometry import LegOdometry

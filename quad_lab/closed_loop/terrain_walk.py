@@ -17,7 +17,7 @@ from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_planner.grid.traversability import Ground, GroundLimits
 from quad_planner.methods.planner import make_planner

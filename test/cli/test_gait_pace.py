@@ -16,7 +16,8 @@ from quad_common.robot.robot import available_robots, load_robot, robot_file
 from quad_common.robot.walking_time import load_pace
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.path_follower import FollowerOptions, PathFollower
+from quad_gait.following.follower_options import FollowerOptions
+from quad_gait.following.path_follower import PathFollower
 
 
 @pytest.mark.parametrize('robot', available_robots())

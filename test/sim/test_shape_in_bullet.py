@@ -14,7 +14,7 @@ from quad_common.robot.robot import available_robots, load_robot
 from quad_common.robot.urdf import urdf_from_robot
 from quad_gait.behaviours.walk_controller import Activity
 from quad_gait.cycle.gait import load_gait
-from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.follower_options import FollowerOptions
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_lab.closed_loop.gait_measures import make_controller
 from quad_sim.engines.bullet_simulator import BulletSimulator

@@ -23,9 +23,9 @@ from quad_gait.behaviours.walk_controller import ControllerOptions, WalkControll
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_check import DIRECTIONS
-from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.reference_path import circle_pieces
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 from quad_lab.closed_loop.terrain_walk import COURSES, make_course
 from quad_lab.tools.criterion import Criterion, at_most, figure

@@ -17,7 +17,7 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.cycle.posture import crouching_joint_angles
-from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import NO_SLIP, Calibration, SlipCompensation
 from quad_gait.state.measurement import Measurement
 from quad_sim.engines.kinematic_simulator import KinematicSimulator

@@ -1,8 +1,7 @@
 """Laws of a gait cycle, recomputed from its joints alone, and the papers' figures."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -18,12 +17,14 @@ from quad_common.errors import (
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_common.robot.robot import LEGS, Robot, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import AT_REST, CycleEnds
+from quad_gait.cycle.footholds import steady_ends
 from quad_gait.cycle.gait import Gait, Swing, available_gaits, load_gait
 from quad_gait.cycle.gait_generator import (
+    CycleOptions,
     generate_cycle,
     generate_largest_cycle,
     generate_steady_cycle,
-    steady_feet,
 )
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.cycle.stability import stability_margin
@@ -70,12 +71,11 @@ class Case:
     gait: Gait
     motion: BodyMotion
     robot: Robot = ROBOT
-    more: Mapping[str, object] = field(default_factory=dict)
+    ends: CycleEnds = AT_REST
 
     def at(self, sample_period, robot=None):
-        return generate_cycle(
-            robot or self.robot, self.gait, self.motion, sample_period=sample_period, **self.more
-        )
+        options = CycleOptions(sample_period)
+        return generate_cycle(robot or self.robot, self.gait, self.motion, self.ends, options)
 
     @cached_property
     def cycle(self):
@@ -91,20 +91,21 @@ class Case:
 
 
 def steady(gait, motion, robot=ROBOT):
-    speed = motion.rate(gait.cycle_period)
-    feet = steady_feet(robot, gait, motion)
-    return Case(gait, motion, robot, {'start_feet': feet, 'entry': speed, 'exit': speed})
+    return Case(gait, motion, robot, steady_ends(robot, gait, motion))
 
 
 def start(gait, motion, robot=ROBOT):
-    return Case(gait, motion.scaled(0.5), robot, {'exit': motion.rate(gait.cycle_period)})
+    return Case(gait, motion.scaled(0.5), robot, CycleEnds(exit=motion.rate(gait.cycle_period)))
 
 
 def stop(gait, motion, robot=ROBOT):
     speed = motion.rate(gait.cycle_period)
     begun = start(gait, motion, robot).cycle
-    more = {'start_feet': begun.end_feet, 'entry': speed}
-    return Case(gait, motion.scaled(0.5), robot, more)
+    return Case(gait, motion.scaled(0.5), robot, CycleEnds(begun.end_feet, entry=speed))
+
+
+def mirrored_twist(twist):
+    return Twist2D(twist.forward, -twist.left, -twist.turn)
 
 
 def feet_in_ground(robot, cycle):
@@ -146,7 +147,7 @@ CASES = {
     'start of a trot': start(TROT, ARC, CUHK),
     'stop of a trot': stop(TROT, ARC, CUHK),
 }
-FROM_REST_TO_REST = {name: case for name, case in CASES.items() if not case.more}
+FROM_REST_TO_REST = {name: case for name, case in CASES.items() if case.ends is AT_REST}
 
 each_case = pytest.mark.parametrize('case', CASES.values(), ids=CASES)
 each_whole_case = pytest.mark.parametrize('case', FROM_REST_TO_REST.values(), ids=FROM_REST_TO_REST)
@@ -357,7 +358,7 @@ def shipped(name, gait_name, direction, share=0.7):
 )
 def test_equal_cycles_join_in_joint_positions_and_velocities(name, gait_name, direction):
     robot, gait, motion = shipped(name, gait_name, direction)
-    cycle = generate_steady_cycle(robot, gait, motion, gait.cycle_period / 400.0)
+    cycle = generate_steady_cycle(robot, gait, motion, CycleOptions(gait.cycle_period / 400.0))
     assert cycle.joint_positions[-1] == pytest.approx(cycle.joint_positions[0], abs=1e-9)
     assert cycle.joint_velocities[-1] == pytest.approx(cycle.joint_velocities[0], abs=1e-9)
     if gait.is_steady:
@@ -372,11 +373,11 @@ def test_a_start_steady_cycles_and_a_stop_join_and_end_in_the_initial_posture(
 ):
     robot, gait, motion = shipped(name, gait_name, direction)
     speed, half = motion.rate(gait.cycle_period), motion.scaled(0.5)
-    cycles = [generate_cycle(robot, gait, half, exit=speed)]
+    cycles = [generate_cycle(robot, gait, half, CycleEnds(exit=speed))]
     for _ in range(2):
         feet = cycles[-1].end_feet
-        cycles.append(generate_cycle(robot, gait, motion, feet, entry=speed, exit=speed))
-    cycles.append(generate_cycle(robot, gait, half, cycles[-1].end_feet, entry=speed))
+        cycles.append(generate_cycle(robot, gait, motion, CycleEnds(feet, entry=speed, exit=speed)))
+    cycles.append(generate_cycle(robot, gait, half, CycleEnds(cycles[-1].end_feet, entry=speed)))
     fastest = max(np.abs(cycle.joint_velocities).max() for cycle in cycles)
     for before, after in pairwise(cycles):
         assert after.joint_positions[0] == pytest.approx(before.joint_positions[-1], abs=1e-9)
@@ -397,9 +398,11 @@ def test_a_start_steady_cycles_and_a_stop_join_and_end_in_the_initial_posture(
 
 def test_a_steady_cycle_is_what_many_equal_cycles_come_to():
     motion, speed = BodyMotion(0.2, 0.03, 0.2), BodyMotion(0.2, 0.03, 0.2).rate(WAVE.cycle_period)
-    cycle = generate_cycle(ROBOT, WAVE, motion.scaled(0.5), exit=speed)
+    cycle = generate_cycle(ROBOT, WAVE, motion.scaled(0.5), CycleEnds(exit=speed))
     for _ in range(2):
-        cycle = generate_cycle(ROBOT, WAVE, motion, cycle.end_feet, entry=speed, exit=speed)
+        cycle = generate_cycle(
+            ROBOT, WAVE, motion, CycleEnds(cycle.end_feet, entry=speed, exit=speed)
+        )
     known = generate_steady_cycle(ROBOT, WAVE, motion)
     assert cycle.end_feet == pytest.approx(known.end_feet, abs=1e-12)
     assert cycle.joint_positions == pytest.approx(known.joint_positions, abs=1e-9)
@@ -420,7 +423,7 @@ def test_speeds_may_change_from_cycle_to_cycle():
             for part in ('forward', 'left', 'turn')
         ]
         motion = BodyMotion.during(Twist2D(*mean), WAVE.cycle_period)
-        cycle = generate_cycle(ROBOT, WAVE, motion, feet, entry=entry, exit=exit)
+        cycle = generate_cycle(ROBOT, WAVE, motion, CycleEnds(feet, entry=entry, exit=exit))
         if last is not None:
             assert cycle.joint_positions[0] == pytest.approx(last.joint_positions[-1], abs=1e-9)
             assert cycle.joint_velocities[0] == pytest.approx(last.joint_velocities[-1], abs=0.005)
@@ -458,7 +461,9 @@ def test_smaller_motions_are_stable_as_well(kind, stride):
 @pytest.mark.parametrize('stride', [S_OF_FIGURE_16, S_MAX])
 def test_without_sway_the_margin_starts_or_ends_at_zero_in_each_phase(stride):
     # S0's own schedule puts the center of gravity on a diagonal of the feet.
-    cycle = generate_cycle(on_points(ROBOT), PAPER, BodyMotion(forward=stride), sample_period=0.001)
+    cycle = generate_cycle(
+        on_points(ROBOT), PAPER, BodyMotion(forward=stride), options=CycleOptions(0.001)
+    )
     for swing in PAPER.swings:
         phase = (cycle.times > swing.liftoff) & (cycle.times < swing.touchdown)
         margin = cycle.margin[phase]
@@ -487,7 +492,7 @@ def test_the_body_sways_only_along_the_axis_that_has_a_weight(weight, still):
 
 def test_with_its_whole_weight_the_body_sways_to_the_centroid_of_each_support_triangle():
     gait = replace(CRAWL, sway_weight=(1.0, 1.0)).with_period(20.0)
-    cycle = generate_cycle(on_points(ROBOT), gait, BodyMotion(), sample_period=0.05)
+    cycle = generate_cycle(on_points(ROBOT), gait, BodyMotion(), options=CycleOptions(0.05))
     for swing in gait.swings:
         middle = cycle.sample((swing.liftoff + swing.touchdown) / 2.0)
         down = cycle.in_contact[middle]
@@ -555,7 +560,11 @@ def trot_on_a_circle(radius, degrees):
     gait = load_gait('trot', robot)
     turn = math.radians(degrees)
     motion = BodyMotion(forward=1e-3 * radius * turn, turn=turn)
-    return robot, gait, generate_steady_cycle(robot, gait, motion, gait.cycle_period / 800.0)
+    return (
+        robot,
+        gait,
+        generate_steady_cycle(robot, gait, motion, CycleOptions(gait.cycle_period / 800.0)),
+    )
 
 
 @each_row
@@ -602,7 +611,7 @@ def test_the_feet_step_at_the_angles_of_table_iii_of_s2(row):
 def test_in_the_ground_frame_a_trotting_foot_runs_along_half_an_ellipse(motion):
     robot = on_points(CUHK)
     gait = load_gait('trot', robot)
-    cycle = generate_steady_cycle(robot, gait, motion, gait.cycle_period / 800.0)
+    cycle = generate_steady_cycle(robot, gait, motion, CycleOptions(gait.cycle_period / 800.0))
     for k, leg in enumerate(LEGS):
         path = cycle.feet[~cycle.in_contact[:, k], k]
         first, last = cycle.feet[0, k], cycle.feet[-1, k]
@@ -658,7 +667,7 @@ def test_steady_feet_stand_in_the_proper_initial_posture_of_s4(beta):
         'third': ((beta - 0.25) / beta - 1.0 / 2.0) * stride,
         'fourth': stride / 2.0,
     }
-    offset = steady_feet(robot, gait, motion) - robot.neutral_feet
+    offset = steady_ends(robot, gait, motion).start_feet - robot.neutral_feet
     for swing, expected in zip(gait.swings, printed.values()):
         assert offset[LEGS.index(swing.leg)] == pytest.approx([expected, 0.0, 0.0], abs=1e-12)
 
@@ -668,7 +677,7 @@ def test_the_proper_initial_posture_makes_the_swing_ranges_even(beta):
     # S4 fig. 7 b: every foot goes as far to the front of its place as to the back.
     robot = on_points(GENIBO)
     motion = BodyMotion(forward=0.06)
-    cycle = generate_steady_cycle(robot, wave_of_s4(robot, beta), motion, 0.004)
+    cycle = generate_steady_cycle(robot, wave_of_s4(robot, beta), motion, CycleOptions(0.004))
     off = robot.foot_positions(cycle.joint_positions) - robot.neutral_feet
     for k in range(4):
         standing = off[cycle.in_contact[:, k], k, 0]
@@ -707,7 +716,7 @@ def test_whatever_the_motion_in_mid_stance_every_foot_is_where_it_is_in_the_init
     robot = on_points(ROBOT)
     gait = replace(WAVE, sway_weight=(0.0, 0.0))
     period = gait.cycle_period
-    cycle = generate_steady_cycle(robot, gait, motion, period / 800.0)
+    cycle = generate_steady_cycle(robot, gait, motion, CycleOptions(period / 800.0))
     for k, leg in enumerate(LEGS):
         swing = gait.swing(leg)
         middle = (swing.touchdown + period + swing.liftoff) / 2.0 % period
@@ -722,14 +731,14 @@ def test_whatever_the_motion_in_mid_stance_every_foot_is_where_it_is_in_the_init
 @pytest.mark.parametrize('name', CASES)
 def test_a_mirrored_motion_of_the_mirrored_gait_is_a_mirrored_cycle(name):
     case = CASES[name]
-    more = {}
-    for key, value in case.more.items():
-        if isinstance(value, Twist2D):
-            more[key] = Twist2D(value.forward, -value.left, -value.turn)
-        else:
-            more[key] = value[ACROSS] * [1.0, -1.0, 1.0]
+    feet = case.ends.start_feet
+    ends = CycleEnds(
+        None if feet is None else feet[ACROSS] * [1.0, -1.0, 1.0],
+        mirrored_twist(case.ends.entry),
+        mirrored_twist(case.ends.exit),
+    )
     motion = BodyMotion(case.motion.forward, -case.motion.left, -case.motion.turn)
-    mirrored = Case(case.gait.mirrored(), motion, case.robot, more).cycle
+    mirrored = Case(case.gait.mirrored(), motion, case.robot, ends).cycle
     feet = case.robot.foot_positions(mirrored.joint_positions)[:, ACROSS] * [1.0, -1.0, 1.0]
     assert feet == pytest.approx(case.robot.foot_positions(case.cycle.joint_positions), abs=1e-9)
     assert mirrored.body * [1.0, -1.0, -1.0] == pytest.approx(case.cycle.body, abs=1e-12)
@@ -751,7 +760,7 @@ def test_feet_that_start_elsewhere_end_in_the_initial_posture_all_the_same():
     rng = np.random.default_rng(1)
     start = ROBOT.neutral_feet.copy()
     start[:, :2] += rng.uniform(-0.02, 0.02, (4, 2))
-    cycle = generate_cycle(ROBOT, CRAWL, BodyMotion(forward=0.1), start_feet=start)
+    cycle = generate_cycle(ROBOT, CRAWL, BodyMotion(forward=0.1), CycleEnds(start))
     assert ROBOT.foot_positions(cycle.joint_positions[0]) == pytest.approx(start, abs=1e-9)
     assert cycle.joint_positions[-1] == pytest.approx(ROBOT.initial_joint_angles, abs=1e-9)
 
@@ -764,7 +773,9 @@ def test_the_end_feet_are_those_of_the_last_joint_angles():
 
 @pytest.mark.parametrize('period', [0.02, 0.03, 0.007, 5.0, 9.0])
 def test_samples_are_evenly_spaced_no_farther_than_asked_and_end_with_the_cycle(period):
-    times = generate_cycle(ROBOT, CRAWL, BodyMotion(forward=0.1), sample_period=period).times
+    times = generate_cycle(
+        ROBOT, CRAWL, BodyMotion(forward=0.1), options=CycleOptions(period)
+    ).times
     assert (times[0], times[-1]) == (0.0, 5.0)
     assert np.diff(times) == pytest.approx(np.full(len(times) - 1, times[1]))
     assert times[1] <= period + 1e-9
@@ -803,7 +814,7 @@ def test_the_trajectory_of_a_steady_gait_is_the_whole_cycle(name):
 
 @pytest.mark.parametrize('period', [0.02, 0.03, 0.07])
 def test_whatever_the_sample_period_no_movement_is_cut_off(period):
-    cycle = generate_cycle(ROBOT, TURN, BodyMotion(turn=0.5), sample_period=period)
+    cycle = generate_cycle(ROBOT, TURN, BodyMotion(turn=0.5), options=CycleOptions(period))
     trajectory = cycle.trajectory(ROBOT, stamp=0.0)
     assert trajectory.times[0] <= TURN.motion_start + 1e-9 < trajectory.times[0] + period + 1e-9
     # Rolling is interpolated, and so begins a little before the first movement.
@@ -821,7 +832,7 @@ def test_foot_paths_may_be_tracked_in_another_way_than_by_inverse_kinematics():
 
     plain = CASES['crawl'].cycle
     tracked = generate_cycle(
-        ROBOT, CRAWL, BodyMotion(forward=S_MAX), sample_period=5.0 / 200.0, track=track
+        ROBOT, CRAWL, BodyMotion(forward=S_MAX), options=CycleOptions(5.0 / 200.0, track=track)
     )
     assert tracked.joint_positions == pytest.approx(plain.joint_positions + 0.001)
     assert (seen['times'] == plain.times).all()
@@ -858,21 +869,33 @@ def test_of_four_different_legs_the_one_that_is_too_fast_is_named():
 
 def test_a_cycle_below_the_least_margin_is_refused_with_both_numbers():
     with pytest.raises(UnstableCycle, match=r'margin of -?\d\.\d mm; it must be at least 10\.0'):
-        generate_cycle(ROBOT, PAPER, BodyMotion(forward=0.1), least_margin=0.01)
+        generate_cycle(
+            ROBOT, PAPER, BodyMotion(forward=0.1), options=CycleOptions(least_margin=0.01)
+        )
 
 
 def test_a_dynamic_gait_may_have_its_centre_of_mass_beside_its_two_feet_so_far_and_no_farther():
     cycle = generate_cycle(CUHK, TROT, BodyMotion(forward=0.05))
     assert cycle.least_margin < 0.0
     for margin in (-math.inf, cycle.least_margin - 1e-6):
-        generate_cycle(CUHK, TROT, BodyMotion(forward=0.05), least_margin=margin)
+        generate_cycle(
+            CUHK, TROT, BodyMotion(forward=0.05), options=CycleOptions(least_margin=margin)
+        )
     with pytest.raises(UnstableCycle):
-        generate_cycle(CUHK, TROT, BodyMotion(forward=0.05), least_margin=cycle.least_margin + 1e-6)
+        generate_cycle(
+            CUHK,
+            TROT,
+            BodyMotion(forward=0.05),
+            options=CycleOptions(least_margin=cycle.least_margin + 1e-6),
+        )
 
 
 def test_the_largest_cycle_is_the_whole_one_if_that_is_possible():
     motion = BodyMotion(forward=0.2)
-    assert generate_largest_cycle(ROBOT, CRAWL, motion, least_margin=0.01).motion == motion
+    assert (
+        generate_largest_cycle(ROBOT, CRAWL, motion, options=CycleOptions(least_margin=0.01)).motion
+        == motion
+    )
 
 
 def test_the_largest_cycle_may_be_asked_for_more_than_the_legs_and_the_margin_require():
@@ -886,7 +909,7 @@ def test_the_largest_cycle_may_be_asked_for_more_than_the_legs_and_the_margin_re
 
 def test_the_largest_cycle_shrinks_a_motion_by_eighths_until_it_is_possible():
     motion = BodyMotion(forward=0.7, left=0.1, turn=0.2)
-    cycle = generate_largest_cycle(ROBOT, CRAWL, motion, least_margin=0.01)
+    cycle = generate_largest_cycle(ROBOT, CRAWL, motion, options=CycleOptions(least_margin=0.01))
     share = cycle.motion.forward / motion.forward
     assert 0.0 < share < 1.0
     assert 8.0 * share == pytest.approx(round(8.0 * share))
@@ -894,15 +917,17 @@ def test_the_largest_cycle_shrinks_a_motion_by_eighths_until_it_is_possible():
     assert cycle.motion.turn == pytest.approx(share * motion.turn)
     assert cycle.least_margin >= 0.01
     with pytest.raises(GaitError):
-        generate_cycle(ROBOT, CRAWL, motion.scaled(share + 0.125), least_margin=0.01)
+        generate_cycle(
+            ROBOT, CRAWL, motion.scaled(share + 0.125), options=CycleOptions(least_margin=0.01)
+        )
 
 
 def test_a_robot_on_its_way_that_is_asked_too_much_comes_nearer_to_rest():
     motion = BodyMotion(forward=0.3)
     speed = motion.rate(WAVE.cycle_period)
-    feet = steady_feet(ROBOT, WAVE, motion)
+    feet = steady_ends(ROBOT, WAVE, motion).start_feet
     cycle = generate_largest_cycle(
-        ROBOT, WAVE, BodyMotion(forward=2.0), feet, entry=speed, exit=speed.scaled(6.0)
+        ROBOT, WAVE, BodyMotion(forward=2.0), CycleEnds(feet, entry=speed, exit=speed.scaled(6.0))
     )
     share = cycle.exit.forward / (6.0 * speed.forward)
     assert 0.0 <= share < 1.0
@@ -916,6 +941,8 @@ def test_a_robot_on_its_way_that_is_asked_too_much_comes_nearer_to_rest():
 
 def test_if_not_even_an_eighth_is_possible_the_reason_is_told():
     with pytest.raises(UnstableCycle):
-        generate_largest_cycle(ROBOT, CRAWL, BodyMotion(forward=0.1), least_margin=1.0)
+        generate_largest_cycle(
+            ROBOT, CRAWL, BodyMotion(forward=0.1), options=CycleOptions(least_margin=1.0)
+        )
     with pytest.raises(FootTargetUnreachable):
         generate_largest_cycle(ROBOT, CRAWL, BodyMotion(forward=50.0))

@@ -10,9 +10,10 @@ from quad_common.errors import GaitError
 from quad_common.planar_pose import STILL, Twist2D
 from quad_common.robot.robot import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import available_gaits, load_gait
-from quad_gait.cycle.gait_generator import generate_cycle, generate_steady_cycle
+from quad_gait.cycle.gait_generator import CycleOptions, generate_cycle, generate_steady_cycle
 from quad_gait.cycle.motion_limits import MotionLimits
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
@@ -38,15 +39,17 @@ each_direction = pytest.mark.parametrize('direction', DIRECTIONS.values(), ids=D
 def check(limits, robot, motion):
     """Raise if a motion is not possible: steadily, from rest, or back to rest."""
     gait, margin = limits.gait_for(motion), limits.least_margin
-    cycle = generate_steady_cycle(robot, gait, motion, least_margin=margin)
+    cycle = generate_steady_cycle(robot, gait, motion, CycleOptions(least_margin=margin))
     if crossing := crossing_feet(robot, cycle):
         raise GaitError(crossing)
     if not gait.is_steady:
         return
     speed, half = motion.rate(gait.cycle_period), motion.scaled(0.5)
-    generate_cycle(robot, gait, half, cycle.end_feet, entry=speed, least_margin=margin)
+    generate_cycle(
+        robot, gait, half, CycleEnds(cycle.end_feet, entry=speed), CycleOptions(least_margin=margin)
+    )
     if gait.is_static:
-        generate_cycle(robot, gait, half, exit=speed, least_margin=margin)
+        generate_cycle(robot, gait, half, CycleEnds(exit=speed), CycleOptions(least_margin=margin))
 
 
 @each_robot

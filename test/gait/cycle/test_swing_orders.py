@@ -14,9 +14,9 @@ from quad_gait.behaviours.walk_controller import ControllerOptions, WalkControll
 from quad_gait.cycle import gait_generator
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.cycle.gait_generator import generate_steady_cycle, margins_of_orders
+from quad_gait.cycle.gait_generator import CycleOptions, generate_steady_cycle, margins_of_orders
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.path_follower import FollowerOptions
+from quad_gait.following.follower_options import FollowerOptions
 from quad_lab.closed_loop.direct_walk import DirectWalk
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
@@ -50,7 +50,7 @@ def directions(rng, count):
 
 def margin_alone(robot, order, motion, period):
     try:
-        return generate_steady_cycle(robot, order, motion, period).least_margin
+        return generate_steady_cycle(robot, order, motion, CycleOptions(period)).least_margin
     except GaitError:
         return -math.inf
 
@@ -101,7 +101,7 @@ class CountedWalk(DirectWalk):
         controller.prepare()
         super().__init__(robot, controller, 'kinematic', start=start)
         self.passes = []
-        rolling, update = gait_generator._rolling, controller.update
+        rolling, update = gait_generator.rolling_of, controller.update
 
         def counted(*args):
             # Every cycle asks for it once, and so do all orders together.
@@ -112,7 +112,7 @@ class CountedWalk(DirectWalk):
             self.passes.append(0)
             return update(now)
 
-        monkeypatch.setattr(gait_generator, '_rolling', counted)
+        monkeypatch.setattr(gait_generator, 'rolling_of', counted)
         monkeypatch.setattr(controller, 'update', update_counted)
 
 

@@ -15,7 +15,7 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.faults.safe_stop import tipping
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.benchmarks.bench_joint_failure import FailureCase, walk_and_fail
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_sim.engines.joint_failure import JointFailure

@@ -9,6 +9,7 @@ import pytest
 from quad_common.planar_pose import STILL, Pose2D
 from quad_common.robot.robot import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.following.motion_sequence import MotionSequence, ScheduledCycle
@@ -18,11 +19,13 @@ WAVE = load_gait('wave', ROBOT)
 PERIOD = WAVE.cycle_period
 MOTION = BodyMotion(0.05, 0.01, 0.1)
 SPEED, HALF = MOTION.rate(PERIOD), MOTION.scaled(0.5)
-BEGIN = generate_cycle(ROBOT, WAVE, HALF, exit=SPEED)
-GO_ON = generate_cycle(ROBOT, WAVE, MOTION, BEGIN.end_feet, entry=SPEED, exit=SPEED)
-STOP = generate_cycle(ROBOT, WAVE, HALF, BEGIN.end_feet, entry=SPEED)
-GO_ON_AGAIN = generate_cycle(ROBOT, WAVE, MOTION, GO_ON.end_feet, entry=SPEED, exit=SPEED)
-STOP_LATER = generate_cycle(ROBOT, WAVE, HALF, GO_ON.end_feet, entry=SPEED)
+BEGIN = generate_cycle(ROBOT, WAVE, HALF, CycleEnds(exit=SPEED))
+GO_ON = generate_cycle(ROBOT, WAVE, MOTION, CycleEnds(BEGIN.end_feet, entry=SPEED, exit=SPEED))
+STOP = generate_cycle(ROBOT, WAVE, HALF, CycleEnds(BEGIN.end_feet, entry=SPEED))
+GO_ON_AGAIN = generate_cycle(
+    ROBOT, WAVE, MOTION, CycleEnds(GO_ON.end_feet, entry=SPEED, exit=SPEED)
+)
+STOP_LATER = generate_cycle(ROBOT, WAVE, HALF, CycleEnds(GO_ON.end_feet, entry=SPEED))
 WHERE = Pose2D(1.0, 2.0, 0.5)
 
 

@@ -7,23 +7,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from quad_common.errors import ParameterError
+from quad_common.errors import CannotFollow, GoalNotReached, LeftPath, ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot.robot import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.path_follower import (
-    TURNINGS,
-    CannotFollow,
-    FollowerOptions,
-    GoalNotReached,
-    LeftPath,
-    PathFollower,
-    _advance,
-)
+from quad_gait.following.follower_options import TURNINGS, FollowerOptions
+from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import circle_pieces, rounded_pieces, straight_pieces
+from quad_gait.following.step import advance
 
 ROBOT = load_robot('titan_viii')
 
@@ -532,10 +526,10 @@ def divided(remaining, entry, largest, is_steady):
     advances, speeds = [], []
     while remaining > 1e-12:
         assert len(advances) < 1000
-        advance, exit = _advance(remaining, entry, largest, Gear(is_steady=is_steady))
-        advances.append(advance)
+        length, exit = advance(remaining, entry, largest, Gear(is_steady=is_steady))
+        advances.append(length)
         speeds.append(exit)
-        remaining, entry = remaining - advance, exit
+        remaining, entry = remaining - length, exit
     return advances, speeds
 
 
@@ -573,6 +567,6 @@ def test_a_steady_gait_neither_creeps_nor_jumps_into_the_stop():
     for remaining in rng.uniform(1.0, 5.0, 200):
         advances, speeds = divided(remaining, 0.0, 0.2, True)
         entries = [0.0, *speeds[:-1]]
-        for advance, entry, exit in zip(advances, entries, speeds):
+        for length, entry, exit in zip(advances, entries, speeds):
             # The mean speed of a cycle is near the mean of its ends.
-            assert abs(advance - (entry + exit) / 2.0) <= 0.3 * 0.2 + 1e-9
+            assert abs(length - (entry + exit) / 2.0) <= 0.3 * 0.2 + 1e-9

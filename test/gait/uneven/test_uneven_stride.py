@@ -17,7 +17,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_sim.engines.kinematic_simulator import KinematicSimulator

@@ -26,8 +26,8 @@ from quad_common.robot.robot import available_robots, load_robot
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.following.path_follower import FollowerOptions
-from quad_gait.uneven.swing_planner import UnevenOptions
+from quad_gait.following.follower_options import FollowerOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.closed_loop.direct_walk import DirectWalk
 from quad_lab.closed_loop.terrain_walk import make_course
 from quad_sim.engines.joint_failure import JointFailure

@@ -10,7 +10,7 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
-from quad_gait.cycle.gait_generator import generate_cycle
+from quad_gait.cycle.gait_generator import CycleOptions, generate_cycle
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.simulator import tilt_of, yaw_of
 
@@ -31,7 +31,7 @@ MOTIONS = {
 def run(motion):
     """Run one cycle; return the simulator, the cycle, and the feet in the world."""
     gait, body_motion = MOTIONS[motion]
-    cycle = generate_cycle(ROBOT, load_gait(gait), body_motion, sample_period=0.005)
+    cycle = generate_cycle(ROBOT, load_gait(gait), body_motion, options=CycleOptions(0.005))
     simulator = KinematicSimulator(ROBOT, 0.005)
     simulator.reset(START)
     feet = []
@@ -108,7 +108,9 @@ def test_joints_follow_their_commands_exactly():
 
 
 def test_velocities_of_the_base_are_the_derivative_of_its_pose_in_its_own_axes():
-    cycle = generate_cycle(ROBOT, load_gait('turn'), BodyMotion(turn=0.5), sample_period=0.005)
+    cycle = generate_cycle(
+        ROBOT, load_gait('turn'), BodyMotion(turn=0.5), options=CycleOptions(0.005)
+    )
     simulator = KinematicSimulator(ROBOT, 0.005)
     simulator.reset(START)
     before = START

@@ -1,0 +1,133 @@
+"""
+The course of the body over a cycle: along its arc, from speed to speed, with sway.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Twist2D
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.cycle import CycleEnds
+from quad_gait.cycle.footholds import Footholds
+from quad_gait.cycle.gait import Gait
+from quad_gait.cycle.schedule import Schedule, mid_swing_progress
+
+Array = NDArray[np.float64]
+
+_OTHERS = np.array([[k for k in range(4) if k != leg] for leg in range(4)])
+"""The three other legs, of each."""
+
+
+class BodyCourse(NamedTuple):
+    """Pose and velocity of the body over a cycle, n samples, in the ground frame."""
+
+    pose: Array
+    """Pose x, y, yaw of base_link, sway included, shape (..., n, 3) [m, rad]."""
+    velocity: Array
+    """Rate of the pose, shape (..., n, 3) [m/s, rad/s]."""
+
+
+def body_course(
+    gait: Gait,
+    legs: NDArray[np.intp],
+    schedule: Schedule,
+    motion: BodyMotion,
+    ends: CycleEnds,
+    footholds: Footholds,
+) -> BodyCourse:
+    """
+    Move the body along its arc, at its speeds at both ends, swaying as it goes.
+
+    Parameters
+    ----------
+    gait : Gait
+        The gait.
+    legs : ndarray of int, shape (..., 4)
+        Legs in the order of their swings.
+    schedule : Schedule
+        The gait's curves, n samples.
+    motion : BodyMotion
+        Motion of the body in the cycle.
+    ends : CycleEnds
+        Speeds at the cycle's ends.
+    footholds : Footholds
+        Centers of the feet before and after their swings.
+
+    Returns
+    -------
+    BodyCourse
+        Pose and velocity of the body.
+    """
+    body = motion.pose_at(schedule.progress)
+    heading = body[:, 2]
+    cos, sin = np.cos(heading), np.sin(heading)
+    velocity = schedule.progress_rate[:, None] * np.stack(
+        [
+            motion.forward * cos - motion.left * sin,
+            motion.forward * sin + motion.left * cos,
+            np.full_like(heading, motion.turn),
+        ],
+        axis=1,
+    )
+    # At its ends a cycle is as much faster than on average as its progress is there.
+    pace = schedule.progress_rate[0] * gait.cycle_period if gait.is_steady else 1.0
+    before = pace * _velocity(ends.entry, 0.0) - velocity[0]
+    after = pace * _velocity(ends.exit, motion.turn) - velocity[-1]
+    for curve, rate, change in (
+        (schedule.entry, schedule.entry_rate, before),
+        (schedule.exit, schedule.exit_rate, after),
+    ):
+        if np.any(change):
+            body += curve[:, None] * change
+            velocity += rate[:, None] * change
+    if gait.sways:
+        moves = _sway(gait, legs, motion, footholds)
+        shape = (*moves.shape[:-2], *body.shape)
+        body, velocity = (np.broadcast_to(a, shape).copy() for a in (body, velocity))
+        body[..., :2] += schedule.sway @ moves
+        velocity[..., :2] += schedule.sway_rate @ moves
+    return BodyCourse(body, velocity)
+
+
+def _velocity(twist: Twist2D, heading: float) -> Array:
+    """Write a velocity in the ground frame, shape (3,)."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    return np.array(
+        [
+            twist.forward * cos - twist.left * sin,
+            twist.forward * sin + twist.left * cos,
+            twist.turn,
+        ]
+    )
+
+
+def _sway(gait: Gait, legs: NDArray[np.intp], motion: BodyMotion, footholds: Footholds) -> Array:
+    """
+    List the body's sideways moves, ground frame, shape (..., 5, 2) [m].
+
+    In each interval with all feet down the body moves towards the centroid of the next
+    support triangle, weighted by mu (S4 eq. 4), and back to its arc at the end. The legs
+    are those that swing, one after the other, shape (..., 4).
+    """
+    shape = (*legs.shape, 2)
+    feet = np.broadcast_to(footholds.start[..., :2], shape).copy()
+    target = np.broadcast_to(footholds.target[..., :2], shape)
+    course = np.zeros((*legs.shape[:-1], 6, 2))
+    on_arc = motion.pose_at(mid_swing_progress(gait))
+    forward, left = gait.sway_weight
+    for k, body in enumerate(on_arc):
+        leg = legs[..., k, None]
+        triangle = np.take_along_axis(feet, _OTHERS[legs[..., k]][..., None], axis=-2)
+        off = triangle.mean(axis=-2) - body[:2]
+        cos, sin = np.cos(body[2]), np.sin(body[2])
+        ahead = forward * (cos * off[..., 0] + sin * off[..., 1])
+        aside = left * (cos * off[..., 1] - sin * off[..., 0])
+        course[..., k + 1, 0] = cos * ahead - sin * aside
+        course[..., k + 1, 1] = sin * ahead + cos * aside
+        swung = np.take_along_axis(target, leg[..., None], axis=-2)
+        np.put_along_axis(feet, leg[..., None], swung, axis=-2)
+    return np.diff(course, axis=-2)

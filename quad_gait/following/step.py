@@ -1,0 +1,79 @@
+"""
+What a follower decides on, a step, and what it needs to know of a gait for that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+from quad_common.planar_pose import STILL, Twist2D
+from quad_gait.cycle.body_motion import BodyMotion
+
+AT_ONCE = 0.3
+"""Fraction of a stride that a robot which comes to rest may walk more in its last cycle."""
+
+
+class Gear(Protocol):
+    """What a follower needs to know of a gait on a robot."""
+
+    @property
+    def period(self) -> float:
+        """How long a cycle takes [s]."""
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the body may keep its speed from cycle to cycle."""
+
+    @property
+    def acceleration_fraction(self) -> float:
+        """Share of a cycle's way at speed in which it gathers that speed."""
+
+    def largest_share(self, motion: BodyMotion) -> float:
+        """Return how many times a motion fits into one cycle."""
+
+    def reason(self, motion: BodyMotion) -> str:
+        """Say what forbids more of a motion."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """What the next cycle is to do."""
+
+    is_turn: bool
+    """Whether it is a turn on the spot."""
+    motion: BodyMotion
+    """Motion of the body in the cycle."""
+    exit: Twist2D = STILL
+    """Velocity at which the cycle should end."""
+
+
+def advance(remaining: float, entry: float, largest: float, gear: Gear) -> tuple[float, float]:
+    """
+    Divide what is left before a stop into cycles.
+
+    Parameters
+    ----------
+    remaining : float
+        Length or angle, 0 or more.
+    entry : float
+        Speed at the start of the cycle, per cycle.
+    largest : float
+        Most that one cycle does.
+    gear : Gear
+        What cycles it has.
+
+    Returns
+    -------
+    tuple of float
+        What the next cycle does, and the speed at its end, per cycle.
+    """
+    if not gear.is_steady:
+        return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
+    share = gear.acceleration_fraction
+    if remaining <= (1.0 - share) * entry + AT_ONCE * largest:
+        return remaining, 0.0
+    # In two cycles: from the entry to a speed, and from that to rest.
+    exit_speed = min(remaining - (1.0 - share) * entry, largest)
+    return (1.0 - share) * entry + share * exit_speed, exit_speed

@@ -1,0 +1,112 @@
+"""
+From paths of body and feet to the motion of the joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import GaitError
+from quad_common.robot.robot import Robot
+from quad_gait.cycle.body_motion import minimum_jerk
+from quad_gait.cycle.part_check import check_nearing_parts
+from quad_gait.state.body_placement import BodyPose, rotation_of
+from quad_gait.state.stance import Stance
+from quad_gait.uneven.joint_motion import JointMotion
+from quad_gait.uneven.uneven_options import UnevenOptions
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PlannedPaths:
+    """Paths of body and feet, n samples; the body goes straight from where it is."""
+
+    times: Array
+    """Times from 0 on, evenly spaced, shape (n,) [s]."""
+    end: BodyPose
+    """Pose of the body at the end."""
+    progress: Array
+    """Fraction of the body's motion that is done, shape (n,)."""
+    feet: Array
+    """Centers of the feet, shape (n, 4, 3) [m]."""
+    sure: int | None = None
+    """Sample from which on samples are left out where a leg does not reach; None: none are."""
+    given: int | None = None
+    """Sample up to which all are given out at once; None: the last one."""
+
+
+def motion_along(
+    robot: Robot,
+    options: UnevenOptions,
+    now: Stance,
+    commanded: Array | None,
+    paths: PlannedPaths,
+) -> JointMotion:
+    """
+    Turn paths of body and feet into joint motion, from where the joints are commanded.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : UnevenOptions
+        How it walks.
+    now : Stance
+        The robot as it stands.
+    commanded : ndarray, shape (4, 3), or None
+        Where the joints are commanded to be [rad]; None: where they are.
+    paths : PlannedPaths
+        The paths.
+
+    Returns
+    -------
+    JointMotion
+        The motion.
+
+    Raises
+    ------
+    GaitError
+        If a leg does not reach, a joint is too slow or parts come too near to one another.
+    """
+    start, end, progress = now.body, paths.end, paths.progress
+    times, feet = paths.times, paths.feet
+    position = start.position + progress[:, None] * (end.position - start.position)
+    turns = np.array([end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)])
+    angles = np.array([start.roll, start.pitch, start.yaw]) + progress[:, None] * turns
+    arms = np.einsum('nji,nkj->nki', rotation_of(angles), feet - position[:, None])
+    needed = len(times) if paths.sure is None else min(paths.sure, len(times))
+    joints = robot.joint_angles(arms[:needed])
+    while needed < len(times):
+        # Beyond what is sure the foot goes only as deep as the leg reaches.
+        try:
+            joints = np.concatenate([joints, robot.joint_angles(arms[needed : needed + 1])])
+        except GaitError:
+            break
+        needed += 1
+    times = times[:needed]
+    commanded = now.joint_positions if commanded is None else commanded
+    blend = minimum_jerk(0.0, min(options.shift_time, float(times[-1])), times)[0]
+    joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
+    velocities = np.gradient(joints, times, axis=0)
+    velocities[0] = velocities[-1] = 0.0
+    robot.check_joint_speeds(velocities)
+    check_nearing_parts(robot, times, joints)
+    last = len(times) - 1
+    return JointMotion(
+        robot.joint_names,
+        times,
+        joints,
+        velocities,
+        np.broadcast_to(robot.velocity, (4, 3)).reshape(-1),
+        start=now.time + options.reaction_time,
+        given=last if paths.given is None else min(paths.given, last),
+    )
+
+
+def turned_by(start: BodyPose, end: BodyPose) -> float:
+    """Return the change of heading from one pose to another, in [-pi, pi) [rad]."""
+    return float((end.yaw - start.yaw + np.pi) % (2.0 * np.pi) - np.pi)
