@@ -13,17 +13,19 @@ if TYPE_CHECKING:
     from quad_gait.behaviours.walk_controller import ControllerOptions as ControllerOptions
     from quad_gait.behaviours.walk_controller import WalkController as WalkController
     from quad_gait.cycle.body_motion import BodyMotion as BodyMotion
+    from quad_gait.cycle.cycle import Cycle as Cycle
+    from quad_gait.cycle.cycle import CycleEnds as CycleEnds
     from quad_gait.cycle.gait import Gait as Gait
     from quad_gait.cycle.gait import available_gaits as available_gaits
     from quad_gait.cycle.gait import load_gait as load_gait
     from quad_gait.cycle.gait import turning_gait_for as turning_gait_for
     from quad_gait.cycle.gait_check import GaitReport as GaitReport
     from quad_gait.cycle.gait_check import check_gait as check_gait
-    from quad_gait.cycle.gait_generator import Cycle as Cycle
+    from quad_gait.cycle.gait_generator import CycleOptions as CycleOptions
     from quad_gait.cycle.gait_generator import generate_cycle as generate_cycle
     from quad_gait.cycle.stability import stability_margin as stability_margin
     from quad_gait.cycle.stability import support_polygon as support_polygon
-    from quad_gait.following.path_follower import FollowerOptions as FollowerOptions
+    from quad_gait.following.follower_options import FollowerOptions as FollowerOptions
     from quad_gait.state.leg_odometry import LegOdometry as LegOdometry
     from quad_gait.state.measurement import Measurement as Measurement
 else:
@@ -32,12 +34,13 @@ else:
         {
             'quad_gait.cycle.gait': ('Gait', 'available_gaits', 'load_gait', 'turning_gait_for'),
             'quad_gait.cycle.body_motion': ('BodyMotion',),
-            'quad_gait.cycle.gait_generator': ('Cycle', 'generate_cycle'),
+            'quad_gait.cycle.cycle': ('Cycle', 'CycleEnds'),
+            'quad_gait.cycle.gait_generator': ('CycleOptions', 'generate_cycle'),
             'quad_gait.cycle.gait_check': ('GaitReport', 'check_gait'),
             'quad_gait.cycle.stability': ('stability_margin', 'support_polygon'),
             'quad_gait.state.measurement': ('Measurement',),
             'quad_gait.state.leg_odometry': ('LegOdometry',),
-            'quad_gait.following.path_follower': ('FollowerOptions',),
+            'quad_gait.following.follower_options': ('FollowerOptions',),
             'quad_gait.behaviours.activity': ('Activity',),
             'quad_gait.behaviours.walk_controller': ('ControllerOptions', 'WalkController'),
         },
