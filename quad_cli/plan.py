@@ -29,7 +29,8 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot import Robot, load_robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_file import load_robot
 from quad_common.robot.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.traversability import Ground, GroundLimits
 from quad_planner.methods.planner import METHODS, Planner, make_planner

@@ -7,8 +7,8 @@ from __future__ import annotations
 import argparse
 import json
 
-from quad_common.robot.robot import available_robots, load_robot
 from quad_common.robot.robot_figures import derived_figures
+from quad_common.robot.robot_file import available_robots, load_robot
 from quad_common.robot.urdf import urdf_from_robot
 
 EXAMPLES = f"""examples:

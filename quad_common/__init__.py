@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from quad_common.planar_pose import Twist2D as Twist2D
     from quad_common.resources import sample_map as sample_map
     from quad_common.robot.robot import Robot as Robot
-    from quad_common.robot.robot import available_robots as available_robots
-    from quad_common.robot.robot import load_robot as load_robot
+    from quad_common.robot.robot_file import available_robots as available_robots
+    from quad_common.robot.robot_file import load_robot as load_robot
     from quad_common.robot.urdf import urdf_from_robot as urdf_from_robot
     from quad_common.robot.walking_time import WalkingTimeModel as WalkingTimeModel
     from quad_common.robot.walking_time import load_pace as load_pace
@@ -43,7 +43,8 @@ else:
             'quad_common.maps.map_file': ('load_map', 'save_map'),
             'quad_common.maps.height_map': ('HeightMap',),
             'quad_common.maps.height_map_file': ('load_height_map', 'save_height_map'),
-            'quad_common.robot.robot': ('Robot', 'available_robots', 'load_robot'),
+            'quad_common.robot.robot': ('Robot',),
+            'quad_common.robot.robot_file': ('available_robots', 'load_robot'),
             'quad_common.robot.urdf': ('urdf_from_robot',),
             'quad_common.robot.walking_time': ('WalkingTimeModel', 'load_pace'),
             'quad_common.trajectory.joint_trajectory': ('JointTrajectory',),

@@ -19,7 +19,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage, JointNotFound
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_common.ros.pose_conversions import (
     pose_message,
     seconds_from_time,

@@ -15,11 +15,9 @@ rho and a lateral one along nu. A link at the angle q has the direction
 
 For a yaw-pitch-pitch leg rho0 is outward and zeta up: yaw q1 is counter-clockwise from
 straight outward, pitch q2 from the horizontal, positive downward, and knee q3 from the
-thigh's direction, positive downward. Paper S0's drives turn with theta1 = q1,
-theta2 = q2 and the **absolute** theta3 = q2 + q3: :func:`drive_angles` is the only
-place that knows it. For a roll-pitch-pitch leg rho0 is down, zeta forward and nu0 left:
-all three angles are right-handed about the body's x and y axes, from the leg that
-hangs straight down.
+thigh's direction, positive downward. For a roll-pitch-pitch leg rho0 is down, zeta
+forward and nu0 left: all three angles are right-handed about the body's x and y axes,
+from the leg that hangs straight down.
 
 Several legs may be stacked into one :class:`Leg`, which places them all at once.
 """
@@ -29,76 +27,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quad_common.errors import FootTargetUnreachable, SingularPosture
+from quad_common.robot.leg_arrays import EDGE, LegArrays
 
 Array = NDArray[np.float64]
 
-_EDGE = 1e-12
-"""Rounding at the very edge of the reach is not an error of the caller's."""
-
-_SINGULAR = 1e-9
-"""Sine of the knee, and leg length as a share of the reach, that count as zero."""
-
 _TWO_PI = 2.0 * np.pi
-
-
-def drive_angles(joint_angles: Array, knee_is_absolute: bool) -> Array:
-    """
-    Convert joint angles of the serial chain to what the drives turn.
-
-    Parameters
-    ----------
-    joint_angles : ndarray, shape (..., 3)
-        First joint, pitch and knee of the serial chain [rad].
-    knee_is_absolute : bool
-        Whether the knee drive works from the horizontal (a pantograph, S0 fig. 12).
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        The paper's theta1, theta2, theta3 [rad].
-    """
-    angles = np.array(joint_angles, dtype=float)
-    if knee_is_absolute:
-        angles[..., 2] += angles[..., 1]
-    return angles
-
-
-def joint_angles_from_drives(drives: Array, knee_is_absolute: bool) -> Array:
-    """Undo :func:`drive_angles`: shape (..., 3), [rad]."""
-    angles = np.array(drives, dtype=float)
-    if knee_is_absolute:
-        angles[..., 2] -= angles[..., 1]
-    return angles
-
-
-class _Constants(NamedTuple):
-    """A leg's numbers with the legs first, to broadcast against (legs, samples)."""
-
-    legs: int
-    """How many."""
-    to_local: Array
-    """Body axes to (rho0, nu0, zeta) of each leg, shape (3 legs, 3 legs)."""
-    to_body: Array
-    """The other way, from the right: rows of samples."""
-    hips: Array
-    """In the body frame, shape (3 legs,)."""
-    hips_local: Array
-    """In each leg's own axes, shape (3 legs, 1)."""
-    axial: Array
-    radial: Array
-    lateral: Array
-    has_lateral: bool
-    thigh: Array
-    calf: Array
-    knee_sign: Array
-    signs: Array
-    """Shape (3, legs, 1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +49,7 @@ class Leg:
     """
 
     name: str | tuple[str, ...]
-    """Which leg: lf, rf, lh or rh."""
+    """Name of the leg: lf, rf, lh or rh."""
     hip: Array
     """Hip point in the body frame, shape (3,) [m]."""
     first_axis: Array
@@ -120,19 +57,19 @@ class Leg:
     radial_direction: Array
     """rho at q1 = 0, in the body frame, a unit vector normal to zeta, shape (3,)."""
     axial_offset: float | Array
-    """From the hip point to the pitch axis along zeta [m]."""
+    """Offset from the hip point to the pitch axis along zeta [m]."""
     radial_offset: float | Array
-    """From the hip point to the pitch axis along rho [m]."""
+    """Offset from the hip point to the pitch axis along rho [m]."""
     lateral_offset: float | Array
-    """From the hip point to the leg's plane along nu [m]."""
+    """Offset from the hip point to the leg's plane along nu [m]."""
     thigh_length: float | Array
-    """[m]"""
+    """Length from the pitch axis to the knee [m]."""
     calf_length: float | Array
-    """To the center of the foot [m]."""
+    """Length from the knee to the center of the foot [m]."""
     knee_sign: float | Array = 1.0
-    """+1 or -1: the sign of q3 among inverse kinematics' two solutions, before ``signs``."""
+    """Sign, +1 or -1, of q3 among inverse kinematics' two solutions, before ``signs``."""
     signs: Array | tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """+1 or -1 for each joint: joint angle = sign * the angle in the formulas, shape (3,)."""
+    """Signs, +1 or -1: joint angle = sign * the angle in the formulas, shape (3,)."""
 
     @cached_property
     def lateral_direction(self) -> Array:
@@ -160,16 +97,16 @@ class Leg:
         tuple of ndarray, each of shape (..., 3)
             Pitch axis, knee and foot in the body frame [m] (S0 eq. 11).
         """
-        k = self._constants
-        q1, q2, q3 = self._angles(joint_angles)
+        k = self._arrays
+        q1, q2, q3 = k.angles(joint_angles)
         c1, s1 = np.cos(q1), np.sin(q1)
         theta3 = q2 + q3
         length, height = k.radial, k.axial
-        points = [self._points(joint_angles.shape, c1, s1, length, height)]
+        points = [k.points(joint_angles.shape, c1, s1, length, height)]
         for link, angle in ((k.thigh, q2), (k.calf, theta3)):
             length = length + link * np.cos(angle)
             height = height - link * np.sin(angle)
-            points.append(self._points(joint_angles.shape, c1, s1, length, height))
+            points.append(k.points(joint_angles.shape, c1, s1, length, height))
         return points[0], points[1], points[2]
 
     def forward(self, joint_angles: Array) -> Array:
@@ -186,12 +123,12 @@ class Leg:
         ndarray, shape (..., 3)
             Foot in the body frame [m].
         """
-        k = self._constants
-        q1, q2, q3 = self._angles(joint_angles)
+        k = self._arrays
+        q1, q2, q3 = k.angles(joint_angles)
         theta3 = q2 + q3
         length = k.radial + k.thigh * np.cos(q2) + k.calf * np.cos(theta3)
         height = k.axial - k.thigh * np.sin(q2) - k.calf * np.sin(theta3)
-        return self._points(joint_angles.shape, np.cos(q1), np.sin(q1), length, height)
+        return k.points(joint_angles.shape, np.cos(q1), np.sin(q1), length, height)
 
     def inverse(self, foot: Array) -> Array:
         """
@@ -219,11 +156,11 @@ class Leg:
             If a foot is nearer to, or farther from, its pitch axis than thigh and calf
             allow; or nearer to its first axis than the leg's plane is; or not finite.
         """
-        k = self._constants
+        k = self._arrays
         d, b = k.thigh, k.calf
         # What is not finite is found below, by what does not compare.
         with np.errstate(invalid='ignore', over='ignore'):
-            x, y, z = self._locals(foot, k.hips_local)
+            x, y, z = k.locals(foot, k.hips_local)
             squared_length = x * x + y * y
             if k.has_lateral:
                 squared_length -= k.lateral * k.lateral
@@ -233,10 +170,10 @@ class Leg:
             out, down = B - k.radial, k.axial - z
             squared = out * out + down * down
             cos_knee = (squared - (d * d + b * b)) / (2.0 * b * d)
-        if k.has_lateral and np.any(squared_length < -_EDGE * k.lateral * k.lateral):
-            raise self._too_near(squared_length)
-        if not (np.abs(cos_knee) <= 1.0 + _EDGE).all():
-            raise self._unreachable(foot, cos_knee, squared)
+        if k.has_lateral and np.any(squared_length < -EDGE * k.lateral * k.lateral):
+            raise k.too_near(squared_length)
+        if not (np.abs(cos_knee) <= 1.0 + EDGE).all():
+            raise k.unreachable(foot, cos_knee, squared)
         np.clip(cos_knee, -1.0, 1.0, out=cos_knee)
         sin_knee = k.knee_sign * np.sqrt((1.0 - cos_knee) * (1.0 + cos_knee))
         along, across = d + b * cos_knee, b * sin_knee
@@ -268,8 +205,8 @@ class Leg:
         ndarray, shape (..., 3, 3)
             J with foot velocity = J @ joint velocity, in the body frame [m/rad].
         """
-        k = self._constants
-        q1, q2, q3 = self._angles(joint_angles)
+        k = self._arrays
+        q1, q2, q3 = k.angles(joint_angles)
         c1, s1 = np.cos(q1), np.sin(q1)
         theta3 = q2 + q3
         length_by_q3, height_by_q3 = -k.calf * np.sin(theta3), -k.calf * np.cos(theta3)
@@ -316,15 +253,15 @@ class Leg:
         SingularPosture
             If a knee is straight or folded, or a foot in the plane of its first axis.
         """
-        k = self._constants
-        q1, q2, q3 = self._angles(joint_angles)
-        x, y, A_dot = self._locals(foot_velocity)
+        k = self._arrays
+        q1, q2, q3 = k.angles(joint_angles)
+        x, y, A_dot = k.locals(foot_velocity)
         c1, s1, c2, s2 = np.cos(q1), np.sin(q1), np.cos(q2), np.sin(q2)
         q2 += q3
         c3, s3 = np.cos(q2), np.sin(q2)
         sin_knee = np.sin(q3)
         B = k.radial + k.thigh * c2 + k.calf * c3
-        self._check_regular(sin_knee, B)
+        k.check_regular(sin_knee, B)
         speeds = np.empty((3, *q1.shape))
         np.divide(c1 * y - s1 * x, B, out=speeds[0])
         B_dot = c1 * x + s1 * y
@@ -354,14 +291,15 @@ class Leg:
         ndarray, shape (..., 3)
             Angular velocity in the body's axes [rad/s].
         """
-        q1 = self._angles(joint_angles)[0]
-        turn, *pitches = self._angles(joint_velocities)
+        k = self._arrays
+        q1 = k.angles(joint_angles)[0]
+        turn, *pitches = k.angles(joint_velocities)
         pitch = pitches[0] + pitches[1]
         turning = np.stack([-np.sin(q1) * pitch, np.cos(q1) * pitch, turn])
-        return self._in_body(turning, joint_angles.shape)
+        return k.in_body(turning, joint_angles.shape)
 
     @cached_property
-    def _constants(self) -> _Constants:
+    def _arrays(self) -> LegArrays:
         hips = np.reshape(np.asarray(self.hip, dtype=float), (-1, 3))
         count = len(hips)
         axes = np.stack([self.radial_direction, self.lateral_direction, self.first_axis])
@@ -376,8 +314,8 @@ class Leg:
             return np.reshape(np.asarray(values, dtype=float), (count, 1))
 
         lateral = column(self.lateral_offset)
-        return _Constants(
-            legs=count,
+        return LegArrays(
+            names=(self.name,) if isinstance(self.name, str) else self.name,
             to_local=to_local,
             # The axes are orthonormal.
             to_body=to_local,
@@ -392,79 +330,6 @@ class Leg:
             knee_sign=column(self.knee_sign),
             signs=np.reshape(np.asarray(self.signs, dtype=float), (count, 3)).T[:, :, None].copy(),
         )
-
-    def _angles(self, joints: Array) -> Array:
-        """Bring joints (..., 3) into the formulas' order (3, legs, samples) and signs."""
-        k = self._constants
-        in_order = np.reshape(joints, (-1, k.legs, 3)).transpose(2, 1, 0)
-        angles: Array = np.multiply(in_order, k.signs, order='C')
-        return angles
-
-    def _locals(self, vectors: Array, origin: Array | None = None) -> Array:
-        """Bring vectors (..., 3) of the body into the legs' axes: (3, legs, samples)."""
-        k = self._constants
-        result = k.to_local @ np.reshape(vectors, (-1, 3 * k.legs)).T
-        if origin is not None:
-            result -= origin
-        return result.reshape(3, k.legs, -1)
-
-    def _in_body(self, local: Array, shape: tuple[int, ...]) -> Array:
-        """Bring vectors (3, legs, samples) of the legs' axes into the body's."""
-        k = self._constants
-        result: Array = local.reshape(3 * k.legs, -1).T @ k.to_body
-        return result.reshape(shape)
-
-    def _points(
-        self, shape: tuple[int, ...], c1: Array, s1: Array, length: Array, height: Array
-    ) -> Array:
-        """Place what is at ``length`` along rho and ``height`` along zeta."""
-        k = self._constants
-        local = np.empty((3, *c1.shape))
-        np.multiply(c1, length, out=local[0])
-        np.multiply(s1, length, out=local[1])
-        if k.has_lateral:
-            local[0] -= k.lateral * s1
-            local[1] += k.lateral * c1
-        local[2] = height
-        result = local.reshape(3 * k.legs, -1).T @ k.to_body
-        result += k.hips
-        return result.reshape(shape)
-
-    def _check_regular(self, sin_knee: Array, B: Array) -> None:
-        k = self._constants
-        for values, least, why in (
-            (np.abs(sin_knee), _SINGULAR, 'its knee is straight or folded'),
-            (np.abs(B), _SINGULAR * (k.thigh + k.calf), 'the foot is in line with the first axis'),
-        ):
-            singular = values <= least
-            if singular.any():
-                raise SingularPosture(self._name(int(np.argmax(singular)) // B.shape[1]), why)
-
-    def _too_near(self, squared_length: Array) -> FootTargetUnreachable:
-        k = self._constants
-        worst = int(np.argmax(squared_length < -_EDGE * k.lateral * k.lateral))
-        leg = worst // squared_length.shape[1]
-        lateral = abs(float(k.lateral[leg, 0]))
-        distance = float(np.sqrt(max(squared_length.reshape(-1)[worst] + lateral**2, 0.0)))
-        longest = abs(float(k.radial[leg, 0])) + float(k.thigh[leg, 0] + k.calf[leg, 0])
-        reach = (lateral, float(np.hypot(longest, lateral)))
-        return FootTargetUnreachable(self._name(leg), distance, reach, 'first axis')
-
-    def _unreachable(self, foot: Array, cos_knee: Array, squared: Array) -> FootTargetUnreachable:
-        k = self._constants
-        bad = ~(np.abs(cos_knee) <= 1.0 + _EDGE)
-        finite = np.isfinite(foot).all(axis=-1).reshape(-1, k.legs).T
-        if not finite.all():
-            # One leg's number that is not finite spoils the others of its sample.
-            bad = ~finite
-        worst = int(np.argmax(bad))
-        leg = worst // bad.shape[1]
-        d, b = float(k.thigh[leg, 0]), float(k.calf[leg, 0])
-        distance = float(np.sqrt(squared.reshape(-1)[worst]))
-        return FootTargetUnreachable(self._name(leg), distance, (abs(d - b), d + b))
-
-    def _name(self, leg: int) -> str:
-        return self.name if isinstance(self.name, str) else self.name[leg]
 
 
 def stack_legs(legs: Sequence[Leg]) -> Leg:
@@ -493,108 +358,4 @@ def stack_legs(legs: Sequence[Leg]) -> Leg:
         calf_length=np.array([leg.calf_length for leg in legs]),
         knee_sign=np.array([leg.knee_sign for leg in legs]),
         signs=np.array([leg.signs for leg in legs]),
-    )
-
-
-def yaw_pitch_pitch_leg(
-    name: str,
-    hip: ArrayLike,
-    side: int,
-    hip_offset: float,
-    hip_drop: float,
-    thigh_length: float,
-    calf_length: float,
-    lateral_offset: float = 0.0,
-    signs: tuple[float, float, float] = (1.0, 1.0, 1.0),
-) -> Leg:
-    """
-    Make a leg that sprawls sideways: yaw, then two pitches in a vertical plane.
-
-    Parameters
-    ----------
-    name : str
-        Which leg.
-    hip : array_like, shape (3,)
-        Hip point in the body frame [m].
-    side : int
-        +1 for a left leg, -1 for a right one: where it points at yaw 0.
-    hip_offset, hip_drop : float
-        Outward and downward from the hip point to the pitch axis [m]; S0's e and a.
-    thigh_length, calf_length : float
-        [m]; S0's d and b.
-    lateral_offset : float
-        From the hip point forward to the leg's plane, at yaw 0 [m].
-    signs : tuple of float
-        See :class:`Leg`.
-
-    Returns
-    -------
-    Leg
-        Its inverse kinematics keeps the knee up.
-    """
-    return Leg(
-        name=name,
-        hip=np.asarray(hip, dtype=float),
-        first_axis=np.array([0.0, 0.0, 1.0]),
-        radial_direction=np.array([0.0, float(side), 0.0]),
-        axial_offset=-hip_drop,
-        radial_offset=hip_offset,
-        # nu at yaw 0 is backward on the left and forward on the right.
-        lateral_offset=-side * lateral_offset,
-        thigh_length=thigh_length,
-        calf_length=calf_length,
-        signs=signs,
-    )
-
-
-def roll_pitch_pitch_leg(
-    name: str,
-    hip: ArrayLike,
-    side: int,
-    hip_offset: float,
-    hip_drop: float,
-    thigh_length: float,
-    calf_length: float,
-    knee_sign: float = 1.0,
-    forward_offset: float = 0.0,
-    signs: tuple[float, float, float] = (1.0, 1.0, 1.0),
-) -> Leg:
-    """
-    Make a leg that stands under the body: roll, then two pitches in a fore-aft plane.
-
-    Parameters
-    ----------
-    name : str
-        Which leg.
-    hip : array_like, shape (3,)
-        Hip point in the body frame [m].
-    side : int
-        +1 for a left leg, -1 for a right one.
-    hip_offset, hip_drop, forward_offset : float
-        Outward, downward and forward from the hip point to the pitch axis, at roll 0
-        [m]; the drop is S2's l1.
-    thigh_length, calf_length : float
-        [m]; S2's l2 and l3.
-    knee_sign : float
-        +1 for a knee that points forward, -1 for one that points backward.
-    signs : tuple of float
-        See :class:`Leg`.
-
-    Returns
-    -------
-    Leg
-        It hangs straight down at 0, and pitch carries it backward.
-    """
-    return Leg(
-        name=name,
-        hip=np.asarray(hip, dtype=float),
-        first_axis=np.array([1.0, 0.0, 0.0]),
-        radial_direction=np.array([0.0, 0.0, -1.0]),
-        axial_offset=forward_offset,
-        radial_offset=hip_drop,
-        lateral_offset=side * hip_offset,
-        thigh_length=thigh_length,
-        calf_length=calf_length,
-        knee_sign=knee_sign,
-        signs=signs,
     )

@@ -1,154 +1,42 @@
 """
-A robot, as data: geometry, masses, limits and the posture it walks in.
+A robot: what follows from its numbers, its kinematics and its limits.
 
-Robots are YAML files in which every number carries its source; the ones that ship
-lie in ``quad_common/robots``. Joint arrays have one row per leg, in the order
-:data:`LEGS`, and one column per joint of a leg.
+Joint arrays have one row per leg, in the order :data:`~quad_common.robot.robot_build.LEGS`,
+and one column per joint of a leg. Robots are loaded by
+:func:`~quad_common.robot.robot_file.load_robot`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import (
-    FileUnusable,
-    JointLimitExceeded,
-    JointNotFound,
-    OutOfRange,
-    RobotModelError,
-    RobotValueOutOfRange,
-    UnknownKey,
-)
-from quad_common.files.bounded_file import is_file, user_path
-from quad_common.files.yaml_document import check_keys, in_file, read_yaml
-from quad_common.quoting import quoted, shown
+from quad_common.errors import JointLimitExceeded, JointNotFound
 from quad_common.robot import reach
-from quad_common.robot.leg_kinematics import (
-    Leg,
-    roll_pitch_pitch_leg,
-    stack_legs,
-    yaw_pitch_pitch_leg,
-)
+from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.own_parts import LEAST_CLEARANCE, OwnParts
-from quad_common.robot.robot_numbers import JOINTS_PER_LEG, RobotNumbers
+from quad_common.robot.robot_build import LEGS, RobotBuild
+from quad_common.robot.robot_numbers import JOINTS_PER_LEG
 from quad_common.robot.robot_shape import RobotShape
 
 Array = NDArray[np.float64]
 
-LEGS = ('lf', 'rf', 'lh', 'rh')
-"""Left front, right front, left hind, right hind: the order of every per-leg array."""
-
-LEG_TYPES = {
-    'yaw_pitch_pitch': ('hip_yaw', 'hip_pitch', 'knee_pitch'),
-    'roll_pitch_pitch': ('hip_roll', 'hip_pitch', 'knee_pitch'),
-}
-"""The builds that a leg may have, and the kinds of their joints from the body outward."""
-
 _HIP_HEIGHT_OF_TITAN_VIII = 0.243
 """S0 sec. 6 [m]."""
 
-_QUANTITIES = ('lower', 'upper', 'velocity', 'effort')
-
-_NOT_NUMBERS = ('name', 'description', 'leg_type', 'stated')
-"""Keys of a robot data file that hold no number of the robot."""
-
-_GAIT_KEYS = ('cycle_period', 'swing_height')
-"""What a robot may change in a gait."""
-
-_WHAT = 'robot data file'
-
-_LONGEST_NAME = 64
-"""Characters of a robot's name."""
-
-ROBOTS_FOLDER = Path(__file__).parents[1] / 'robots'
-"""Where the robots that ship are."""
-
 
 @dataclass(frozen=True)
-class LinkShape:
-    """A link as a solid of revolution: enough for inertia, collision and pictures."""
-
-    mass: float
-    """[kg]"""
-    radius: float
-    """[m]"""
-
-
-@dataclass(frozen=True)
-class GaitSettings:
-    """What a robot changes in a gait; None leaves it as the gait has it."""
-
-    cycle_period: float | None = None
-    """[s]"""
-    swing_height: float | None = None
-    """[m]"""
-
-
-@dataclass(frozen=True)
-class Robot:
+class Robot(RobotBuild):
     """One quadruped with four legs of the same build."""
-
-    name: str
-    leg_type: str
-    """Build of the legs, one of :data:`LEG_TYPES`."""
-    legs: tuple[Leg, ...]
-    """In the order of :data:`LEGS`."""
-    knee_is_absolute: bool
-    """Whether the knee drives work from the horizontal (a pantograph)."""
-    body_size: tuple[float, float, float]
-    """Length, width and height of the body's box [m]."""
-    body_center: tuple[float, float, float]
-    """Center of the box, and of the body's mass, in base_link [m]."""
-    body_mass: float
-    """[kg]"""
-    links: Mapping[str, LinkShape]
-    """Of a leg: ``hip``, ``thigh``, ``calf``, ``foot``."""
-    joint_kinds: tuple[str, ...]
-    """Names of a leg's joints from the body outward, for example ``hip_yaw``."""
-    lower: Array
-    """Lower limits of the joints, shape (4, 3) [rad]."""
-    upper: Array
-    """Upper limits of the joints, shape (4, 3) [rad]."""
-    velocity: Array
-    """Largest speeds of the joints, shape (4, 3) [rad/s]."""
-    effort: Array
-    """Largest torques of the joints, shape (4, 3) [N m]."""
-    initial_joint_angles: Array
-    """Initial posture, shape (4, 3) [rad]."""
-    roughness: float
-    """How much lower than expected the ground may be, S0's dh + dv [m]."""
-    gaits: Mapping[str, GaitSettings]
-    """The gaits that suit the robot, and what it changes in them."""
-    sources: Mapping[str, str] = field(repr=False)
-    """Where each number of the data file comes from, by its dotted name."""
-
-    @cached_property
-    def joint_names(self) -> tuple[str, ...]:
-        """The twelve joints, leg by leg."""
-        return tuple(f'{leg}_{kind}_joint' for leg in LEGS for kind in self.joint_kinds)
 
     @cached_property
     def stacked_legs(self) -> Leg:
         """The four legs as one, for arrays of shape (..., 4, 3)."""
         return stack_legs(self.legs)
-
-    @property
-    def foot_radius(self) -> float:
-        """Radius of the foot's ball [m]: its center is the leg's end point."""
-        return self.links['foot'].radius
-
-    @property
-    def mass(self) -> float:
-        """Mass of the whole robot [kg]."""
-        return self.body_mass + len(LEGS) * sum(link.mass for link in self.links.values())
 
     @cached_property
     def neutral_feet(self) -> Array:
@@ -432,197 +320,3 @@ class Robot:
             return self.joint_names.index(name)
         except ValueError:
             raise JointNotFound(name, self.joint_names) from None
-
-
-def available_robots() -> tuple[str, ...]:
-    """Return the names of the robots that ship with quadwalk."""
-    return tuple(sorted(path.stem for path in ROBOTS_FOLDER.glob('*.yaml')))
-
-
-def robot_file(robot: str | Path) -> Path:
-    """
-    Find the data file of a robot.
-
-    Parameters
-    ----------
-    robot : str or Path
-        Name of one that ships (``titan_viii``), or path of a YAML file.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    RobotModelError
-        If there is no such robot.
-    """
-    shipped = ROBOTS_FOLDER / f'{robot}.yaml'
-    try:
-        path = shipped if is_file(shipped) else user_path(robot, _WHAT)
-    except FileUnusable as error:
-        raise RobotModelError(str(error)) from error
-    if not is_file(path):
-        raise RobotModelError(
-            f'there is no robot {quoted(str(robot))}; available: '
-            f'{", ".join(available_robots())}, '
-            f'or the path of a robot data file'
-        )
-    return path
-
-
-def load_robot(robot: str | Path) -> Robot:
-    """
-    Load a robot by the name of one that ships, or from a data file.
-
-    Parameters
-    ----------
-    robot : str or Path
-        Name (``titan_viii``) or path of a YAML file.
-
-    Returns
-    -------
-    Robot
-        The robot, checked.
-
-    Raises
-    ------
-    RobotModelError
-        If there is no such robot, or its file is incomplete or contradicts itself.
-    """
-    path = robot_file(robot)
-    try:
-        document = read_yaml(path, _WHAT, "a robot's numbers")
-        return _robot_from_document(document, path)
-    except FileUnusable as error:
-        raise RobotModelError(str(error)) from error
-    except (OutOfRange, UnknownKey) as error:
-        raise in_file(error, _WHAT, path, RobotModelError, RobotValueOutOfRange) from error
-
-
-def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
-    number = RobotNumbers(document, path)
-    leg_type = document.get('leg_type')
-    if not isinstance(leg_type, str) or leg_type not in LEG_TYPES:
-        available = ', '.join(f"'{name}'" for name in LEG_TYPES)
-        raise RobotModelError(f'{path}: leg_type is {shown(leg_type)}; available: {available}')
-    name = document.get('name', path.stem)
-    if not isinstance(name, str) or len(name) > _LONGEST_NAME or not name.isprintable():
-        raise RobotModelError(
-            f'{path}: the name is {shown(name)}; '
-            f'it must be a text of up to {_LONGEST_NAME} printable characters'
-        )
-    kinds = LEG_TYPES[leg_type]
-    build = _roll_leg if leg_type == 'roll_pitch_pitch' else _yaw_leg
-    legs = tuple(build(number, leg, _hip(number, leg), _side(leg)) for leg in LEGS)
-    foot_radius = number('leg.foot_radius')
-    links = {
-        kind: LinkShape(
-            mass=number(f'leg.{kind}_mass'),
-            radius=foot_radius if kind == 'foot' else number(f'leg.{kind}_radius'),
-        )
-        for kind in ('hip', 'thigh', 'calf', 'foot')
-    }
-    in_file = {
-        quantity: np.array([number(f'joints.{kind}.{quantity}') for kind in kinds])
-        for quantity in _QUANTITIES
-    }
-    for kind, low, high in zip(kinds, in_file['lower'], in_file['upper']):
-        if not low < high:
-            raise RobotModelError(f'{path}: joint {kind} has lower {low} not below upper {high}')
-    initial = np.array([number(f'initial_posture.{kind}') for kind in kinds])
-    signs = np.array([_signs_of_the_file(leg_type, leg) for leg in legs])
-    ends = signs * in_file['lower'], signs * in_file['upper']
-    robot = Robot(
-        name=name,
-        leg_type=leg_type,
-        legs=legs,
-        knee_is_absolute=number.is_true('drive.knee_is_absolute'),
-        body_size=(
-            number('body.length'),
-            number('body.width'),
-            number('body.height'),
-        ),
-        body_center=(0.0, 0.0, number('body.center_height')),
-        body_mass=number('body.mass'),
-        links=links,
-        joint_kinds=kinds,
-        lower=np.minimum(*ends),
-        upper=np.maximum(*ends),
-        velocity=np.tile(in_file['velocity'], (len(LEGS), 1)),
-        effort=np.tile(in_file['effort'], (len(LEGS), 1)),
-        initial_joint_angles=signs * initial,
-        roughness=number('gait.roughness'),
-        gaits=_gaits(number),
-        sources=number.sources,
-    )
-    number.check_all_used(but=_NOT_NUMBERS)
-    try:
-        robot.check_joint_limits(robot.initial_joint_angles)
-    except JointLimitExceeded as error:
-        raise RobotModelError(f'{path}: the initial posture is out of range: {error}') from error
-    return robot
-
-
-def _side(leg: str) -> int:
-    """Return +1 for a left leg and -1 for a right one."""
-    return 1 if leg.startswith('l') else -1
-
-
-def _hip(number: RobotNumbers, leg: str) -> tuple[float, float, float]:
-    half_length = number('body.hip_half_length')
-    half_width = number('body.hip_half_width')
-    return half_length if leg.endswith('f') else -half_length, _side(leg) * half_width, 0.0
-
-
-def _yaw_leg(number: RobotNumbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
-    return yaw_pitch_pitch_leg(
-        leg,
-        hip,
-        side,
-        hip_offset=number('leg.hip_offset'),
-        hip_drop=number('leg.hip_drop'),
-        thigh_length=number('leg.thigh_length'),
-        calf_length=number('leg.calf_length'),
-        lateral_offset=number.or_zero('leg.lateral_offset'),
-        signs=number.signs(f'leg.axis_signs.{leg}'),
-    )
-
-
-def _roll_leg(number: RobotNumbers, leg: str, hip: tuple[float, float, float], side: int) -> Leg:
-    return roll_pitch_pitch_leg(
-        leg,
-        hip,
-        side,
-        hip_offset=number('leg.hip_offset'),
-        hip_drop=number('leg.hip_drop'),
-        thigh_length=number('leg.thigh_length'),
-        calf_length=number('leg.calf_length'),
-        knee_sign=number.sign(f'leg.knee_sign_{"front" if leg.endswith("f") else "hind"}'),
-        forward_offset=number.or_zero('leg.forward_offset'),
-        signs=number.signs(f'leg.axis_signs.{leg}'),
-    )
-
-
-def _signs_of_the_file(leg_type: str, leg: Leg) -> Array:
-    """
-    Say which of a leg's angles stand in the file with the other sign, shape (3,).
-
-    For roll legs the file has those of a left leg with knee_sign +1: roll is mirrored
-    by side, and pitch and knee by knee_sign. Yaw legs are all written alike.
-    """
-    signs = np.array(leg.signs)
-    if leg_type == 'roll_pitch_pitch':
-        signs *= [_side(str(leg.name)), float(leg.knee_sign), float(leg.knee_sign)]
-    return signs
-
-
-def _gaits(number: RobotNumbers) -> dict[str, GaitSettings]:
-    gaits = {}
-    for name in number.names_under('gaits'):
-        changed = number.names_under(f'gaits.{name}')
-        check_keys(dict.fromkeys(changed), _GAIT_KEYS, f'gaits.{name}')
-        settings = {key: number(f'gaits.{name}.{key}') for key in changed}
-        gaits[name] = GaitSettings(**settings)
-    return gaits

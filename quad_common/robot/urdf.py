@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot.leg_kinematics import Leg
-from quad_common.robot.robot import LEGS, LinkShape, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS, LinkShape
 
 Vector = tuple[float, float, float]
 

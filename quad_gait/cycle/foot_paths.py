@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_course import BodyCourse
 from quad_gait.cycle.footholds import Footholds
 from quad_gait.cycle.schedule import Schedule

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.cycle import Cycle
 
 

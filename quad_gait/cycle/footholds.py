@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import STILL, Pose2D
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion, smooth_progress
 from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.gait import Gait

@@ -15,7 +15,8 @@ from pathlib import Path
 from quad_common.errors import FileUnusable, ParameterError
 from quad_common.files.bounded_file import is_file, user_path
 from quad_common.files.yaml_document import read_yaml
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.gait_document import gait_fields
 
 _GAITS = Path(__file__).parents[1] / 'gaits'

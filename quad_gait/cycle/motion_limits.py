@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.foot_spacing import crossing_feet

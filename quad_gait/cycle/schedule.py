@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.robot import LEGS
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import gather_speed, minimum_jerk, smooth_progress
 from quad_gait.cycle.gait import Gait, Swing
 

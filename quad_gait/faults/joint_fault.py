@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_common.robot.robot import LEGS
+from quad_common.robot.robot_build import LEGS
 from quad_common.robot.robot_numbers import JOINTS_PER_LEG
 
 

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.cycle.posture import crouching_joint_angles, posture_trajectory

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 
 Array = NDArray[np.float64]
 

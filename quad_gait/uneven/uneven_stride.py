@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from quad_common.errors import FootholdNotFound, GaitError, ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from quad_common.errors import MissingOptionalDependency, ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.process.temporary_folder import temporary_folder
-from quad_common.robot.robot import LEGS, Robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_common.robot.urdf import urdf_from_robot
 from quad_common.vision.camera_file import quaternion_from_matrix
 from quad_sim.engines.bullet_ground import lay_ground

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot import available_robots, load_robot
+from quad_common.robot.robot_file import available_robots, load_robot
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_lab.closed_loop.direct_walk import DirectWalk

@@ -9,7 +9,7 @@ import time
 from rich.console import Console
 
 from quad_common.resources import sample_map
-from quad_common.robot.robot import load_robot
+from quad_common.robot.robot_file import load_robot
 from quad_lab.attacks.stage.scenes import MAP, ROBOT, START, start_nodes
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.state import growth

@@ -46,7 +46,7 @@ from quad_common.maps.map_file import load_map
 from quad_common.robot.walking_time import load_pace
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot import load_robot
+from quad_common.robot.robot_file import load_robot
 from quad_planner.methods.planner import make_planner
 robot = load_robot('titan_viii')
 planner = make_planner(

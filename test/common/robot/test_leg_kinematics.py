@@ -7,18 +7,21 @@ import numpy as np
 import pytest
 
 from quad_common.errors import FootTargetUnreachable, SingularPosture
-from quad_common.robot.leg_kinematics import (
-    Leg,
+from quad_common.robot.leg_builds import (
+    LegLengths,
+    LegPlace,
     drive_angles,
     joint_angles_from_drives,
     roll_pitch_pitch_leg,
-    stack_legs,
     yaw_pitch_pitch_leg,
 )
-from quad_common.robot.robot import LEGS, load_robot
+from quad_common.robot.leg_kinematics import Leg, stack_legs
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot_file import load_robot
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
 ROBOT = ROBOTS['titan_viii']
+ORIGIN = (0.0, 0.0, 0.0)
 
 # An axis askew, an offset each way, a knee that bends down and odd signs.
 _AXES = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
@@ -397,14 +400,18 @@ def test_left_mirrors_right(robot, left, right):
 
 def test_a_lateral_offset_of_a_sprawling_leg_is_forward_on_both_sides():
     for side in (1, -1):
-        leg = yaw_pitch_pitch_leg('lf', (0.0, 0.0, 0.0), side, 0.1, 0.0, 0.2, 0.2, 0.03)
+        leg = yaw_pitch_pitch_leg(
+            LegPlace('lf', ORIGIN, side), LegLengths(0.1, 0.0, 0.2, 0.2), lateral_offset=0.03
+        )
         assert leg.forward(np.zeros(3)) == pytest.approx([0.03, side * 0.5, 0.0], abs=1e-15)
 
 
 def test_offsets_of_a_standing_leg_are_outward_downward_and_forward():
     for side in (1, -1):
         leg = roll_pitch_pitch_leg(
-            'lf', (1.0, side, 0.0), side, 0.03, 0.02, 0.2, 0.1, forward_offset=0.04
+            LegPlace('lf', (1.0, side, 0.0), side),
+            LegLengths(0.03, 0.02, 0.2, 0.1),
+            forward_offset=0.04,
         )
         foot = leg.forward(np.zeros(3))
         assert foot == pytest.approx([1.04, side * 1.03, -0.32], abs=1e-15)
@@ -478,7 +485,7 @@ def test_nothing_is_done_to_what_is_given(robot):
 
 
 def test_links_of_equal_length_may_fold_completely():
-    leg = yaw_pitch_pitch_leg('lf', (0.0, 0.0, 0.0), 1, 0.1, 0.0, 0.2, 0.2)
+    leg = yaw_pitch_pitch_leg(LegPlace('lf', ORIGIN, 1), LegLengths(0.1, 0.0, 0.2, 0.2))
     assert leg.reach() == (0.0, 0.4)
     on_the_axis = np.array([0.0, 0.1, 0.0])
     angles = leg.inverse(on_the_axis)
@@ -504,7 +511,7 @@ def test_the_posture_of_s1s_tables_is_its_foots_place():
     # Table II's lengths; Table III's angles have z downward.
     angles = np.array([0.0, -math.pi / 4, 3.0 * math.pi / 4])
     for a1, a2, a3, out, down in ((2.0, 6.0, 10.0, 6.243, 5.757), (1.0, 3.0, 5.0, 3.121, 2.879)):
-        leg = yaw_pitch_pitch_leg('lf', (0.0, 0.0, 0.0), 1, a1, 0.0, a2, a3)
+        leg = yaw_pitch_pitch_leg(LegPlace('lf', ORIGIN, 1), LegLengths(a1, 0.0, a2, a3))
         assert leg.forward(angles) == pytest.approx([0.0, out, -down], abs=5e-4)
     assert ROBOTS['pukyong'].initial_joint_angles == pytest.approx(np.tile(angles, (4, 1)))
     arms = ROBOTS['pukyong'].neutral_feet - [leg.hip for leg in ROBOTS['pukyong'].legs]
@@ -513,7 +520,7 @@ def test_the_posture_of_s1s_tables_is_its_foots_place():
 
 
 def test_the_printed_height_of_s1s_table_is_not_that_of_its_angles():
-    leg = yaw_pitch_pitch_leg('lf', (0.0, 0.0, 0.0), 1, 1.0, 0.0, 3.0, 5.0)
+    leg = yaw_pitch_pitch_leg(LegPlace('lf', ORIGIN, 1), LegLengths(1.0, 0.0, 3.0, 5.0))
     foot = leg.forward(np.array([0.0, -math.pi / 4, 3.0 * math.pi / 4]))
     assert abs(-foot[2] - 2.829) > 0.049
 

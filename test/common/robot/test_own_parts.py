@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from quad_common.robot.own_parts import LEAST_CLEARANCE
-from quad_common.robot.robot import LEGS, available_robots, load_robot
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot_file import available_robots, load_robot
 from quad_common.robot.robot_shape import BODY, LINKS
 
 ROBOTS = {name: load_robot(name) for name in available_robots()}

@@ -7,7 +7,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from quad_common.robot.robot import LEGS, load_robot
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot_file import load_robot
 from quad_common.robot.urdf import urdf_from_robot
 
 

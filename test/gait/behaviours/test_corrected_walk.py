@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
-from quad_common.robot.robot import load_robot
+from quad_common.robot.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.walk_controller import Activity, ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for

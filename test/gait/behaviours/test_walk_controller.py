@@ -9,7 +9,7 @@ import pytest
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline, wrap_angle
-from quad_common.robot.robot import load_robot
+from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion

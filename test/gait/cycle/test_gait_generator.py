@@ -15,7 +15,9 @@ from quad_common.errors import (
     UnstableCycle,
 )
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
-from quad_common.robot.robot import LEGS, Robot, load_robot
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import AT_REST, CycleEnds
 from quad_gait.cycle.footholds import steady_ends

@@ -10,7 +10,8 @@ pytest.importorskip('pybullet')
 from quad_common.errors import GaitError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot import LEGS, load_robot
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.gait import load_gait, turning_gait_for

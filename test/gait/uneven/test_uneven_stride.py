@@ -10,7 +10,8 @@ from quad_common.errors import FootholdNotFound, ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
-from quad_common.robot.robot import LEGS, load_robot
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion

@@ -15,7 +15,7 @@ from harness import OK, WARN
 from rclpy.parameter import Parameter
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot import load_robot
+from quad_common.robot.robot_file import load_robot
 from quad_common.ros.pose_conversions import time_from_seconds
 from quad_gait.gait_node import GaitNode
 from quad_sim.parameters import SimParameters

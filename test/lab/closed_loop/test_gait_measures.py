@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.errors import QuadError
 from quad_common.planar_pose import STILL, Twist2D
-from quad_common.robot.robot import load_robot
+from quad_common.robot.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.direct_walk import SENSOR_PERIOD, DirectWalk, DoesNotWalk, Record

@@ -1,0 +1,131 @@
+"""
+The numbers of stacked legs as arrays, and what is done with the axes of each.
+
+The axes are those of :mod:`quad_common.robot.leg_kinematics`: rho0, nu0 and zeta.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import FootTargetUnreachable, SingularPosture
+
+Array = NDArray[np.float64]
+
+EDGE = 1e-12
+"""Rounding at the very edge of the reach is not an error of the caller's."""
+
+_SINGULAR = 1e-9
+"""Sine of the knee, and leg length as a fraction of the reach, that count as zero."""
+
+
+class LegArrays(NamedTuple):
+    """The numbers of legs with the legs first, to broadcast against (legs, samples)."""
+
+    names: tuple[str, ...]
+    """Names of the legs."""
+    to_local: Array
+    """Rotation from the body's axes to (rho0, nu0, zeta) of each leg, (3 legs, 3 legs)."""
+    to_body: Array
+    """Rotation back, multiplied from the right: rows of samples."""
+    hips: Array
+    """Hip points in the body frame, shape (3 legs,) [m]."""
+    hips_local: Array
+    """Hip points in each leg's own axes, shape (3 legs, 1) [m]."""
+    axial: Array
+    """Offsets of the pitch axes along zeta, shape (legs, 1) [m]."""
+    radial: Array
+    """Offsets of the pitch axes along rho, shape (legs, 1) [m]."""
+    lateral: Array
+    """Offsets of the legs' planes along nu, shape (legs, 1) [m]."""
+    has_lateral: bool
+    """Whether any of them is not zero."""
+    thigh: Array
+    """Lengths of the thighs, shape (legs, 1) [m]."""
+    calf: Array
+    """Lengths of the calves, shape (legs, 1) [m]."""
+    knee_sign: Array
+    """Signs of the knees' angles, shape (legs, 1)."""
+    signs: Array
+    """Signs of the joint angles, shape (3, legs, 1)."""
+
+    @property
+    def legs(self) -> int:
+        """Number of the legs."""
+        return len(self.names)
+
+    def angles(self, joints: Array) -> Array:
+        """Bring joints (..., 3) into the formulas' order (3, legs, samples) and signs."""
+        in_order = np.reshape(joints, (-1, self.legs, 3)).transpose(2, 1, 0)
+        angles: Array = np.multiply(in_order, self.signs, order='C')
+        return angles
+
+    def locals(self, vectors: Array, origin: Array | None = None) -> Array:
+        """Bring vectors (..., 3) of the body into the legs' axes: (3, legs, samples)."""
+        result = self.to_local @ np.reshape(vectors, (-1, 3 * self.legs)).T
+        if origin is not None:
+            result -= origin
+        return result.reshape(3, self.legs, -1)
+
+    def in_body(self, local: Array, shape: tuple[int, ...]) -> Array:
+        """Bring vectors (3, legs, samples) of the legs' axes into the body's."""
+        result: Array = local.reshape(3 * self.legs, -1).T @ self.to_body
+        return result.reshape(shape)
+
+    def points(
+        self, shape: tuple[int, ...], c1: Array, s1: Array, length: Array, height: Array
+    ) -> Array:
+        """Place what is at ``length`` along rho and ``height`` along zeta."""
+        local = np.empty((3, *c1.shape))
+        np.multiply(c1, length, out=local[0])
+        np.multiply(s1, length, out=local[1])
+        if self.has_lateral:
+            local[0] -= self.lateral * s1
+            local[1] += self.lateral * c1
+        local[2] = height
+        result = local.reshape(3 * self.legs, -1).T @ self.to_body
+        result += self.hips
+        return result.reshape(shape)
+
+    def check_regular(self, sin_knee: Array, B: Array) -> None:
+        """Raise SingularPosture where a knee is straight or a foot on the first axis."""
+        for values, least, why in (
+            (np.abs(sin_knee), _SINGULAR, 'its knee is straight or folded'),
+            (
+                np.abs(B),
+                _SINGULAR * (self.thigh + self.calf),
+                'the foot is in line with the first axis',
+            ),
+        ):
+            singular = values <= least
+            if singular.any():
+                raise SingularPosture(self._name(int(np.argmax(singular)) // B.shape[1]), why)
+
+    def too_near(self, squared_length: Array) -> FootTargetUnreachable:
+        """Return the error of a foot that is nearer to the first axis than the leg's plane."""
+        worst = int(np.argmax(squared_length < -EDGE * self.lateral * self.lateral))
+        leg = worst // squared_length.shape[1]
+        lateral = abs(float(self.lateral[leg, 0]))
+        distance = float(np.sqrt(max(squared_length.reshape(-1)[worst] + lateral**2, 0.0)))
+        longest = abs(float(self.radial[leg, 0])) + float(self.thigh[leg, 0] + self.calf[leg, 0])
+        reach = (lateral, float(np.hypot(longest, lateral)))
+        return FootTargetUnreachable(self._name(leg), distance, reach, 'first axis')
+
+    def unreachable(self, foot: Array, cos_knee: Array, squared: Array) -> FootTargetUnreachable:
+        """Return the error of a foot out of the reach of thigh and calf."""
+        bad = ~(np.abs(cos_knee) <= 1.0 + EDGE)
+        finite = np.isfinite(foot).all(axis=-1).reshape(-1, self.legs).T
+        if not finite.all():
+            # One leg's number that is not finite spoils the others of its sample.
+            bad = ~finite
+        worst = int(np.argmax(bad))
+        leg = worst // bad.shape[1]
+        d, b = float(self.thigh[leg, 0]), float(self.calf[leg, 0])
+        distance = float(np.sqrt(squared.reshape(-1)[worst]))
+        return FootTargetUnreachable(self._name(leg), distance, (abs(d - b), d + b))
+
+    def _name(self, leg: int) -> str:
+        return self.names[leg]

@@ -1,0 +1,264 @@
+"""
+Reads robots' data files: YAML in which every number carries its source.
+
+The robots that ship lie in ``quad_common/robots``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import (
+    FileUnusable,
+    JointLimitExceeded,
+    OutOfRange,
+    RobotModelError,
+    RobotValueOutOfRange,
+    UnknownKey,
+)
+from quad_common.files.bounded_file import is_file, user_path
+from quad_common.files.yaml_document import check_keys, in_file, read_yaml
+from quad_common.quoting import quoted, shown
+from quad_common.robot.leg_builds import (
+    LegLengths,
+    LegPlace,
+    roll_pitch_pitch_leg,
+    yaw_pitch_pitch_leg,
+)
+from quad_common.robot.leg_kinematics import Leg
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEG_TYPES, LEGS, GaitSettings, LinkShape
+from quad_common.robot.robot_numbers import RobotNumbers
+
+Array = NDArray[np.float64]
+
+_QUANTITIES = ('lower', 'upper', 'velocity', 'effort')
+
+_NOT_NUMBERS = ('name', 'description', 'leg_type', 'stated')
+"""Keys of a robot data file that hold no number of the robot."""
+
+_GAIT_KEYS = ('cycle_period', 'swing_height')
+"""What a robot may change in a gait."""
+
+_WHAT = 'robot data file'
+
+_LONGEST_NAME = 64
+"""Characters of a robot's name."""
+
+ROBOTS_FOLDER = Path(__file__).parents[1] / 'robots'
+"""Where the robots that ship are."""
+
+
+def available_robots() -> tuple[str, ...]:
+    """Return the names of the robots that ship with quadwalk."""
+    return tuple(sorted(path.stem for path in ROBOTS_FOLDER.glob('*.yaml')))
+
+
+def robot_file(robot: str | Path) -> Path:
+    """
+    Find the data file of a robot.
+
+    Parameters
+    ----------
+    robot : str or Path
+        Name of one that ships (``titan_viii``), or path of a YAML file.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    RobotModelError
+        If there is no such robot.
+    """
+    shipped = ROBOTS_FOLDER / f'{robot}.yaml'
+    try:
+        path = shipped if is_file(shipped) else user_path(robot, _WHAT)
+    except FileUnusable as error:
+        raise RobotModelError(str(error)) from error
+    if not is_file(path):
+        raise RobotModelError(
+            f'there is no robot {quoted(str(robot))}; available: '
+            f'{", ".join(available_robots())}, '
+            f'or the path of a robot data file'
+        )
+    return path
+
+
+def load_robot(robot: str | Path) -> Robot:
+    """
+    Load a robot by the name of one that ships, or from a data file.
+
+    Parameters
+    ----------
+    robot : str or Path
+        Name (``titan_viii``) or path of a YAML file.
+
+    Returns
+    -------
+    Robot
+        The robot, checked.
+
+    Raises
+    ------
+    RobotModelError
+        If there is no such robot, or its file is incomplete or contradicts itself.
+    """
+    path = robot_file(robot)
+    try:
+        document = read_yaml(path, _WHAT, "a robot's numbers")
+        return _robot_from_document(document, path)
+    except FileUnusable as error:
+        raise RobotModelError(str(error)) from error
+    except (OutOfRange, UnknownKey) as error:
+        raise in_file(error, _WHAT, path, RobotModelError, RobotValueOutOfRange) from error
+
+
+def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
+    number = RobotNumbers(document, path)
+    leg_type = _leg_type(document, path)
+    kinds = LEG_TYPES[leg_type]
+    build = _roll_leg if leg_type == 'roll_pitch_pitch' else _yaw_leg
+    legs = tuple(build(number, LegPlace(leg, _hip(number, leg), _side(leg))) for leg in LEGS)
+    limits = _joint_limits(number, kinds, path)
+    initial = np.array([number(f'initial_posture.{kind}') for kind in kinds])
+    signs = np.array([_signs_of_the_file(leg_type, leg) for leg in legs])
+    ends = signs * limits['lower'], signs * limits['upper']
+    robot = Robot(
+        name=_name(document, path),
+        leg_type=leg_type,
+        legs=legs,
+        knee_is_absolute=number.is_true('drive.knee_is_absolute'),
+        body_size=(
+            number('body.length'),
+            number('body.width'),
+            number('body.height'),
+        ),
+        body_center=(0.0, 0.0, number('body.center_height')),
+        body_mass=number('body.mass'),
+        links=_links(number),
+        joint_kinds=kinds,
+        lower=np.minimum(*ends),
+        upper=np.maximum(*ends),
+        velocity=np.tile(limits['velocity'], (len(LEGS), 1)),
+        effort=np.tile(limits['effort'], (len(LEGS), 1)),
+        initial_joint_angles=signs * initial,
+        roughness=number('gait.roughness'),
+        gaits=_gaits(number),
+        sources=number.sources,
+    )
+    number.check_all_used(but=_NOT_NUMBERS)
+    try:
+        robot.check_joint_limits(robot.initial_joint_angles)
+    except JointLimitExceeded as error:
+        raise RobotModelError(f'{path}: the initial posture is out of range: {error}') from error
+    return robot
+
+
+def _leg_type(document: Mapping[str, Any], path: Path) -> str:
+    leg_type = document.get('leg_type')
+    if not isinstance(leg_type, str) or leg_type not in LEG_TYPES:
+        available = ', '.join(f"'{name}'" for name in LEG_TYPES)
+        raise RobotModelError(f'{path}: leg_type is {shown(leg_type)}; available: {available}')
+    return leg_type
+
+
+def _name(document: Mapping[str, Any], path: Path) -> str:
+    name = document.get('name', path.stem)
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME or not name.isprintable():
+        raise RobotModelError(
+            f'{path}: the name is {shown(name)}; '
+            f'it must be a text of up to {_LONGEST_NAME} printable characters'
+        )
+    return name
+
+
+def _links(number: RobotNumbers) -> dict[str, LinkShape]:
+    foot_radius = number('leg.foot_radius')
+    return {
+        kind: LinkShape(
+            mass=number(f'leg.{kind}_mass'),
+            radius=foot_radius if kind == 'foot' else number(f'leg.{kind}_radius'),
+        )
+        for kind in ('hip', 'thigh', 'calf', 'foot')
+    }
+
+
+def _joint_limits(number: RobotNumbers, kinds: Iterable[str], path: Path) -> dict[str, Array]:
+    limits = {
+        quantity: np.array([number(f'joints.{kind}.{quantity}') for kind in kinds])
+        for quantity in _QUANTITIES
+    }
+    for kind, low, high in zip(kinds, limits['lower'], limits['upper']):
+        if not low < high:
+            raise RobotModelError(f'{path}: joint {kind} has lower {low} not below upper {high}')
+    return limits
+
+
+def _side(leg: str) -> int:
+    """Return +1 for a left leg and -1 for a right one."""
+    return 1 if leg.startswith('l') else -1
+
+
+def _hip(number: RobotNumbers, leg: str) -> tuple[float, float, float]:
+    half_length = number('body.hip_half_length')
+    half_width = number('body.hip_half_width')
+    return half_length if leg.endswith('f') else -half_length, _side(leg) * half_width, 0.0
+
+
+def _lengths(number: RobotNumbers) -> LegLengths:
+    return LegLengths(
+        hip_offset=number('leg.hip_offset'),
+        hip_drop=number('leg.hip_drop'),
+        thigh=number('leg.thigh_length'),
+        calf=number('leg.calf_length'),
+    )
+
+
+def _yaw_leg(number: RobotNumbers, place: LegPlace) -> Leg:
+    return yaw_pitch_pitch_leg(
+        place,
+        _lengths(number),
+        lateral_offset=number.or_zero('leg.lateral_offset'),
+        signs=number.signs(f'leg.axis_signs.{place.name}'),
+    )
+
+
+def _roll_leg(number: RobotNumbers, place: LegPlace) -> Leg:
+    return roll_pitch_pitch_leg(
+        place,
+        _lengths(number),
+        knee_sign=number.sign(f'leg.knee_sign_{"front" if place.name.endswith("f") else "hind"}'),
+        forward_offset=number.or_zero('leg.forward_offset'),
+        signs=number.signs(f'leg.axis_signs.{place.name}'),
+    )
+
+
+def _signs_of_the_file(leg_type: str, leg: Leg) -> Array:
+    """
+    Say which of a leg's angles stand in the file with the other sign, shape (3,).
+
+    For roll legs the file has those of a left leg with knee_sign +1: roll is mirrored
+    by side, and pitch and knee by knee_sign. Yaw legs are all written alike.
+    """
+    signs = np.array(leg.signs)
+    if leg_type == 'roll_pitch_pitch':
+        signs *= [_side(str(leg.name)), float(leg.knee_sign), float(leg.knee_sign)]
+    return signs
+
+
+def _gaits(number: RobotNumbers) -> dict[str, GaitSettings]:
+    gaits = {}
+    for name in number.names_under('gaits'):
+        changed = number.names_under(f'gaits.{name}')
+        check_keys(dict.fromkeys(changed), _GAIT_KEYS, f'gaits.{name}')
+        settings = {key: number(f'gaits.{name}.{key}') for key in changed}
+        gaits[name] = GaitSettings(**settings)
+    return gaits
