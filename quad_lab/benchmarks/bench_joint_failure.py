@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
-from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_gait.behaviours.walk_controller import ControllerOptions
+from quad_gait.cycle.gait import load_gait
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_lab.closed_loop.terrain_walk import make_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
@@ -195,17 +195,16 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
     gait = load_gait(case.gait, robot)
     scale = robot.relative_size
     is_uneven = case.ground != 'flat'
-    options = ControllerOptions(
-        least_margin=-math.inf if is_uneven else 0.01 * scale,
-        uneven=UnevenOptions() if is_uneven else None,
-    )
-    controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
+    options = ControllerOptions(least_margin=0.01 * scale)
+    if is_uneven:
+        options = for_uneven_ground(options)
+    controller = controller_for(robot, gait, options)
     if is_uneven:
         course = make_course(robot, case.ground, case.seed)
         controller.set_height_map(course.height_map)
-        walk = DirectWalk(robot, controller, world=course.world, start=course.start)
+        walk = ClosedLoop(robot, controller, world=course.world, start=course.start)
     else:
-        walk = DirectWalk(robot, controller)
+        walk = ClosedLoop(robot, controller)
     name = robot.joint_names[case.joint]
     walk.simulation.plan_failure(JointFailure(name, case.kind, case.time))
     seen: list[Observation] = []

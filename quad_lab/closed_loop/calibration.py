@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.walk_controller import ControllerOptions
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import Gait, turning_gait_for
+from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.slip_compensation import Calibration
-from quad_lab.closed_loop.direct_walk import DirectWalk, DoesNotWalk
+from quad_lab.closed_loop.closed_loop import ClosedLoop, DoesNotWalk
+from quad_lab.closed_loop.controllers import controller_for
 
 Array = NDArray[np.float64]
 
@@ -80,8 +81,8 @@ def measure_motion(
     options = ControllerOptions(
         least_margin=0.0, settle_time=0.1, hold_course=False, twist_timeout=math.inf
     )
-    controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
-    walk = DirectWalk(robot, controller, backend)
+    controller = controller_for(robot, gait, options)
+    walk = ClosedLoop(robot, controller, backend)
     try:
         walk.run(0.1)
         controller.set_twist(motion.rate(gait.cycle_period))

@@ -14,30 +14,28 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from quad_common.errors import PlannerError, QuadError
+from quad_common.errors import QuadError
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_common.planar_pose import wrap_angle
 from quad_common.robot.robot import Robot
 from quad_common.vision.camera import CameraModel
 from quad_common.vision.markers import RobotMarker
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import load_gait
 from quad_gait.state.leg_odometry import LegOdometry
-from quad_gait.state.measurement import Measurement
-from quad_lab.closed_loop.gait_measures import make_controller
+from quad_lab.closed_loop.closed_loop import SENSOR_PERIOD, ClosedLoop, Place
+from quad_lab.closed_loop.controllers import measuring_controller
+from quad_lab.closed_loop.guided_end import GuidedEnd
+from quad_lab.closed_loop.planner_in_loop import PlannerInLoop
 from quad_perception.picture.color_segmentation import Picture
 from quad_perception.picture.perception import Perceiver
-from quad_perception.tracking.scene_tracker import SceneTracker, Sighting
-from quad_planner.methods.planner import make_planner
+from quad_perception.tracking.scene_tracker import SceneTracker
 from quad_planner.parameters import PlannerParameters
-from quad_sim.engines.simulator import Observation, tilt_of
-from quad_sim.simulation import Simulation, make_simulator
+from quad_sim.engines.simulator import Observation
+from quad_sim.simulation import Simulation
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.random_room import Room
 from quad_sim.world.simulated_camera import SimulatedCamera
-
-_SENSOR_PERIOD = 0.02
-"""Between two measurements, as sim_node publishes them [s]."""
 
 
 @dataclass(frozen=True)
@@ -91,35 +89,38 @@ class CameraWalk:
     """
 
     def __init__(self, robot: Robot, room: Room, options: CameraWalkOptions) -> None:
-        self._robot = robot
         self._room = room
         self._options = options
         self._rng = np.random.default_rng(options.seed)
-        marker = RobotMarker.on(robot)
-        simulator = make_simulator(
-            'bullet', robot, room.world, appearance=Appearance(robot_marker=marker)
+        self._controller = measuring_controller(robot, load_gait(options.gait, robot))
+        look = Appearance(robot_marker=RobotMarker.on(robot))
+        self._loop = ClosedLoop(
+            robot, self._controller, world=room.world, start=room.start, appearance=look
         )
-        self.simulation = Simulation(simulator, robot, room.start)
+        self._loop.on_observation += [self._take_picture, self._note_contacts]
+        self._loop.locate = self._locate
         half = room.size / 2.0
         lens = CameraModel.looking_down((half, half, 0.75 * room.size), 0.0, 1.4)
         self._camera = SimulatedCamera(lens, options.noise)
+        self._observations = 0
+        self._late: deque[tuple[float, float, Picture]] = deque()
         self.watch = SceneTracker(Perceiver.of_robot(lens, robot, bounds=room.bounds))
         self._legs = LegOdometry(robot)
-        self._controller = make_controller(robot, load_gait(options.gait, robot))
-        parameters = PlannerParameters()
-        self._planner = make_planner(
-            options.method,
-            mesh_size=robot.mesh_size,
-            any_angle=True,
-            clearance_radius=robot.footprint_radius + parameters.safety_distance,
-            start_tolerance=parameters.safety_distance,
+        parameters = PlannerParameters(
+            robot=robot.name, gait=options.gait, method=options.method, any_angle=True
         )
-        self._replan_distance = parameters.replan_distance
-        self._goal: Pose2D | None = None
-        self.plan: Plan | None = None
-        """The plan in force."""
-        self._late: deque[tuple[float, float, Picture]] = deque()
+        self._planner = PlannerInLoop(robot, self._controller, parameters)
         self.record = CameraWalkRecord()
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation, to look at and to change."""
+        return self._loop.simulation
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan in force."""
+        return self._planner.session.plan
 
     def run(
         self, timeout: float, on_time: Callable[[CameraWalk], None] = lambda walk: None
@@ -140,91 +141,67 @@ class CameraWalk:
             How it went.
         """
         self.simulation.put_goal_marker(self._room.goal)
-        steps = round(_SENSOR_PERIOD / self.simulation.time_step)
-        between_pictures = round(self._options.picture_period / _SENSOR_PERIOD)
-        count = 0
-        while self.simulation.time < timeout:
-            seen = self.simulation.observe()
-            if count % between_pictures == 0:
-                picture = self.simulation.picture(self._camera, self._rng)
-                self._late.append((seen.time + self._options.latency, seen.time, picture))
-            self._measure(seen)
+        end = GuidedEnd()
+
+        def is_over() -> bool:
             on_time(self)
-            activity = self._controller.activity
-            if activity is Activity.ARRIVED or activity.is_disabled:
-                break
-            for _ in range(steps):
-                self.simulation.step()
-            count += 1
+            return end.is_over(self._loop.time, self._controller.activity)
+
+        self._loop.run(timeout, is_over)
         return self._ended()
 
     def close(self) -> None:
         """Release the simulator."""
-        self.simulation.close()
+        self._loop.close()
 
-    def _measure(self, seen: Observation) -> None:
-        legs, record = self._legs, self.record
-        legs.update(
-            seen.time,
-            seen.joint_positions,
-            None,
-            seen.orientation,
-            float(seen.angular_velocity_base_in_base[2]),
-        )
-        self.watch.add_odometry(seen.time, legs.pose)
-        record.contacts |= {str(contact) for contact in seen.contacts}
+    def _note_contacts(self, seen: Observation) -> None:
+        self.record.contacts |= {str(contact) for contact in seen.contacts}
+
+    def _take_picture(self, seen: Observation) -> None:
+        """Take a picture if it is time to; what it shows is known later."""
+        if self._observations % round(self._options.picture_period / SENSOR_PERIOD) == 0:
+            picture = self.simulation.picture(self._camera, self._rng)
+            self._late.append((seen.time + self._options.latency, seen.time, picture))
+        self._observations += 1
+
+    def _locate(self, seen: Observation) -> Place | None:
+        """Return where the robot takes itself to be, by its legs and by pictures."""
+        rate = float(seen.angular_velocity_base_in_base[2])
+        self._legs.update(seen.time, seen.joint_positions, None, seen.orientation, rate)
+        self.watch.add_odometry(seen.time, self._legs.pose)
         while self._late and self._late[0][0] <= seen.time:
             _, taken_at, picture = self._late.popleft()
             self._look(taken_at, picture)
         pose = self.watch.fusion.pose
         if pose is None or self.watch.is_lost:
-            return
-        record.pose_errors.append(pose.distance_to(seen.pose))
-        record.heading_errors.append(abs(wrap_angle(pose.yaw - seen.pose.yaw)))
-        if self.plan is not None:
-            away = distance_to_polyline((pose.x, pose.y), self.plan.corners)
-            if away > self._replan_distance:
-                self._plan_anew()
-        trajectory = self._controller.update(
-            Measurement(
-                seen.time, pose, tilt_of(seen.orientation), seen.joint_positions,
-                seen.joint_velocities,
-            )
-        )  # fmt: skip
-        if trajectory is not None:
-            self.simulation.accept(trajectory)
+            return None
+        self.record.pose_errors.append(pose.distance_to(seen.pose))
+        self.record.heading_errors.append(abs(wrap_angle(pose.yaw - seen.pose.yaw)))
+        self._planner.take_pose(seen.time, pose)
+        return pose, pose
 
     def _look(self, taken_at: float, picture: Picture) -> None:
+        """Tell the planner what a picture has changed."""
+        session, frame = self._planner.session, self._planner.frame.name
         try:
-            sighting: Sighting = self.watch.add_picture(taken_at, picture)
+            sighting = self.watch.add_picture(taken_at, picture)
+            self.record.problem = ''
+            if sighting.map is not None:
+                session.take_grid(sighting.map, frame)
+            if sighting.goal is not None:
+                session.give_goal(frame, sighting.goal)
         except QuadError as error:
             self.record.problem = str(error)
-            return
-        if sighting.goal is not None:
-            self._goal = sighting.goal
-        if sighting.map is not None:
-            self._planner.set_map(sighting.map)
-        if sighting.map is not None or sighting.goal is not None:
-            self._plan_anew()
-
-    def _plan_anew(self) -> None:
-        pose = self.watch.fusion.pose
-        if self._goal is None or pose is None or self._planner.prepared is None:
-            return
-        try:
-            self.plan = self._planner.plan(pose, self._goal)
-            self.record.plans += 1
-            self.record.problem = ''
-        except PlannerError as error:
-            self.plan = None
-            self.record.problem = str(error)
-        self._controller.set_plan(self.plan)
 
     def _ended(self) -> CameraWalkRecord:
         record = self.record
         record.arrived = self._controller.activity is Activity.ARRIVED
-        record.duration = self.simulation.time
+        record.duration = self._loop.time
+        record.plans = self._planner.plans
         record.final_error = self.simulation.observe().pose.distance_to(self._room.goal)
-        if not record.arrived and not record.problem:
-            record.problem = self._controller.reason
+        if record.arrived:
+            record.problem = ''
+        else:
+            problems = (record.problem, self._planner.problem, self._controller.reason)
+            record.problem = next(filter(None, problems))
         return record

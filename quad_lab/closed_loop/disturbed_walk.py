@@ -15,7 +15,7 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.walk_controller import WalkController
 from quad_gait.state.sensor_inputs import JointReadings
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.simulator import Observation
 
 
@@ -41,7 +41,7 @@ UNDISTURBED = Disturbance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """A machine with nothing else to do."""
 
 
-class DisturbedWalk(DirectWalk):
+class DisturbedWalk(ClosedLoop):
     """
     A robot under a controller in a simulator, with messages that a busy machine delays.
 
@@ -56,7 +56,7 @@ class DisturbedWalk(DirectWalk):
     rng : numpy.random.Generator
         When it happens.
     **others
-        As :class:`~quad_lab.closed_loop.direct_walk.DirectWalk` takes them.
+        As :class:`~quad_lab.closed_loop.closed_loop.ClosedLoop` takes them.
     """
 
     def __init__(

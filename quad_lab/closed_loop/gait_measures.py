@@ -15,14 +15,15 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import Gait, turning_gait_for
+from quad_gait.cycle.gait import Gait
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.reference_path import circle_pieces
 from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.state.leg_odometry import LegOdometry
-from quad_lab.closed_loop.direct_walk import DirectWalk, Record
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import measuring_controller
+from quad_lab.closed_loop.loop_record import Record
 from quad_sim.engines.simulator import Observation
 
 Array = NDArray[np.float64]
@@ -59,25 +60,6 @@ class SteadyWalk:
     """Of anything but feet with the ground."""
 
 
-def make_controller(
-    robot: Robot,
-    gait: Gait,
-    hold_course: bool = True,
-    compensation: SlipCompensation = NO_SLIP,
-    follower: FollowerOptions | None = None,
-    least_margin: float = 0.005,
-) -> WalkController:
-    """Make a controller for measuring: as gait_node does, with steering that never ends."""
-    options = ControllerOptions(
-        least_margin=least_margin,
-        settle_time=0.2,
-        hold_course=hold_course,
-        twist_timeout=math.inf,
-        follower=follower or FollowerOptions(),
-    )
-    return WalkController(robot, gait, turning_gait_for(gait, robot), options, compensation)
-
-
 def steady_walk(
     robot: Robot,
     gait: Gait,
@@ -107,8 +89,8 @@ def steady_walk(
     SteadyWalk
         What was measured; ``done`` is nan if there was no time for four cycles.
     """
-    controller = make_controller(robot, gait, least_margin=least_margin)
-    walk = DirectWalk(robot, controller)
+    controller = measuring_controller(robot, gait, least_margin=least_margin)
+    walk = ClosedLoop(robot, controller)
     try:
         walk.run(0.1)
         gear = controller.gait_pair.of_twist(direction.rate(1.0))
@@ -126,7 +108,7 @@ def steady_walk(
 
 
 def _steady_walk(
-    robot: Robot, walk: DirectWalk, asked: BodyMotion, period: float, ends: list[Pose2D]
+    robot: Robot, walk: ClosedLoop, asked: BodyMotion, period: float, ends: list[Pose2D]
 ) -> SteadyWalk:
     record = walk.record
     steps = [BodyMotion.reaching(a.inverse() @ b) for a, b in pairwise(ends)]
@@ -210,10 +192,10 @@ def circle_walk(
     period = gait.cycle_period
     speed = radius * angle / period
     options = FollowerOptions(largest_speed=speed)
-    controller = make_controller(
+    controller = measuring_controller(
         robot, gait, hold_course=False, compensation=compensation, follower=options
     )
-    walk = DirectWalk(robot, controller)
+    walk = ClosedLoop(robot, controller)
     try:
         walk.run(0.1)
         start = walk.record.poses[-1]
@@ -291,8 +273,8 @@ def plan_walk(
         How well.
     """
     follower = FollowerOptions(turning=turning)
-    controller = make_controller(robot, gait, follower=follower, least_margin=least_margin)
-    walk = DirectWalk(robot, controller)
+    controller = measuring_controller(robot, gait, follower=follower, least_margin=least_margin)
+    walk = ClosedLoop(robot, controller)
     at_ends = []
     try:
         walk.run(0.1)
@@ -339,8 +321,8 @@ def leg_odometry_error(
         Error of the position over the distance walked, and of the heading [rad] over the
         turns made, or over one turn if there were fewer.
     """
-    controller = make_controller(robot, gait)
-    walk = DirectWalk(robot, controller)
+    controller = measuring_controller(robot, gait)
+    walk = ClosedLoop(robot, controller)
     odometry = LegOdometry(robot)
     turned = [0.0]
 

@@ -8,8 +8,7 @@ the map, and the controller of the gait.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from quad_common.frames.frame_tree import FrameTransform
@@ -19,17 +18,14 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import load_gait
-from quad_gait.state.measurement import Measurement
-from quad_lab.closed_loop.direct_walk import DirectWalk
-from quad_lab.closed_loop.gait_measures import make_controller
+from quad_lab.closed_loop.closed_loop import ClosedLoop, Place
+from quad_lab.closed_loop.controllers import measuring_controller
+from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.closed_loop.planner_in_loop import PlannerInLoop
 from quad_planner.parameters import PlannerParameters
 from quad_sim.engines.simulator import Observation
 from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
 from quad_sim.world.world import world_from_map
-
-_ENDS = (Activity.ARRIVED, Activity.BLOCKED, Activity.NOT_EXECUTED)
-"""After one of these a walk is over; one that has stopped off its path gets a new plan."""
 
 
 @dataclass
@@ -90,9 +86,9 @@ class LocalisedWalk:
         self._goal = goal
         self._localisation = SimulatedLocalisation(localisation)
         self._frame = MapFrame('map', time_constant)
-        self._controller = make_controller(robot, load_gait('crawl', robot))
+        self._controller = measuring_controller(robot, load_gait('crawl', robot))
         world = world_from_map(grid)
-        self._walk = _LocatedWalk(robot, self._controller, backend, world, start)
+        self._walk = ClosedLoop(robot, self._controller, backend, world, start)
         self._walk.locate = self._locate
         self._walk.on_observation.append(self._note_contacts)
         self._odometry = start
@@ -105,7 +101,8 @@ class LocalisedWalk:
 
     def run(self, timeout: float) -> LocalisedRecord:
         """Walk until the robot has arrived or given up; at most so long [s], simulated."""
-        self._walk.run(timeout, until=self._is_over)
+        end = GuidedEnd()
+        self._walk.run(timeout, lambda: end.is_over(self._walk.time, self._controller.activity))
         record, controller = self.record, self._controller
         true = self._walk.simulation.observe().pose
         error = true.inverse() @ self._goal
@@ -118,15 +115,11 @@ class LocalisedWalk:
         record.odometry_error = true.distance_to(self._odometry)
         return record
 
-    def _is_over(self) -> bool:
-        activity = self._controller.activity
-        return activity in _ENDS or activity.is_disabled
-
     def close(self) -> None:
         """Release the simulator."""
         self._walk.close()
 
-    def _locate(self, seen: Observation) -> tuple[Pose2D, Pose2D]:
+    def _locate(self, seen: Observation) -> Place:
         """Return where the robot takes itself to be in the map, and its odometry."""
         told = self._localisation.observe(seen)
         correction = self._localisation.correction(seen, told)
@@ -142,18 +135,6 @@ class LocalisedWalk:
 
     def _note_contacts(self, seen: Observation) -> None:
         self.record.contacts |= {str(contact) for contact in seen.contacts}
-
-
-class _LocatedWalk(DirectWalk):
-    """A walk whose controller is told where the robot takes itself to be."""
-
-    locate: Callable[[Observation], tuple[Pose2D, Pose2D]]
-    """Returns that pose in the map, and the one by odometry."""
-
-    def _measurement(self, seen: Observation) -> Measurement | None:
-        pose, odometry = self.locate(seen)
-        now = super()._measurement(seen)
-        return None if now is None else replace(now, pose=pose, odometry=odometry)
 
 
 def _transform(frame: str, pose: Pose2D) -> FrameTransform:

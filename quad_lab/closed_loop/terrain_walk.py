@@ -15,10 +15,10 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
-from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_gait.behaviours.walk_controller import ControllerOptions
+from quad_gait.cycle.gait import load_gait
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_planner.grid.traversability import Ground, GroundLimits
 from quad_planner.methods.planner import make_planner
 from quad_planner.parameters import PlannerParameters
@@ -267,13 +267,13 @@ def walk_course(
         How it went.
     """
     gait = load_gait('crawl', robot)
-    options = ControllerOptions(
-        least_margin=-math.inf, uneven=UnevenOptions() if ground == 'uneven' else None
-    )
-    controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
+    options = ControllerOptions(least_margin=-math.inf)
+    if ground == 'uneven':
+        options = for_uneven_ground(options)
+    controller = controller_for(robot, gait, options)
     if sees:
         controller.set_height_map(course.height_map)
-    walk = DirectWalk(robot, controller, world=course.world, start=course.start)
+    walk = ClosedLoop(robot, controller, world=course.world, start=course.start)
     contacts: set[str] = set()
 
     touched = [False]

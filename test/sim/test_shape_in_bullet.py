@@ -15,8 +15,8 @@ from quad_common.robot.urdf import urdf_from_robot
 from quad_gait.behaviours.walk_controller import Activity
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import FollowerOptions
-from quad_lab.closed_loop.direct_walk import DirectWalk
-from quad_lab.closed_loop.gait_measures import make_controller
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import measuring_controller
 from quad_sim.engines.bullet_simulator import BulletSimulator
 from quad_sim.world.world import world_from_map
 
@@ -106,8 +106,8 @@ def test_a_cylinder_in_the_simulator_is_no_thicker_than_the_data_say():
 def test_walks_in_which_parts_touched_are_without_contacts(robot, gait, turning, corners):
     model = ROBOTS[robot]
     follower = FollowerOptions(turning=turning)
-    controller = make_controller(model, load_gait(gait, model), follower=follower)
-    walk = DirectWalk(model, controller)
+    controller = measuring_controller(model, load_gait(gait, model), follower=follower)
+    walk = ClosedLoop(model, controller)
     walk.on_observation.append(lambda _: walk.simulation.observe())
     try:
         walk.run(0.1)

@@ -22,11 +22,11 @@ from quad_common.robot.robot_file import available_robots, load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.reference_path import circle_pieces
-from quad_gait.uneven.uneven_options import UnevenOptions
+from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 from quad_lab.closed_loop.terrain_walk import COURSES, make_course
 from quad_lab.tools.criterion import Criterion, at_most, figure
@@ -207,12 +207,13 @@ def walk_watched(walk: WatchedWalk) -> WatchedOutcome:
     gait = load_gait(walk.gait, robot)
     is_uneven = walk.kind in COURSES
     options = ControllerOptions(
-        least_margin=-math.inf if is_uneven else 0.005,
+        least_margin=0.005,
         twist_timeout=math.inf,
-        uneven=UnevenOptions() if is_uneven else None,
         follower=FollowerOptions(turning=walk.turning),
     )
-    controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
+    if is_uneven:
+        options = for_uneven_ground(options)
+    controller = controller_for(robot, gait, options)
     disturbance = Disturbance() if walk.is_disturbed else UNDISTURBED
     if is_uneven:
         course = make_course(robot, walk.kind, int(rng.integers(1000)))

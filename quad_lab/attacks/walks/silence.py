@@ -15,9 +15,9 @@ from rich.console import Console
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot_file import available_robots, load_robot
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
-from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_gait.cycle.gait import load_gait
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import controller_for
 from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.tools.workers import worker_pool
 
@@ -84,8 +84,8 @@ def _silenced(key: tuple[int, int]) -> SilencedWalk:
     rng = np.random.default_rng(key)
     robot = load_robot(str(rng.choice(available_robots())))
     gait = load_gait(str(rng.choice(_GAITS)), robot)
-    controller = WalkController(robot, gait, turning_gait_for(gait, robot), ControllerOptions())
-    walk = DirectWalk(robot, controller)
+    controller = controller_for(robot, gait)
+    walk = ClosedLoop(robot, controller)
     try:
         walk.run(_STAND)
         fastest = robot.largest_stride / gait.cycle_period

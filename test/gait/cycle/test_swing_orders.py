@@ -17,7 +17,7 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import CycleOptions, generate_steady_cycle, margins_of_orders
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.follower_options import FollowerOptions
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.closed_loop import ClosedLoop
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
 STATIC_GAITS = ('crab', 'crawl', 'turn', 'wave')
@@ -91,7 +91,7 @@ def test_the_order_does_not_depend_on_what_was_walked_before(rng):
     assert [back.gait_for(motion) for motion in reversed(motions)] == orders[::-1]
 
 
-class CountedWalk(DirectWalk):
+class CountedWalk(ClosedLoop):
     """Walks, and counts the cycles that are generated within an update."""
 
     def __init__(self, monkeypatch, robot, gait, start=ORIGIN, **follower):

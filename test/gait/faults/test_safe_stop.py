@@ -18,7 +18,7 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.faults.safe_stop import tipping
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.benchmarks.bench_joint_failure import FailureCase, walk_and_fail
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.joint_failure import JointFailure
 
 ROBOT = load_robot('titan_viii')
@@ -33,7 +33,7 @@ class LameWalk:
         gaits = load_gait(gait, ROBOT)
         options = ControllerOptions(uneven=UnevenOptions() if uneven else None)
         self.controller = WalkController(ROBOT, gaits, turning_gait_for(gaits, ROBOT), options)
-        self.walk = DirectWalk(ROBOT, self.controller, backend)
+        self.walk = ClosedLoop(ROBOT, self.controller, backend)
         self.walk.simulation.plan_failure(JointFailure(joint, kind, time))
         self.walk.run(1.0)
         self.controller.set_plan(AHEAD)

@@ -20,7 +20,7 @@ from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.simulator import tilt_of
 from quad_sim.simulation import Simulation
@@ -54,7 +54,7 @@ def world_with(*blocks, resolution=0.02):
 def walked(robot, world, length, height_map=None, turn_first=False):
     """Walk straight on in physics, and return the walk and the controller."""
     controller = controller_for(robot, height_map)
-    walk = DirectWalk(robot, controller, world=world)
+    walk = ClosedLoop(robot, controller, world=world)
     try:
         walk.run(0.5)
         end = [0.0, length] if turn_first else [length, 0.0]
@@ -229,7 +229,7 @@ def test_the_robot_turns_on_bumps():
 
 def test_steering_works_as_on_flat_ground():
     controller = controller_for(TITAN, twist_timeout=math.inf)
-    walk = DirectWalk(TITAN, controller)
+    walk = ClosedLoop(TITAN, controller)
     try:
         walk.run(0.5)
         controller.set_twist(Twist2D(forward=0.03))
@@ -244,7 +244,7 @@ def test_steering_works_as_on_flat_ground():
 
 def test_a_problem_is_said_and_stays_said():
     controller = controller_for(TITAN)
-    walk = DirectWalk(TITAN, controller, world=world_with())
+    walk = ClosedLoop(TITAN, controller, world=world_with())
     try:
         walk.run(0.5)
         controller.set_plan(Plan.through([[0.0, 0.0], [1.0, 0.0]], 0.0))

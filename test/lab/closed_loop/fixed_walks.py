@@ -25,10 +25,11 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import available_robots, load_robot
 from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_lab.closed_loop.direct_walk import DirectWalk
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import controller_for
 from quad_lab.closed_loop.terrain_walk import make_course
 from quad_sim.engines.joint_failure import JointFailure
 
@@ -52,7 +53,7 @@ class Trace:
     """Pose at the end: x, y [m], yaw [rad]."""
 
 
-class TracedWalk(DirectWalk):
+class TracedWalk(ClosedLoop):
     """A walk that keeps the trajectories that its robot is given."""
 
     def __init__(self, *args, **kwargs):
@@ -83,7 +84,7 @@ def make_controller(robot, gait, turning='in_place', uneven=None) -> WalkControl
         follower=FollowerOptions(turning=turning),
         uneven=uneven,
     )
-    return WalkController(robot, gait, turning_gait_for(gait, robot), options)
+    return controller_for(robot, gait, options)
 
 
 def steered(robot_name: str, gait_name: str, direction: BodyMotion) -> Trace:

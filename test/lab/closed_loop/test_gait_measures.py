@@ -11,8 +11,10 @@ from quad_common.planar_pose import STILL, Twist2D
 from quad_common.robot.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
-from quad_lab.closed_loop.direct_walk import SENSOR_PERIOD, DirectWalk, DoesNotWalk, Record
-from quad_lab.closed_loop.gait_measures import fitted_radius, make_controller, steady_walk
+from quad_lab.closed_loop.closed_loop import SENSOR_PERIOD, ClosedLoop, DoesNotWalk
+from quad_lab.closed_loop.controllers import measuring_controller
+from quad_lab.closed_loop.gait_measures import fitted_radius, steady_walk
+from quad_lab.closed_loop.loop_record import Record
 
 CUHK = load_robot('cuhk')
 TROT = load_gait('trot', CUHK)
@@ -26,7 +28,7 @@ def arc(radius, angles, center=(0.0, 0.0)):
 @pytest.fixture
 def walk():
     """Yield a cuhk that stands, in the simulator without physics."""
-    walk = DirectWalk(CUHK, make_controller(CUHK, TROT), 'kinematic')
+    walk = ClosedLoop(CUHK, measuring_controller(CUHK, TROT), 'kinematic')
     yield walk
     walk.close()
 
@@ -115,7 +117,7 @@ def test_cycle_ends_come_one_period_after_the_other_and_never_twice(walk):
 @pytest.mark.parametrize('period', [0.437, 0.8 / 1.7])
 def test_cycles_that_end_between_two_steps_of_physics_end_once_as_well(period):
     gait = TROT.with_period(period)
-    walk = DirectWalk(CUHK, make_controller(CUHK, gait), 'kinematic')
+    walk = ClosedLoop(CUHK, measuring_controller(CUHK, gait), 'kinematic')
     try:
         set_off(walk, BodyMotion(0.03), gait)
         times = []
@@ -190,7 +192,7 @@ def test_a_robot_that_is_stopped_ends_its_cycle_and_walks_no_more(walk):
 
 
 def test_two_walks_do_not_touch(walk):
-    other = DirectWalk(CUHK, make_controller(CUHK, TROT), 'kinematic')
+    other = ClosedLoop(CUHK, measuring_controller(CUHK, TROT), 'kinematic')
     try:
         set_off(walk)
         walk.run(1.0)
@@ -231,6 +233,8 @@ def test_a_steady_walk_of_nothing_does_not_walk():
 
 def test_the_controller_for_measuring_turns_with_the_gait_that_gait_node_takes():
     turn = Twist2D(0.0, 0.0, 1.0)
-    assert make_controller(CUHK, TROT).gait_pair.of_twist(turn).gait == TROT
+    assert measuring_controller(CUHK, TROT).gait_pair.of_twist(turn).gait == TROT
     crawl = load_gait('crawl', CUHK)
-    assert make_controller(CUHK, crawl).gait_pair.of_twist(turn).gait == load_gait('turn', CUHK)
+    assert measuring_controller(CUHK, crawl).gait_pair.of_twist(turn).gait == load_gait(
+        'turn', CUHK
+    )
