@@ -33,9 +33,10 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_file import load_robot
 from quad_common.robot.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.traversability import Ground, GroundLimits
-from quad_planner.methods.planner import METHODS, Planner, make_planner
+from quad_planner.methods.planner import METHODS, Planner
 from quad_planner.methods.potential_planner import POTENTIALS
 from quad_planner.parameters import LOW_OBSTACLES, PlannerParameters
+from quad_planner.planner_setup import planner_for
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
@@ -149,17 +150,17 @@ def run(arguments: argparse.Namespace) -> int:
     methods = list(dict.fromkeys(arguments.method))
     pace = _pace(arguments.robot, arguments.gait, is_needed='quickest' in methods)
     clearance = robot.footprint_radius + arguments.safety_distance
-    options = {
-        'mesh_size': robot.mesh_size,
-        'clearance_radius': clearance,
-        'any_angle': arguments.any_angle,
-        'potential': arguments.potential,
-        'path_deviation': arguments.path_deviation,
-        'pace': pace,
-    }
     outcomes = []
     for method in methods:
-        planner = make_planner(method, **options)
+        planner = planner_for(
+            robot,
+            method,
+            arguments.safety_distance,
+            any_angle=arguments.any_angle,
+            potential=arguments.potential,
+            path_deviation=arguments.path_deviation,
+            pace=pace,
+        )
         outcome = _attempt(method, planner, grid, arguments.start, arguments.goal)
         if outcome.error is not None and len(methods) == 1:
             raise outcome.error

@@ -78,6 +78,35 @@ def session_from_parameters(
     return PlanningSession(planning_map, requests, output, options)
 
 
+def planner_for(
+    robot: Robot,
+    method: str,
+    safety_distance: float = PlannerParameters().safety_distance,
+    **options: Any,
+) -> Planner[Any]:
+    """
+    Make a planner for a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    method : str
+        Name of the planning method.
+    safety_distance : float
+        Distance kept free around the circle that holds the robot's feet [m].
+    **options
+        As :func:`~quad_planner.methods.planner.make_planner` takes them.
+
+    Returns
+    -------
+    Planner
+        Without a map.
+    """
+    clearance = robot.footprint_radius + safety_distance
+    return make_planner(method, mesh_size=robot.mesh_size, clearance_radius=clearance, **options)
+
+
 def planner_from_parameters(
     parameters: PlannerParameters,
     robot: Robot,
@@ -104,16 +133,16 @@ def planner_from_parameters(
         Without a map.
     """
     p = parameters
-    return make_planner(
+    return planner_for(
+        robot,
         p.method,
+        p.safety_distance,
         pace=pace_from_parameters(p),
-        mesh_size=robot.mesh_size,
         any_angle=p.any_angle,
         fewest_turns=p.fewest_turns,
         potential=p.potential,
         influence=p.influence,
         path_deviation=p.path_deviation,
-        clearance_radius=robot.footprint_radius + p.safety_distance,
         start_tolerance=p.safety_distance,
         occupied_threshold=p.occupied_threshold,
         unknown_is_free=p.unknown_is_free,

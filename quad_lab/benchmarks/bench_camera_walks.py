@@ -18,8 +18,8 @@ from quad_common.robot.robot_file import load_robot
 from quad_lab.closed_loop.camera_walk import CameraWalk, CameraWalkOptions
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
-from quad_planner.methods.planner import make_planner
 from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import planner_for
 from quad_sim.simulation import ObstacleChange
 from quad_sim.world.random_room import Room, random_room
 from quad_sim.world.world import Obstacle, occupancy_of
@@ -196,11 +196,7 @@ def _leaves_a_way(room: Room, pillar: Obstacle, pose: Pose2D) -> bool:
     world = replace(room.world, obstacles=(*room.world.obstacles, pillar))
     robot = load_robot(_ROBOT)
     safety = PlannerParameters().safety_distance
-    planner = make_planner(
-        'shortest',
-        clearance_radius=robot.footprint_radius + safety,
-        start_tolerance=safety,
-    )
+    planner = planner_for(robot, 'shortest', safety, start_tolerance=safety)
     planner.set_map(occupancy_of(world, _RESOLUTION, room.bounds))
     try:
         planner.plan(pose, room.goal)

@@ -23,8 +23,8 @@ from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_lab.topic_walk.walk_record import WalkRecord, WalkResult
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.methods.planner import Planner, make_planner
-from quad_planner.parameters import PlannerParameters
+from quad_planner.methods.planner import Planner
+from quad_planner.planner_setup import planner_for
 from quad_sim.simulation import make_simulator
 
 PAIRS = 30
@@ -130,11 +130,7 @@ def draw_pairs(
     rng = np.random.default_rng(seed)
     loaded = []
     for path in maps:
-        planner = make_planner(
-            'mesh',
-            mesh_size=robot.mesh_size,
-            clearance_radius=robot.footprint_radius + PlannerParameters().safety_distance,
-        )
+        planner = planner_for(robot, 'mesh')
         grid = load_map(path)
         planner.set_map(grid)
         loaded.append((path, grid, planner))

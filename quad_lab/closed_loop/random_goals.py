@@ -14,8 +14,9 @@ from quad_common.maps.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.methods.planner import Planner, make_planner
+from quad_planner.methods.planner import Planner
 from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import planner_for
 
 _TRIES = 2000
 """Goals that are drawn before it is given up."""
@@ -49,14 +50,10 @@ class GoalDrawer:
     ) -> None:
         self._rng = np.random.default_rng(seed)
         self._grid = load_map(map_file)
-        self._planner: Planner[InflatedMap] = make_planner(
-            method,
-            mesh_size=robot.mesh_size,
-            clearance_radius=robot.footprint_radius
-            + PlannerParameters().safety_distance
-            + clearance,
-            # A robot stands a little beside the goal that it was given.
-            start_tolerance=PlannerParameters().safety_distance + clearance,
+        safety = PlannerParameters().safety_distance + clearance
+        # A robot stands a little beside the goal that it was given.
+        self._planner: Planner[InflatedMap] = planner_for(
+            robot, method, safety, start_tolerance=safety
         )
         self._planner.set_map(self._grid)
 

@@ -20,8 +20,8 @@ from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_planner.grid.traversability import Ground, GroundLimits
-from quad_planner.methods.planner import make_planner
 from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import planner_for
 from quad_sim.engines.simulator import Observation
 from quad_sim.world.terrain import Block, Terrain
 from quad_sim.world.terrain_shapes import boxes
@@ -220,12 +220,7 @@ def _planned(
     """Plan with both maps, as the planner node does."""
     scale = robot.relative_size
     safety = scale * PlannerParameters().safety_distance
-    planner = make_planner(
-        'shortest',
-        any_angle=True,
-        clearance_radius=robot.footprint_radius + safety,
-        start_tolerance=safety,
-    )
+    planner = planner_for(robot, 'shortest', safety, any_angle=True, start_tolerance=safety)
     assert world.terrain is not None
     ground = Ground(world.terrain.height_map, GroundLimits.of(robot))
     planner.set_map(ground.added_to(occupancy_of(world, scale * _GRID, bounds)))

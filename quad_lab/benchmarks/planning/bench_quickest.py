@@ -25,8 +25,8 @@ from quad_lab.tools.benchmark_maps import benchmark_maps
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.methods.planner import Planner, make_planner
-from quad_planner.parameters import PlannerParameters
+from quad_planner.methods.planner import Planner
+from quad_planner.planner_setup import planner_for
 
 Array = NDArray[np.float64]
 
@@ -159,13 +159,8 @@ def _requests(path: Path, rng: np.random.Generator) -> Iterator[_Request]:
     robot = load_robot(_ROBOT)
     planners: dict[str, Planner[InflatedMap]] = {}
     for label, (method, any_angle) in _METHODS.items():
-        planners[label] = make_planner(
-            method,
-            mesh_size=robot.mesh_size,
-            clearance_radius=robot.footprint_radius + PlannerParameters().safety_distance,
-            any_angle=any_angle,
-            pace=load_pace(_ROBOT, _GAIT),
-        )
+        pace = load_pace(_ROBOT, _GAIT)
+        planners[label] = planner_for(robot, method, any_angle=any_angle, pace=pace)
         planners[label].set_map(grid)
     prepared = planners['mesh'].prepared
     assert prepared is not None
