@@ -115,12 +115,12 @@ def _masks(arguments: argparse.Namespace) -> int:
     seen = segment(picture, ranges)
     drawn = draw_masks(picture, seen, ranges)
     write_picture(arguments.output, drawn)
-    shares = {name: float(np.mean(mask > 0)) for name, mask in seen.masks.items()}
+    fractions = {name: float(np.mean(mask > 0)) for name, mask in seen.masks.items()}
     if arguments.json:
-        print(json.dumps({'picture': str(arguments.output), 'shares': shares}))
+        print(json.dumps({'picture': str(arguments.output), 'fractions': fractions}))
         return 0
-    for name, share in shares.items():
-        print(f'{name:16} {100.0 * share:7.3f} % of the picture')
+    for name, fraction in fractions.items():
+        print(f'{name:16} {100.0 * fraction:7.3f} % of the picture')
     print(f'drawn in {arguments.output}')
     return 0
 

@@ -66,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--method',
         choices=PLANNING_METHODS,
         default='mesh',
-        help='how the way is planned; shortest and quickest take any angle',
+        help='how the path is planned; shortest and quickest take any angle',
     )
     parser.add_argument(
         '--turning', choices=TURNINGS, default='in_place', help='how it turns at turning points'
@@ -83,7 +83,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--perception',
         choices=('truth', 'camera'),
         default='truth',
-        help='what tells of room and robot: the simulator, or its ceiling camera alone',
+        help='source of map, goal and pose: the simulator, or its ceiling camera alone',
     )
     parser.add_argument(
         '--safety-distance',
@@ -202,7 +202,7 @@ def _recording(output: Path, console: Console) -> Path | None:
 
 
 def _existing(recording: Path | None) -> str | None:
-    """Return where a recording is; None if there is none, or nothing was heard for it."""
+    """Return where a recording is; None if there is none, or nothing was received for it."""
     return None if recording is None or not recording.is_dir() else str(recording)
 
 

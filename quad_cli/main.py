@@ -23,7 +23,7 @@ from quad_common.quoting import clipped
 COMMANDS = {
     'demo': 'walk from a start to a goal in simulation, and say how well it went',
     'plan': 'plan a path on a map, and draw it',
-    'reproduce': "draw a paper's figures anew, and print its numbers",
+    'reproduce': "draw a paper's figures again, and print its numbers",
     'bench': 'measure what quadwalk does, and compare it with what it should do',
     'calibrate': 'measure in simulation how far a gait goes, and keep it with the robot',
     'gait': 'list the gaits, or check one on a robot',

@@ -106,7 +106,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--path-deviation',
         type=parameter_argument(PlannerParameters, 'path_deviation'),
         default=PlannerParameters().path_deviation,
-        help="how far a path of 'potential' may be from the way down [m]",
+        help="how far a path of 'potential' may be from the descent [m]",
     )
     parser.add_argument('--robot', default='titan_viii', help='name or data file')
     parser.add_argument(

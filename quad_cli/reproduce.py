@@ -1,5 +1,5 @@
 """
-``quadwalk reproduce``: draw a paper's figures anew, and print its numbers.
+``quadwalk reproduce``: draw a paper's figures again, and print its numbers.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class GaitParameters:
     reaction_time: float = parameter(
         0.06,
         'On uneven ground a trajectory that answers to a contact begins so long after it; '
-        'joints hear of it in that time.',
+        'joints receive it in that time.',
         's',
         lower=0.01,
         upper=0.5,
@@ -77,7 +77,7 @@ class GaitParameters:
         LONGEST_PLAN, 'Plans with more poses are refused.', lower=1, upper=100_000
     )
     transient_local_plan: bool = parameter(
-        True, "Hear the last plan when starting late; false to hear volatile plans, as Nav2's."
+        True, "Receive the last plan when starting late; false for volatile plans, as Nav2's."
     )
     odom_topic: str = parameter(
         'odom', "Where the robot's pose comes from; 'odom/legs' for the node's own odometry."

@@ -31,14 +31,16 @@ class CeilingCameraParameters:
         [205.0, 50.0, 35.0], 'Of obstacles: red, green, blue, 0 to 255.'
     )
     front_color: list[float] = parameter(
-        [30.0, 80.0, 230.0], "Of the front disc on the robot's back, likewise."
+        [30.0, 80.0, 230.0], "Red, green and blue of the front disc on the robot's back."
     )
     rear_color: list[float] = parameter(
-        [250.0, 210.0, 0.0], "Of the rear disc on the robot's back, likewise."
+        [250.0, 210.0, 0.0], "Red, green and blue of the rear disc on the robot's back."
     )
-    goal_color: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
+    goal_color: list[float] = parameter(
+        [20.0, 170.0, 60.0], "Red, green and blue of the goal's disc."
+    )
     goal_heading_color: list[float] = parameter(
-        [215.0, 40.0, 200.0], "Of the disc that shows the goal's heading, likewise."
+        [215.0, 40.0, 200.0], "Red, green and blue of the disc that shows the goal's heading."
     )
     goal_distance: float = parameter(
         0.05, 'A goal marker that moved by less is where it was.', 'm', lower=0.005
@@ -49,7 +51,7 @@ class CeilingCameraParameters:
     confirmations: int = parameter(
         2, 'The map changes where so many pictures in a row show it.', lower=1, upper=20
     )
-    odometry_topic: str = parameter('odom/legs', 'What tells between two pictures.')
+    odometry_topic: str = parameter('odom/legs', 'Odometry between two pictures.')
     slip: float = parameter(
         0.03, "Standard deviation of the legs' odometry, for a metre walked.", 'm', lower=0.001
     )

@@ -22,7 +22,7 @@ class PlannerParameters:
     robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
     method: str = parameter(
         'mesh',
-        'How paths are searched: turning points on a mesh (S0), the shortest way over cells, '
+        'How paths are searched: turning points on a mesh (S0), the shortest path over cells, '
         'the one that takes the least time to walk, or down a potential (S1).',
         choices=PLANNING_METHODS,
     )
@@ -48,7 +48,7 @@ class PlannerParameters:
     )
     path_deviation: float = parameter(
         0.05,
-        "A path of 'potential' keeps this near to the way down, with few turning points.",
+        "A path of 'potential' keeps this near to the descent, with few turning points.",
         'm',
         lower=0.0,
         upper=1.0,
@@ -83,27 +83,27 @@ class PlannerParameters:
     )
     unknown_cost: float = parameter(
         1.0,
-        'A way through unknown cells counts so many times its length, if unknown_is_free is set. '
+        'A path through unknown cells counts so many times its length, if unknown_is_free is set. '
         "For 'shortest' and the navigation function of 'potential'.",
         lower=1.0,
         upper=15.0,
     )
     clearance_cost: float = parameter(
         1.0,
-        'A way along the safety boundary counts so many times its length; less, farther off. '
+        'A path along the safety boundary counts so many times its length; less, farther off. '
         "For 'shortest' and the navigation function of 'potential'.",
         lower=1.0,
         upper=15.0,
     )
     clearance_cost_distance: float = parameter(
         0.5,
-        'Farther from the safety boundary a way counts its length only.',
+        'Farther from the safety boundary a path counts its length only.',
         'm',
         lower=0.01,
         upper=100.0,
     )
     replan_distance: float = parameter(
-        0.3, 'The path is planned anew when the robot has left it by more.', 'm', lower=0.05
+        0.3, 'The path is planned again when the robot has left it by more.', 'm', lower=0.05
     )
     planning_timeout: float = parameter(
         5.0, 'A search that takes longer is given up.', 's', lower=0.01

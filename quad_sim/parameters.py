@@ -115,8 +115,8 @@ class SimParameters:
     )
     odom_drift: float = parameter(
         0.0,
-        'Drift of odom as real odometry has it: fraction of the way and of the angle turned, and '
-        'radians a metre.',
+        'Drift of odom as real odometry has it: fraction of the distance and of the angle turned, '
+        'and radians a metre.',
         lower=0.0,
         upper=0.5,
     )
@@ -159,19 +159,21 @@ class SimParameters:
     obstacle_color: list[float] = parameter(
         [205.0, 50.0, 35.0], 'Of walls and obstacles: red, green, blue, 0 to 255.'
     )
-    floor_color: list[float] = parameter([205.0, 205.0, 200.0], 'Of the floor, likewise.')
+    floor_color: list[float] = parameter([205.0, 205.0, 200.0], 'Red, green and blue of the floor.')
     floor_checker: float = parameter(
         0.0, 'Side of the squares of a pattern on the floor; 0: none.', 'm', lower=0.0, upper=10.0
     )
     front_color: list[float] = parameter(
-        [30.0, 80.0, 230.0], "Of the front disc on the robot's back, likewise."
+        [30.0, 80.0, 230.0], "Red, green and blue of the front disc on the robot's back."
     )
     rear_color: list[float] = parameter(
-        [250.0, 210.0, 0.0], "Of the rear disc on the robot's back, likewise."
+        [250.0, 210.0, 0.0], "Red, green and blue of the rear disc on the robot's back."
     )
-    goal_color: list[float] = parameter([20.0, 170.0, 60.0], "Of the goal's disc, likewise.")
+    goal_color: list[float] = parameter(
+        [20.0, 170.0, 60.0], "Red, green and blue of the goal's disc."
+    )
     goal_heading_color: list[float] = parameter(
-        [215.0, 40.0, 200.0], "Of the disc that shows the goal's heading, likewise."
+        [215.0, 40.0, 200.0], "Red, green and blue of the disc that shows the goal's heading."
     )
     camera_frame: str = parameter(
         'ceiling_camera', 'Frame of the camera: x right and y down in the picture.'

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 LEAST_POINTS = 4
 
 _LEAST_SPREAD = 0.03
-"""The points' extent across their longest one, as a share of it: below it they are in a line."""
+"""The points' extent across their longest one, as a fraction of it: below it they are in a line."""
 
 
 @dataclass(frozen=True, eq=False)

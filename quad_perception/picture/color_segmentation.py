@@ -92,7 +92,7 @@ class ColorRange:
         hue : float
             How far hues may be from the color's, below 90 [deg].
         saturation : float
-            The least saturation, as a share of the color's.
+            The least saturation, as a fraction of the color's.
         value : float
             The least value.
 

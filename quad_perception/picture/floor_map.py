@@ -18,9 +18,9 @@ from quad_perception.picture.floor_view import FloorView, Mask
 from quad_perception.picture.footprints import Footprint
 
 _MOST = 0.5
-"""A cell is what this share of it is."""
+"""Fraction of a cell that must show something for the cell to be it."""
 _STILL = 0.3
-"""A cell stays what it was while this share of it is."""
+"""Fraction of a cell that keeps it what it was."""
 
 
 def floor_map(
@@ -63,12 +63,12 @@ def floor_map(
         OccupancyGrid(cells, view.resolution, view.origin)
     ):
         before = previous.cells
-    # Noise makes shares near one half go to and fro, and each change is a new plan.
-    cells[view.share_of_cells(floor) >= np.where(before == FREE, _STILL, _MOST)] = FREE
+    # Noise makes fractions near one half go to and fro, and each change is a new plan.
+    cells[view.fraction_of_cells(floor) >= np.where(before == FREE, _STILL, _MOST)] = FREE
     if robot is not None:
         # A part of the robot that has the floor's color makes no obstacle vanish.
-        kept = (view.share_of_cells(robot) > 0.0) & (before != UNKNOWN)
+        kept = (view.fraction_of_cells(robot) > 0.0) & (before != UNKNOWN)
         cells[kept] = before[kept]
-    stands = view.share_of_cells(occupied) >= np.where(before == OCCUPIED, _STILL, _MOST)
+    stands = view.fraction_of_cells(occupied) >= np.where(before == OCCUPIED, _STILL, _MOST)
     cells[stands] = OCCUPIED
     return OccupancyGrid(cells, view.resolution, view.origin)

@@ -157,9 +157,9 @@ class FloorView:
         on_plan: Array = (points - self.corner) / self.step
         return on_plan
 
-    def share_of_cells(self, mask: Mask) -> NDArray[np.float32]:
+    def fraction_of_cells(self, mask: Mask) -> NDArray[np.float32]:
         """
-        Find which share of each cell of the map is set on the plan.
+        Find which fraction of each cell of the map is set on the plan.
 
         Parameters
         ----------
@@ -173,12 +173,12 @@ class FloorView:
         """
         (left, low), (right, high) = self._window * self.parts
         height, width = self.shape
-        shares: NDArray[np.float32] = cv2.resize(
+        fractions: NDArray[np.float32] = cv2.resize(
             mask[low:high, left:right].astype(np.float32),
             (width, height),
             interpolation=cv2.INTER_AREA,
         )
-        return shares / np.float32(255.0)
+        return fractions / np.float32(255.0)
 
 
 def _checked(bounds: Box) -> Box:

@@ -34,11 +34,11 @@ Mask = NDArray[np.uint8]
 _SIDE, _TOP = 1, 3
 """What is seen of an obstacle."""
 _BRIGHT = 0.9
-"""Tops are at least as bright as this share of the brightest part of a blob."""
+"""Tops are at least as bright as this fraction of the brightest part of a blob."""
 _LEVEL = 92.0
 """The percentile of a blob's values that is the brightness of its top."""
 _SAME_LIGHT = 0.75
-"""A blob darker than this share of the brightest one shows no top."""
+"""A blob darker than this fraction of the brightest one shows no top."""
 _RAYS = 40
 """At most so many rays measure a side."""
 _STEP = 0.5
@@ -52,7 +52,7 @@ _LEAST_RADIUS = 8.0
 _SAME_HEIGHT = 0.08
 """Rays whose heights differ by more are of different obstacles [m]."""
 _LEAST_GROUP = 0.2
-"""So large a share of a top's rays is an obstacle of its own."""
+"""So large a fraction of a top's rays is an obstacle of its own."""
 _GRAZING = 3.0
 """A side that is shorter is no proof of a second obstacle [points of the plan]."""
 _LEAST_RAYS = 4
@@ -177,7 +177,7 @@ class FootprintFinder:
             yield part, 1.0 - ratio, camera_height * ratio
 
     def _split(self, top: Mask, corner: tuple[int, int], rays: list[Array]) -> list[Mask]:
-        """Split a top that two obstacles share: each point is of the group with the nearest ray."""
+        """Split a top of two obstacles: each point belongs to the group with the nearest ray."""
         rows, columns = np.nonzero(top)
         outward = np.column_stack((columns, rows)) + 0.5 + corner - self.view.nadir
         outward /= np.maximum(np.hypot(outward[:, 0], outward[:, 1]), 1e-9)[:, None]

@@ -25,13 +25,13 @@ from quad_perception.picture.color_segmentation import Mask, Segmentation
 Array = NDArray[np.float64]
 
 _LEAST_SHARE = 0.05
-"""Spots of a smaller share of the disc's area are noise."""
+"""Spots of a smaller fraction of the disc's area are noise."""
 _WHOLE_SHARE = 0.8
 """A disc of which less is seen has its center elsewhere than its centroid."""
 _TOO_LARGE = 1.5
 """What is larger than a disc by this is none."""
 _DISTANCE_TOLERANCE = 0.2
-"""By this share the distance of two discs may be wrong, and by so many metres besides."""
+"""By this fraction the distance of two discs may be wrong, and by so many metres besides."""
 _DISTANCE_SLACK = 0.02
 _EDGE_DEVIATION = 0.3
 """Standard deviation of where a pixel cuts an edge [pixels]."""

@@ -35,7 +35,7 @@ def draw_masks(rgb: Picture, seen: Segmentation, ranges: Sequence[ColorRange]) -
     -------
     ndarray of uint8, shape (height + 22 n, width, 3)
         The picture, gray and dim, with what n ranges catch in the middle of their colors;
-        below it their names and shares of the picture. White: caught by several.
+        below it their names and fractions of the picture. White: caught by several.
     """
     gray = cv2.cvtColor(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
     drawn = (_DIM * gray).astype(np.uint8)

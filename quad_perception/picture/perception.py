@@ -38,7 +38,7 @@ _AROUND_FEET = 0.15
 """That the robot has to itself, beyond the circle of its feet [m]."""
 
 _LEAST_FLOOR = 0.6
-"""The floor is brighter than this share of the median of what has its color."""
+"""The floor is brighter than this fraction of the median of what has its color."""
 
 
 def default_ranges(

@@ -12,7 +12,7 @@ _DARK = 20
 _BRIGHT = 252
 """Pixels whose least number is at least this are overexposed."""
 _MOST = 0.98
-"""This share of such pixels is too much."""
+"""Fraction of such pixels that is too much."""
 _EVERY = 8
 """Every so many rows and columns are looked at."""
 

@@ -1,12 +1,12 @@
 """
 The robot's pose on the map, from a camera's rare pictures and the legs' steady odometry.
 
-Leg odometry tells every step, but drifts; a camera tells where the robot was when it took
+Leg odometry measures every step, but drifts; a camera shows where the robot was when it took
 the picture, late and with noise. What is estimated is the transform from the odometry's
 frame to the map's, map -> odom of REP-105: it changes only by the drift. A Kalman filter
 with one state, this transform, seen from the robot:
 
-- between pictures its covariance grows with the way walked and the angle turned,
+- between pictures its covariance grows with the distance walked and the angle turned,
 - a picture corrects it by the difference between the camera's pose and where odometry had
   the robot at the picture's own time, however late the picture comes.
 """
@@ -126,7 +126,7 @@ class PoseFusion:
         Parameters
         ----------
         time : float
-            Of the pose [s]. A time before the last one begins all anew.
+            Of the pose [s]. A time before the last one starts over.
         pose : Pose2D
             Of the robot in the odometry's frame.
         """
@@ -196,12 +196,13 @@ class PoseFusion:
 
     def _drift(self, before: Pose2D, after: Pose2D) -> None:
         """Let the covariance grow by a random walk; poses on the map."""
-        way = before.distance_to(after)
+        distance = before.distance_to(after)
         # An error of the heading leads sideways.
         lead = np.eye(3)
         lead[:2, 2] = before.y - after.y, after.x - before.x
-        along = self._options.slip**2 * way
-        around = self._options.turning_slip**2 * (way + abs(wrap_angle(after.yaw - before.yaw)))
+        along = self._options.slip**2 * distance
+        turned = abs(wrap_angle(after.yaw - before.yaw))
+        around = self._options.turning_slip**2 * (distance + turned)
         drift = np.diag([along, along, around])
         self._covariance = lead @ self._covariance @ lead.T + drift
 

@@ -179,7 +179,7 @@ class SceneTracker:
         return goal
 
     def _refuse_frozen(self, rgb: Picture) -> None:
-        """Refuse a picture that shows nothing of a walk that the legs tell of."""
+        """Refuse a picture that shows nothing of a walk that the legs measure."""
         if self._last is None or not np.array_equal(rgb, self._last):
             self._last, self._last_at = rgb.copy(), self._odometry
             return

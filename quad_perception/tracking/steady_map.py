@@ -1,7 +1,7 @@
 """
 A map that changes only where several pictures in a row agree.
 
-One picture's noise makes cells flicker, and every change makes a planner plan anew.
+One picture's noise makes cells flicker, and every change makes a planner plan again.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class SteadyMap:
         Parameters
         ----------
         seen : OccupancyGrid
-            Of the picture. One of another size or place begins all anew.
+            Of the picture. One of another size or place starts over.
 
         Returns
         -------

@@ -1,5 +1,5 @@
 """
-Rooms with obstacles at random, in which a robot finds a way from a start to a goal.
+Rooms with obstacles at random, in which a robot finds a path from a start to a goal.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def random_room(
     """
     Draw a room.
 
-    A disc that is as large as the robot's clearance finds a way from the start to the goal: no two
+    A disc that is as large as the robot's clearance finds a path from the start to the goal: no two
     obstacles are nearer to each other than its diameter, and none bars a corner of the room.
     Grown by the clearance, the obstacles are then convex, apart, and each meets one side of
     what the disc's center may reach at most, so that what is left hangs together.
@@ -77,7 +77,7 @@ def random_room(
     size : float
         Side of the room [m].
     clearance : float
-        Radius of the disc that is to find its way [m].
+        Radius of the disc that is to find a path [m].
     friction : float
         Coulomb friction between feet and ground.
 

@@ -85,7 +85,7 @@ def slope(
     cells: HeightMap, start: Pose2D, angle: float, length: float = 1.5, clear: float = 0.8
 ) -> HeightMap:
     """
-    Lay a ramp across the way: up, level, and down again.
+    Lay a ramp across the path: up, level, and down again.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def kerb(
     cells: HeightMap, start: Pose2D, height: float, length: float = 1.5, clear: float = 0.8
 ) -> Block:
     """
-    Lay a low platform across the way: a step up, and farther on a step down.
+    Lay a low platform across the path: a step up, and farther on a step down.
 
     Parameters
     ----------

@@ -43,10 +43,10 @@ def test_masks_are_drawn_and_counted(files, capsys):
     assert (
         main(['camera', 'masks', str(files / 'room.png'), '--output', str(output), '--json']) == 0
     )
-    shares = json.loads(capsys.readouterr().out)['shares']
-    assert shares['obstacle'] == pytest.approx((1.0 / 0.015 / 640.0) ** 2, rel=0.05)
-    assert shares['floor'] > 0.9
-    assert shares['robot_front'] == 0.0
+    fractions = json.loads(capsys.readouterr().out)['fractions']
+    assert fractions['obstacle'] == pytest.approx((1.0 / 0.015 / 640.0) ** 2, rel=0.05)
+    assert fractions['floor'] > 0.9
+    assert fractions['robot_front'] == 0.0
     assert cv2.imread(str(output)).shape == (640 + 22 * 6, 640, 3)
 
 
@@ -54,8 +54,8 @@ def test_a_file_of_colors_takes_the_place_of_the_usual_ones(files, capsys):
     (files / 'colors.yaml').write_text('obstacle: {lower: [90, 0.3, 0.1], upper: [150, 1, 1]}\n')
     arguments = ['--colors', str(files / 'colors.yaml'), '--output', str(files / 'm.png')]
     assert main(['camera', 'masks', str(files / 'room.png'), *arguments, '--json']) == 0
-    shares = json.loads(capsys.readouterr().out)['shares']
-    assert 0.0 < shares['obstacle'] == shares['goal']
+    fractions = json.loads(capsys.readouterr().out)['fractions']
+    assert 0.0 < fractions['obstacle'] == fractions['goal']
 
 
 def test_a_picture_becomes_a_map_and_poses(files, capsys):
