@@ -16,10 +16,12 @@ if TYPE_CHECKING:
     from quad_planner.methods.planner import Planner as Planner
     from quad_planner.methods.planner import PlanningMethod as PlanningMethod
     from quad_planner.methods.planner import make_planner as make_planner
+    from quad_planner.planner_setup import planner_for as planner_for
 else:
     __getattr__, __dir__, __all__ = lazy_names(
         __name__,
         {
+            'quad_planner.planner_setup': ('planner_for',),
             'quad_planner.methods.planner': ('Planner', 'PlanningMethod', 'make_planner'),
             'quad_planner.methods.cell_costs': ('ClearanceCost', 'UnknownCost'),
         },
