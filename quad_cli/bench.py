@@ -43,9 +43,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('benchmark', choices=sorted(BENCHMARKS))
     parser.add_argument('--quick', action='store_true', help='a sample that ends within 45 s')
-    parser.add_argument('--seed', type=seed_argument, default=0, help='of what is drawn at random')
     parser.add_argument(
-        '--only', nargs='+', default=[], metavar='PART', help='of benchmarks that have parts'
+        '--seed', type=seed_argument, default=0, help='seed of what is drawn at random'
+    )
+    parser.add_argument(
+        '--only',
+        nargs='+',
+        default=[],
+        metavar='PART',
+        help='parts to run, of benchmarks with parts',
     )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 

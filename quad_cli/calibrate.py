@@ -46,7 +46,9 @@ EXAMPLES = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument('--robot', default='titan_viii', help='name, or path of a robot data file')
+    parser.add_argument(
+        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
     parser.add_argument('--gait', default='trot', help='name of a gait, or path of a gait file')
     parser.add_argument(
         '--motion',

@@ -53,13 +53,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest='action', metavar='action', required=True)
     masks = actions.add_parser('masks', help='draw which pixels each range of colors catches')
-    masks.add_argument('picture', type=input_argument, help='of the room; of a video the first one')
+    masks.add_argument('picture', type=input_argument, help='picture of the room, or a video')
     masks.add_argument(
         '--output', type=output_argument, default=Path('masks.png'), help='picture to write'
     )
     mapping = actions.add_parser('map', help='make a map from a picture, and find robot and goal')
-    mapping.add_argument('picture', type=input_argument, help='of the room, or a video')
-    mapping.add_argument('--camera', type=input_argument, required=True, help='its file')
+    mapping.add_argument('picture', type=input_argument, help='picture of the room, or a video')
+    mapping.add_argument('--camera', type=input_argument, required=True, help='camera file')
     mapping.add_argument(
         '--output', type=output_argument, default=None, help='Nav2 map file to write'
     )
@@ -67,27 +67,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--drawn',
         type=output_argument,
         default=None,
-        help='picture to write: the last one, and what it shows',
+        help='picture to write: the last one with what it shows',
     )
     mapping.add_argument('--robot', default='titan_viii', help='name or data file')
     mapping.add_argument(
         '--resolution',
         type=quantity_argument('resolution', CELL_SIZE),
         default=0.05,
-        help='side of a cell [m]',
+        help='side of a cell of the map [m]',
     )
     mapping.add_argument(
         '--bounds', type=_bounds, default=None, help='x_min,y_min,x_max,y_max of the map [m]'
     )
     mapping.add_argument(
-        '--every', type=count_argument, default=1, help='of a video, take one picture of so many'
+        '--every',
+        type=count_argument,
+        default=1,
+        help='number of pictures of a video of which one is taken',
     )
     calibrating = actions.add_parser('calibrate', help='find where a camera is')
     calibrating.add_argument(
-        '--camera', type=input_argument, required=True, help='its lens, or its old file'
+        '--camera',
+        type=input_argument,
+        required=True,
+        help='file with the lens, or an old camera file',
     )
     calibrating.add_argument(
-        '--points', type=input_argument, required=True, help='file of four or more'
+        '--points', type=input_argument, required=True, help='file with four points or more'
     )
     calibrating.add_argument(
         '--output', type=output_argument, default=None, help='camera file to write'
@@ -97,7 +103,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             '--colors',
             type=input_argument,
             default=None,
-            help='YAML file of ranges, instead of the usual',
+            help='YAML file of color ranges',
         )
     for action in (masks, mapping, calibrating):
         action.add_argument('--json', action='store_true', help='print one JSON object only')

@@ -57,19 +57,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--start', type=pose_argument, default=Pose2D(1.2, 1.2, 0.0), help='x,y,yaw [m, m, rad]'
     )
     parser.add_argument(
-        '--goal', type=pose_argument, default=Pose2D(6.8, 4.8, math.pi / 2), help='x,y,yaw'
+        '--goal',
+        type=pose_argument,
+        default=Pose2D(6.8, 4.8, math.pi / 2),
+        help='x,y,yaw [m, m, rad]',
     )
-    parser.add_argument('--seed', type=seed_argument, default=0, help="of the sensors' noise")
-    parser.add_argument('--robot', default='titan_viii', help='name or data file')
+    parser.add_argument('--seed', type=seed_argument, default=0, help="seed of the sensors' noise")
+    parser.add_argument(
+        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
     parser.add_argument('--gait', default='crawl', help='name of a gait, or path of a gait file')
     parser.add_argument(
         '--method',
         choices=PLANNING_METHODS,
         default='mesh',
-        help='how the path is planned; shortest and quickest take any angle',
+        help='planning method; shortest and quickest take any angle',
     )
     parser.add_argument(
-        '--turning', choices=TURNINGS, default='in_place', help='how it turns at turning points'
+        '--turning',
+        choices=TURNINGS,
+        default='in_place',
+        help='how the robot turns at turning points',
     )
     parser.add_argument(
         '--backend', choices=('bullet', 'kinematic'), default='bullet', help='the simulator'
@@ -77,7 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--terrain',
         default='flat',
-        help='bumps, slope, cross_slope, kerb, noise, boxes, several with +, or a height map file',
+        help='ground: bumps, slope, cross_slope, kerb, noise, boxes; several with +; or a file',
     )
     parser.add_argument(
         '--perception',
@@ -89,13 +97,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--safety-distance',
         type=parameter_argument(PlannerParameters, 'safety_distance'),
         default=None,
-        help='around the feet [m]',
+        help='distance kept free around the feet [m]',
     )
     parser.add_argument(
         '--real-time-factor',
         type=quantity_argument('real_time_factor', Quantity(0.0, 1000.0)),
         default=0.0,
-        help='0: as fast as possible (default)',
+        help='simulated over real time; 0: as fast as possible (default)',
     )
     parser.add_argument('--gui', action='store_true', help="show PyBullet's window")
     parser.add_argument(

@@ -49,21 +49,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listing.add_argument('--json', action='store_true', help='print one JSON object only')
     checking = actions.add_parser('check', help='say what a gait can do, and what is wrong with it')
     checking.add_argument('gait', help='name of a gait, or path of a gait file')
-    checking.add_argument('--robot', default='titan_viii', help='name, or path of a data file')
+    checking.add_argument(
+        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
     checking.add_argument(
         '--least-margin',
         type=quantity_argument('least margin', Quantity(-10.0, 10.0, 'm')),
         default=0.0,
-        help='of static gaits, 0 if left out [m]',
+        help='least stability margin of static gaits, 0 if left out [m]',
     )
     checking.add_argument('--json', action='store_true', help='print one JSON object only')
     pacing = actions.add_parser(
         'pace', help="derive how far each gait's cycles go, and write it for the planner"
     )
-    pacing.add_argument('gaits', nargs='*', default=list(PACED), help='names, or gait files')
-    pacing.add_argument('--robot', default='titan_viii', help='name, or path of a data file')
     pacing.add_argument(
-        '--output', type=output_argument, default=None, help='instead of beside the robot'
+        'gaits', nargs='*', default=list(PACED), help='names of gaits, or paths of gait files'
+    )
+    pacing.add_argument(
+        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
+    pacing.add_argument(
+        '--output',
+        type=output_argument,
+        default=None,
+        help='file to write; beside the robot if left out',
     )
     pacing.add_argument('--json', action='store_true', help='print one JSON object only')
 

@@ -68,28 +68,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--step-height',
         type=parameter_argument(PlannerParameters, 'step_height'),
         default=PlannerParameters().step_height,
-        help="higher steps of it are walked around; 0: the robot's own [m]",
+        help="height of steps above which they are walked around; 0: the robot's own [m]",
     )
     parser.add_argument(
         '--largest-slope',
         type=parameter_argument(PlannerParameters, 'largest_slope'),
         default=PlannerParameters().largest_slope,
-        help='steeper ground of it is walked around [rad]',
+        help='slope above which ground is walked around [rad]',
     )
     parser.add_argument(
         '--low-obstacles',
         choices=LOW_OBSTACLES,
         default=PlannerParameters().low_obstacles,
-        help='what becomes of obstacles that it shows to be low',
+        help='what becomes of obstacles that the height map shows to be low',
     )
     parser.add_argument('--start', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
-    parser.add_argument('--goal', type=pose_argument, required=True, help='x,y,yaw')
+    parser.add_argument('--goal', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
     parser.add_argument(
         '--method',
         choices=sorted(METHODS),
         nargs='+',
         default=['mesh'],
-        help='one, or several to compare',
+        help='planning method, or several to compare',
     )
     parser.add_argument(
         '--any-angle',
@@ -100,7 +100,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--potential',
         choices=POTENTIALS,
         default=PlannerParameters().potential,
-        help="what 'potential' descends",
+        help="potential that 'potential' descends",
     )
     parser.add_argument(
         '--path-deviation',
@@ -108,20 +108,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=PlannerParameters().path_deviation,
         help="how far a path of 'potential' may be from the descent [m]",
     )
-    parser.add_argument('--robot', default='titan_viii', help='name or data file')
+    parser.add_argument(
+        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
     parser.add_argument(
         '--gait',
         default=PlannerParameters().gait,
-        help='whose cycles are counted: crawl, wave, trot',
+        help='gait whose cycles are counted: crawl, wave, trot',
     )
     parser.add_argument(
         '--safety-distance',
         type=parameter_argument(PlannerParameters, 'safety_distance'),
         default=PlannerParameters().safety_distance,
-        help='kept free around the feet [m]',
+        help='distance kept free around the feet [m]',
     )
     parser.add_argument(
-        '--picture', type=drawing_argument, default=None, help='where to draw the plans'
+        '--picture', type=drawing_argument, default=None, help='picture of the plans to write'
     )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 

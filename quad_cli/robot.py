@@ -22,7 +22,7 @@ robots that ship: {', '.join(available_robots())}
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('action', choices=('check', 'urdf'))
-    parser.add_argument('robot', help='name or data file')
+    parser.add_argument('robot', help='name of a robot, or path of a data file')
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
