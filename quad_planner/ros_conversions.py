@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.errors import MapError
+from quad_common.errors import MapSizesDisagree, MapTooLarge
 from quad_common.maps.occupancy_grid import MAX_CELLS, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.ros.pose_conversions import checked_name, pose_from_message, pose_message
@@ -48,15 +48,9 @@ def grid_from_message(message: OccupancyGridMessage, most_cells: int = MAX_CELLS
     checked_name(message.header.frame_id, 'map')
     cells = np.frombuffer(message.data, dtype=np.int8)
     if max(cells.size, info.width * info.height) > most_cells:
-        raise MapError(
-            f'the map has {info.width} x {info.height} cells, and {cells.size} are given; '
-            f'{most_cells} are the most'
-        )
+        raise MapTooLarge(info.width, info.height, cells.size, most_cells)
     if cells.size != info.width * info.height:
-        raise MapError(
-            f'the map has {cells.size} cells; {info.width} x {info.height} needs '
-            f'{info.width * info.height}'
-        )
+        raise MapSizesDisagree(info.width, info.height, cells.size)
     origin = pose_from_message(info.origin, "map's origin")
     return OccupancyGrid(cells.reshape(info.height, info.width).copy(), info.resolution, origin)
 

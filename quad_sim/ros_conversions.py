@@ -16,7 +16,15 @@ from sensor_msgs.msg import Imu, JointState
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.errors import InvalidMessage, InvalidPose, ParameterError, TrajectoryError
+from quad_common.errors import (
+    InvalidMessage,
+    InvalidPose,
+    NoJointsNamed,
+    ParameterError,
+    PointMalformed,
+    TooManyJoints,
+    TooManyPoints,
+)
 from quad_common.quoting import quoted
 from quad_common.ros.pose_conversions import (
     checked_name,
@@ -78,19 +86,14 @@ def trajectory_from_message(
     """
     joints = len(message.joint_names)
     if joints == 0:
-        raise TrajectoryError('the trajectory names no joints; it needs at least one')
+        raise NoJointsNamed()
     if joints > _MOST_JOINTS:
-        raise TrajectoryError(f'the trajectory names {joints} joints; {_MOST_JOINTS} are the most')
+        raise TooManyJoints(joints, _MOST_JOINTS)
     if len(message.points) > most_points:
-        raise TrajectoryError(
-            f'the trajectory has {len(message.points)} points; {most_points} are the most'
-        )
+        raise TooManyPoints(len(message.points), most_points)
     for index, point in enumerate(message.points):
         if len(point.positions) != joints or len(point.velocities) not in (0, joints):
-            raise TrajectoryError(
-                f'point {index} has {len(point.positions)} positions and '
-                f'{len(point.velocities)} velocities for {joints} joints'
-            )
+            raise PointMalformed(index, len(point.positions), len(point.velocities), joints)
     return JointTrajectory(
         joint_names=tuple(message.joint_names),
         stamp=seconds_from_time(message.header.stamp),

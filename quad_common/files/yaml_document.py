@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from quad_common.errors import FileUnusable, OutOfRange, QuadError, UnknownKey
+from quad_common.errors import FileEntryInvalid, FileUnusable, OutOfRange, QuadError, UnknownKey
 from quad_common.files.bounded_file import LARGEST_TEXT, read_text
 from quad_common.quoting import clipped, shown
 
@@ -99,7 +99,7 @@ def check_keys(document: Mapping[str, Any], valid: Collection[str], name: str = 
 
 
 def in_file(
-    error: QuadError, what: str, path: Path, kind: type[QuadError], ranged: type[OutOfRange]
+    error: QuadError, what: str, path: Path, kind: type[FileEntryInvalid], ranged: type[OutOfRange]
 ) -> QuadError:
     """
     Return an error about an entry as one about the file that it stands in.
@@ -113,7 +113,7 @@ def in_file(
     path : Path
         The file.
     kind : type
-        Error of this kind of file; it takes a sentence.
+        Error of this kind of file about any other entry.
     ranged : type
         Error of this kind of file about a quantity outside its range.
 
@@ -122,10 +122,9 @@ def in_file(
     QuadError
         Of one of the two kinds.
     """
-    where = f'{what} {path}: '
     if isinstance(error, OutOfRange):
-        return error.at(where, ranged)
-    return kind(f'{where}{error}')
+        return error.at(f'{what} {path}: ', ranged)
+    return kind(what, path, error)
 
 
 class _BoundedLoader(yaml.SafeLoader):

@@ -16,9 +16,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from quad_common.errors import MapError, MapValueOutOfRange, OutOfRange, ParameterError
+from quad_common.errors import (
+    CellCountOutOfRange,
+    MapArrayInvalid,
+    MapBoundsUnusable,
+    MapOriginInvalid,
+    MapValueOutOfRange,
+    OutOfRange,
+    ParameterError,
+)
 from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
-from quad_common.quoting import shown
 
 Array = NDArray[np.float64]
 
@@ -62,20 +69,10 @@ class HeightMap:
             or heights.ndim != 2
             or not np.issubdtype(heights.dtype, np.floating)
         ):
-            raise MapError(
-                'the heights of a height map must be a two-dimensional array of floats, not '
-                + (
-                    f'{heights.ndim}-dimensional of {heights.dtype}'
-                    if isinstance(heights, np.ndarray)
-                    else f'a {type(heights).__name__}'
-                )
-            )
+            raise MapArrayInvalid.of('the heights of a height map', 'floats', heights)
         rows, columns = heights.shape
         if not 0 < heights.size <= MAX_CELLS:
-            raise MapError(
-                f'the height map has {columns} x {rows} cells; '
-                f'it must have between 1 and {MAX_CELLS}'
-            )
+            raise CellCountOutOfRange('the height map', columns, rows, MAX_CELLS)
         self._check_place()
         outside = np.abs(heights) > HEIGHT.upper
         if outside.any():
@@ -92,7 +89,7 @@ class HeightMap:
     def _check_place(self) -> None:
         """Refuse cells of no sensible size, or an origin out of this world."""
         if len(self.origin) != 2:
-            raise MapError(f'the origin of the height map is {shown(self.origin)}; give x and y')
+            raise MapOriginInvalid(self.origin)
         try:
             CELL_SIZE.check('resolution', self.resolution)
             for name, value in zip(('origin.x', 'origin.y'), self.origin, strict=True):
@@ -124,16 +121,10 @@ class HeightMap:
         x_min, y_min, x_max, y_max = bounds
         sides = [x_max - x_min, y_max - y_min]
         if not (resolution > 0.0 and all(0.0 < side < math.inf for side in sides)):
-            raise MapError(
-                f'a height map from ({x_min}, {y_min}) to ({x_max}, {y_max}) m with cells of '
-                f'{resolution} m has no cells; it must have between 1 and {MAX_CELLS}'
-            )
+            raise MapBoundsUnusable('a height map', bounds, resolution, MAX_CELLS)
         columns, rows = (math.ceil(side / resolution - 1e-9) for side in sides)
         if columns * rows > MAX_CELLS:
-            raise MapError(
-                f'the height map has {columns} x {rows} cells; '
-                f'it must have between 1 and {MAX_CELLS}'
-            )
+            raise CellCountOutOfRange('the height map', columns, rows, MAX_CELLS)
         return cls(np.full((rows, columns), height), resolution, (x_min, y_min))
 
     def with_heights(self, heights: Array) -> HeightMap:

@@ -18,7 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from quad_common.errors import FileUnusable, MapError, QuadError
+from quad_common.errors import (
+    FileUnusable,
+    HeightImageNotGray,
+    HeightImageTooLarge,
+    MapFileUnusable,
+    QuadError,
+)
 from quad_common.files.bounded_file import check_target, user_path, write_text
 from quad_common.maps.height_map import HEIGHT, MAX_CELLS, HeightMap
 from quad_common.maps.map_document import image_of, in_map_file, number_of, read_document, value_of
@@ -114,18 +120,15 @@ def save_height_map(terrain: HeightMap, path: str | Path) -> None:
             _WHAT,
         )
     except FileUnusable as error:
-        raise MapError(str(error)) from error
+        raise error.of_kind(MapFileUnusable) from error
     except (OSError, ValueError) as error:
-        raise MapError(f'height map file {path} cannot be written: {error}') from error
+        raise MapFileUnusable(_WHAT, path, f'cannot be written: {error}') from error
 
 
 def _shades(image: Image.Image) -> NDArray[np.uint16]:
     """Return the shades of a gray image of 16 bits."""
     if not image.mode.startswith('I'):
-        raise MapError(f'the image is of mode {image.mode}; it must be gray with 16 bits')
+        raise HeightImageNotGray(image.mode)
     if image.width * image.height > MAX_CELLS:
-        raise MapError(
-            f'the image has {image.width} x {image.height} pixels; '
-            f'it must have between 1 and {MAX_CELLS}'
-        )
+        raise HeightImageTooLarge(image.width, image.height, MAX_CELLS)
     return np.asarray(image).astype(np.uint16)

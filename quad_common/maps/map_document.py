@@ -8,15 +8,18 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from quad_common.errors import FileUnusable, MapError, MapValueOutOfRange, QuadError
+from quad_common.errors import (
+    FileUnusable,
+    MapEntryInvalid,
+    MapFileUnusable,
+    MapValueOutOfRange,
+    MissingKey,
+    ParameterError,
+    QuadError,
+)
 from quad_common.files.bounded_file import user_path
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
 from quad_common.quantity import Quantity
-from quad_common.quoting import shown
-
-
-class InvalidEntry(QuadError):
-    """What is wrong with a map file, still without the file's name."""
 
 
 def read_document(
@@ -50,7 +53,7 @@ def read_document(
         path = user_path(path, what)
         document = read_yaml(path, what, 'keys such as image, resolution and origin')
     except FileUnusable as error:
-        raise MapError(str(error)) from error
+        raise error.of_kind(MapFileUnusable) from error
     try:
         check_keys(document, keys)
     except QuadError as error:
@@ -60,13 +63,13 @@ def read_document(
 
 def in_map_file(error: QuadError, what: str, path: Path) -> QuadError:
     """Return an error about an entry as a MapError about the file that it stands in."""
-    return in_file(error, what, path, MapError, MapValueOutOfRange)
+    return in_file(error, what, path, MapEntryInvalid, MapValueOutOfRange)
 
 
 def value_of(document: Mapping[str, Any], key: str) -> Any:
-    """Return the value of a key; InvalidEntry if it is missing."""
+    """Return the value of a key; raise MissingKey if there is none."""
     if key not in document:
-        raise InvalidEntry(f"the key '{key}' is missing")
+        raise MissingKey(key)
     return document[key]
 
 
@@ -76,8 +79,8 @@ def number_of(document: Mapping[str, Any], key: str, quantity: Quantity) -> floa
 
 
 def image_of(document: Mapping[str, Any]) -> str:
-    """Return the name of the image; InvalidEntry if there is none."""
+    """Return the name of the image; raise ParameterError if there is none."""
     image = document.get('image')
     if not isinstance(image, str) or not image:
-        raise InvalidEntry(f"'image' is {shown(image)}; it must be the name of an image file")
+        raise ParameterError('image', image, 'the name of an image file')
     return image

@@ -26,10 +26,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from quad_common.errors import FileUnusable, MapError, QuadError
+from quad_common.errors import (
+    FileUnusable,
+    MapFileUnusable,
+    ParameterError,
+    QuadError,
+    ThresholdsCrossed,
+)
 from quad_common.files.bounded_file import check_target, user_path, write_text
 from quad_common.maps.map_document import (
-    InvalidEntry,
     image_of,
     in_map_file,
     number_of,
@@ -46,7 +51,6 @@ from quad_common.maps.occupancy_grid import (
 )
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import ANGLE, CELL_SIZE, COORDINATE, Quantity, list_of
-from quad_common.quoting import shown
 
 MODES = ('trinary', 'scale', 'raw')
 
@@ -87,19 +91,14 @@ def load_map(path: str | Path) -> OccupancyGrid:
     try:
         mode = str(document.get('mode', 'trinary')).lower()
         if mode not in MODES:
-            raise InvalidEntry(
-                f"'mode' is {shown(document['mode'])}; it must be one of {', '.join(MODES)}"
-            )
+            raise ParameterError('mode', document['mode'], f'one of {", ".join(MODES)}')
         resolution = number_of(document, 'resolution', QUANTITIES['resolution'])
         origin = _origin(value_of(document, 'origin'))
         free, occupied = (
             number_of(document, key, QUANTITIES[key]) for key in ('free_thresh', 'occupied_thresh')
         )
         if not free <= occupied:
-            raise InvalidEntry(
-                f"'free_thresh' is {free:g} and 'occupied_thresh' {occupied:g}; "
-                'they must be 0 <= free_thresh <= occupied_thresh <= 1'
-            )
+            raise ThresholdsCrossed(free, occupied)
         negate = _flag(document, 'negate')
         image = path.parent / image_of(document)
         gray, alpha = decode_image(image, _FORMATS, _gray_and_alpha)
@@ -151,9 +150,9 @@ def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25)
             'map file',
         )
     except FileUnusable as error:
-        raise MapError(str(error)) from error
+        raise error.of_kind(MapFileUnusable) from error
     except (OSError, ValueError) as error:
-        raise MapError(f'map file {path} cannot be written: {error}') from error
+        raise MapFileUnusable('map file', path, f'cannot be written: {error}') from error
 
 
 def _origin(value: Any) -> Pose2D:
@@ -168,7 +167,7 @@ def _origin(value: Any) -> Pose2D:
 def _flag(document: Mapping[str, Any], key: str) -> bool:
     value = value_of(document, key)
     if value not in (0, 1) or not isinstance(value, (bool, int)):
-        raise InvalidEntry(f"'{key}' is {shown(value)}; it must be 0 or 1")
+        raise ParameterError(key, value, '0 or 1')
     return bool(value)
 
 

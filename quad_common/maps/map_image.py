@@ -15,7 +15,13 @@ from typing import TypeVar
 
 from PIL import Image, UnidentifiedImageError
 
-from quad_common.errors import FileUnusable, MapError
+from quad_common.errors import (
+    FileUnusable,
+    ImageTooLarge,
+    ImageUnreadable,
+    MapError,
+    MapFileUnusable,
+)
 from quad_common.files.bounded_file import LARGEST_IMAGE, read_bytes
 from quad_common.quoting import clipped
 
@@ -59,7 +65,7 @@ def decode_image(
     try:
         content = read_bytes(path, 'image', LARGEST_IMAGE)
     except FileUnusable as error:
-        raise MapError(f'the {error}') from error
+        raise MapFileUnusable(f'the {error.what}', error.path, error.reason) from error
     names = [_NAMES.get(name, name) for name in formats]
     kinds = ' or '.join([', '.join(names[:-1]), names[-1]] if names[1:] else names)
     try:
@@ -75,16 +81,11 @@ def decode_image(
         # Decoders raise whatever a damaged file makes them meet: IndexError, struct.error, ...
         is_other = isinstance(error, UnidentifiedImageError)
         reason = 'it is none' if is_other else clipped(str(error)) or type(error).__name__
-        raise MapError(
-            f"the image '{clipped(str(path))}' cannot be read as {kinds}: {reason}"
-        ) from error
+        raise ImageUnreadable(path, kinds, reason) from error
 
 
 def _check_size(image: Image.Image, path: Path) -> None:
     width, height = image.size
     pixels = width * height
     if not 0 < pixels <= MOST_PIXELS or pixels * len(image.getbands()) > _MOST_VALUES:
-        raise MapError(
-            f"the image '{clipped(str(path))}' has {width} x {height} pixels of mode "
-            f'{image.mode}; it must have between 1 and {MOST_PIXELS}, {MOST_PIXELS // 2} in color'
-        )
+        raise ImageTooLarge(path, width, height, image.mode, MOST_PIXELS)

@@ -15,7 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import MapError, MapValueOutOfRange, OutOfRange
+from quad_common.errors import (
+    CellCountOutOfRange,
+    CellValuesOutOfRange,
+    MapArrayInvalid,
+    MapValueOutOfRange,
+    OutOfRange,
+)
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import ANGLE, CELL_SIZE, COORDINATE
 
@@ -60,19 +66,10 @@ class OccupancyGrid:
         """Raise `MapError` if a field is not what its description says."""
         cells = self.cells
         if not isinstance(cells, np.ndarray) or cells.ndim != 2 or cells.dtype != np.int8:
-            raise MapError(
-                'the cells of a map must be a two-dimensional array of int8, not '
-                + (
-                    f'{cells.ndim}-dimensional of {cells.dtype}'
-                    if isinstance(cells, np.ndarray)
-                    else f'a {type(cells).__name__}'
-                )
-            )
+            raise MapArrayInvalid.of('the cells of a map', 'int8', cells)
         height, width = cells.shape
         if not 0 < cells.size <= MAX_CELLS:
-            raise MapError(
-                f'the map has {width} x {height} cells; it must have between 1 and {MAX_CELLS}'
-            )
+            raise CellCountOutOfRange('the map', width, height, MAX_CELLS)
         try:
             CELL_SIZE.check('resolution', self.resolution)
             COORDINATE.check('origin.x', self.origin.x)
@@ -82,10 +79,7 @@ class OccupancyGrid:
             raise error.at('the map cannot be used: ', MapValueOutOfRange) from error
         lowest, highest = int(cells.min()), int(cells.max())
         if lowest < UNKNOWN or highest > OCCUPIED:
-            raise MapError(
-                f'the cells of the map hold values from {lowest} to {highest}; '
-                f'they must be 0 to {OCCUPIED}, or {UNKNOWN} for unknown'
-            )
+            raise CellValuesOutOfRange(lowest, highest)
 
     def is_aligned_with(self, other: OccupancyGrid) -> bool:
         """Return whether another grid has the same cells in the same place."""

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import RobotModelError
+from quad_common.errors import LegTooShort, StretchTooShort
 from quad_common.robot.leg_kinematics import Leg
 
 Array = NDArray[np.float64]
@@ -180,10 +180,7 @@ def _across(leg: Leg, way: float, direction: str = 'down') -> float:
     """How far from the pitch axis the straight leg gets across a way that it reaches [m]."""
     longest = float(leg.thigh_length + leg.calf_length)
     if abs(way) > longest:
-        raise RobotModelError(
-            f'leg {leg.name} is {longest:.3f} m long and cannot reach {way:.3f} m {direction}; '
-            f'lower the body or the roughness'
-        )
+        raise LegTooShort(str(leg.name), longest, way, direction)
     return math.sqrt(longest**2 - way**2)
 
 
@@ -204,10 +201,7 @@ def largest_stride(stretch: float, stance_reach: float) -> float:
         S_max [m].
     """
     if stretch < stance_reach:
-        raise RobotModelError(
-            f'the largest stretch {stretch:.3f} m is less than the initial posture needs, '
-            f'{stance_reach:.3f} m'
-        )
+        raise StretchTooShort(stretch, stance_reach)
     return math.sqrt(stretch**2 - stance_reach**2)
 
 

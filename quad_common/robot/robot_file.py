@@ -15,15 +15,20 @@ from numpy.typing import NDArray
 
 from quad_common.errors import (
     FileUnusable,
+    InitialPostureOutOfRange,
     JointLimitExceeded,
+    JointRangeEmpty,
+    LegTypeUnknown,
     OutOfRange,
-    RobotModelError,
+    RobotEntryInvalid,
+    RobotFileUnusable,
+    RobotNameInvalid,
+    RobotUnknown,
     RobotValueOutOfRange,
     UnknownKey,
 )
 from quad_common.files.bounded_file import is_file, user_path
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
-from quad_common.quoting import quoted, shown
 from quad_common.robot.leg_builds import (
     LegLengths,
     LegPlace,
@@ -82,13 +87,9 @@ def robot_file(robot: str | Path) -> Path:
     try:
         path = shipped if is_file(shipped) else user_path(robot, _WHAT)
     except FileUnusable as error:
-        raise RobotModelError(str(error)) from error
+        raise error.of_kind(RobotFileUnusable) from error
     if not is_file(path):
-        raise RobotModelError(
-            f'there is no robot {quoted(str(robot))}; available: '
-            f'{", ".join(available_robots())}, '
-            f'or the path of a robot data file'
-        )
+        raise RobotUnknown(str(robot), available_robots())
     return path
 
 
@@ -116,9 +117,9 @@ def load_robot(robot: str | Path) -> Robot:
         document = read_yaml(path, _WHAT, "a robot's numbers")
         return _robot_from_document(document, path)
     except FileUnusable as error:
-        raise RobotModelError(str(error)) from error
+        raise error.of_kind(RobotFileUnusable) from error
     except (OutOfRange, UnknownKey) as error:
-        raise in_file(error, _WHAT, path, RobotModelError, RobotValueOutOfRange) from error
+        raise in_file(error, _WHAT, path, RobotEntryInvalid, RobotValueOutOfRange) from error
 
 
 def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
@@ -158,25 +159,21 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     try:
         robot.check_joint_limits(robot.initial_joint_angles)
     except JointLimitExceeded as error:
-        raise RobotModelError(f'{path}: the initial posture is out of range: {error}') from error
+        raise InitialPostureOutOfRange(path, error) from error
     return robot
 
 
 def _leg_type(document: Mapping[str, Any], path: Path) -> str:
     leg_type = document.get('leg_type')
     if not isinstance(leg_type, str) or leg_type not in LEG_TYPES:
-        available = ', '.join(f"'{name}'" for name in LEG_TYPES)
-        raise RobotModelError(f'{path}: leg_type is {shown(leg_type)}; available: {available}')
+        raise LegTypeUnknown(path, leg_type, tuple(LEG_TYPES))
     return leg_type
 
 
 def _name(document: Mapping[str, Any], path: Path) -> str:
     name = document.get('name', path.stem)
     if not isinstance(name, str) or len(name) > _LONGEST_NAME or not name.isprintable():
-        raise RobotModelError(
-            f'{path}: the name is {shown(name)}; '
-            f'it must be a text of up to {_LONGEST_NAME} printable characters'
-        )
+        raise RobotNameInvalid(path, name, _LONGEST_NAME)
     return name
 
 
@@ -198,7 +195,7 @@ def _joint_limits(number: RobotNumbers, kinds: Iterable[str], path: Path) -> dic
     }
     for kind, low, high in zip(kinds, limits['lower'], limits['upper']):
         if not low < high:
-            raise RobotModelError(f'{path}: joint {kind} has lower {low} not below upper {high}')
+            raise JointRangeEmpty(path, kind, float(low), float(high))
     return limits
 
 

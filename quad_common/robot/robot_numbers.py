@@ -12,10 +12,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from quad_common.errors import RobotModelError, UnknownKey
+from quad_common.errors import (
+    RobotNumberMissing,
+    RobotNumberWithoutSource,
+    RobotValueInvalid,
+    UnknownKey,
+)
 from quad_common.files.yaml_document import check_keys
 from quad_common.quantity import ANGLE, CYCLE_PERIOD, Quantity
-from quad_common.quoting import shown
 
 JOINTS_PER_LEG = 3
 
@@ -121,9 +125,7 @@ class RobotNumbers:
                 self._empty.add(section)
                 return ()
         if not isinstance(node, Mapping):
-            raise RobotModelError(
-                f"{self._path}: '{section}' is {shown(node)}; it must be a mapping"
-            )
+            raise self._invalid(section, node, 'a mapping')
         return tuple(str(key) for key in node)
 
     def check_all_used(self, but: tuple[str, ...]) -> None:
@@ -148,7 +150,7 @@ class RobotNumbers:
         """Look up +1 or -1; +1 if it is left out."""
         value = self._value(name) if self.has(name) else 1.0
         if isinstance(value, bool) or value not in (1, -1):
-            raise RobotModelError(f"{self._path}: '{name}' is {shown(value)}; it must be 1 or -1")
+            raise self._invalid(name, value, '1 or -1')
         return float(value)
 
     def signs(self, name: str) -> tuple[float, float, float]:
@@ -159,9 +161,7 @@ class RobotNumbers:
             or len(value) != JOINTS_PER_LEG
             or any(isinstance(sign, bool) or sign not in (1, -1) for sign in value)
         ):
-            raise RobotModelError(
-                f"{self._path}: '{name}' is {shown(value)}; it must be three numbers, each 1 or -1"
-            )
+            raise self._invalid(name, value, 'three numbers, each 1 or -1')
         first, pitch, knee = (float(sign) for sign in value)
         return first, pitch, knee
 
@@ -171,22 +171,21 @@ class RobotNumbers:
             return False
         value = self._value(name)
         if not isinstance(value, bool):
-            raise RobotModelError(
-                f"{self._path}: '{name}' is {shown(value)}; it must be true or false"
-            )
+            raise self._invalid(name, value, 'true or false')
         return value
+
+    def _invalid(self, name: str, value: object, valid: str) -> RobotValueInvalid:
+        return RobotValueInvalid(name, value, valid, f'{self._path}: ')
 
     def _value(self, name: str) -> Any:
         self._asked.add(name)
         node: Any = self._document
         for key in name.split('.'):
             if not isinstance(node, Mapping) or key not in node:
-                raise RobotModelError(f"{self._path} has no number '{name}'")
+                raise RobotNumberMissing(self._path, name)
             node = node[key]
         if not isinstance(node, Mapping) or not node.get('source') or 'value' not in node:
-            raise RobotModelError(
-                f"{self._path}: '{name}' must be given as {{value: ..., source: ...}}"
-            )
+            raise RobotNumberWithoutSource(self._path, name)
         check_keys(node, ('value', 'source'), name)
         self.sources[name] = str(node['source'])
         return node['value']

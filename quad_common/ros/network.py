@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from quad_common.errors import QuadError
@@ -25,45 +26,38 @@ _INSECURE = {
 }
 
 
+@dataclass(eq=False, repr=False)
 class SecurityUnavailable(QuadError):
-    """
-    Security was asked for, and what would give it is absent.
+    """Security was asked for, and what would give it is absent."""
 
-    Parameters
-    ----------
-    library : str
-        The middleware that was built without security.
-    """
+    library: str
+    """Middleware that was built without security."""
 
-    def __init__(self, library: str) -> None:
-        self.library = library
-        super().__init__(
-            f'ROS_SECURITY_ENABLE is true, but {library} was built without security, as '
+    def sentence(self) -> str:
+        """Say what to do about it."""
+        return (
+            f'ROS_SECURITY_ENABLE is true, but {self.library} was built without security, as '
             'everything from PyPI is: nothing would be encrypted or signed; use a ROS 2 '
             'installation (docs/network.md), or unset ROS_SECURITY_ENABLE'
         )
 
 
+@dataclass(eq=False, repr=False)
 class SecuritySettingUnknown(QuadError):
-    """
-    A setting of ROS's security is none that ROS knows, so that it would start without.
+    """A setting of ROS's security is none that ROS knows, so that it would start without."""
 
-    Parameters
-    ----------
-    name : str
-        The environment variable.
-    value : str
-        Its value.
-    valid : str
-        What would be valid.
-    """
+    name: str
+    """Name of the environment variable."""
+    value: str
+    """Value that it has."""
+    valid: str
+    """What would be valid, as the end of the sentence "it must be ..."."""
 
-    def __init__(self, name: str, value: str, valid: str) -> None:
-        self.name = name
-        self.value = value
-        super().__init__(
-            f"{name} is '{value[:50]}', which ROS takes for no security at all; "
-            f'it must be {valid}, in just these letters'
+    def sentence(self) -> str:
+        """Say what would be valid."""
+        return (
+            f"{self.name} is '{self.value[:50]}', which ROS takes for no security at all; "
+            f'it must be {self.valid}, in just these letters'
         )
 
 

@@ -13,7 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import TrajectoryError
+from quad_common.errors import (
+    EmptyTrajectory,
+    JointRepeated,
+    TimesDoNotRise,
+    TrajectoryNotFinite,
+    TrajectoryShapeWrong,
+)
 
 Array = NDArray[np.float64]
 
@@ -47,23 +53,19 @@ class JointTrajectory:
     def __post_init__(self) -> None:
         points, joints = len(self.times), len(self.joint_names)
         if points == 0 or joints == 0:
-            raise TrajectoryError(
-                f'the trajectory has {points} points for {joints} joints; it needs at least one'
-            )
+            raise EmptyTrajectory(points, joints)
         if len(set(self.joint_names)) != joints:
-            raise TrajectoryError('the trajectory names a joint twice')
+            names = self.joint_names
+            raise JointRepeated(next(name for name in names if names.count(name) > 1))
         for what, values in (('positions', self.positions), ('velocities', self.velocities)):
             if values.shape != (points, joints):
-                raise TrajectoryError(
-                    f'the trajectory has {what} of shape {values.shape}; '
-                    f'{points} points of {joints} joints need {(points, joints)}'
-                )
+                raise TrajectoryShapeWrong(what, values.shape, (points, joints))
             if not np.all(np.isfinite(values)):
-                raise TrajectoryError(f'the trajectory has {what} that are not finite')
+                raise TrajectoryNotFinite(what)
         if not np.all(np.isfinite(self.times)) or not np.isfinite(self.stamp):
-            raise TrajectoryError('the trajectory has times that are not finite')
+            raise TrajectoryNotFinite('times')
         if self.times[0] < 0.0 or np.any(np.diff(self.times) <= 0.0):
-            raise TrajectoryError('the times of a trajectory must rise, from zero or later')
+            raise TimesDoNotRise()
 
     @property
     def end(self) -> float:

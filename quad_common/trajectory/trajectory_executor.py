@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import JointNotFound, TrajectoryError
+from quad_common.errors import JointNotFound, JointsLeftOut, TrajectoryOver
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE
 
@@ -133,13 +133,11 @@ class TrajectoryExecutor:
                 raise JointNotFound(name, self._joint_names)
         missing = [name for name in self._joint_names if name not in trajectory.joint_names]
         if missing:
-            raise TrajectoryError(f'the trajectory leaves out {", ".join(missing)}')
+            raise JointsLeftOut(tuple(missing))
         start = trajectory.stamp if trajectory.stamp > 0.0 else now
         times = start + trajectory.times
         if times[-1] <= now:
-            raise TrajectoryError(
-                f'the trajectory ended at {times[-1]:.3f} s, {now - times[-1]:.3f} s ago'
-            )
+            raise TrajectoryOver(float(times[-1]), now)
         order = [trajectory.joint_names.index(name) for name in self._joint_names]
         positions = trajectory.positions[:, order]
         velocities = trajectory.velocities[:, order]

@@ -19,16 +19,18 @@ import yaml
 from numpy.typing import NDArray
 
 from quad_common.errors import (
-    CameraError,
+    CameraEntryInvalid,
+    CameraFileUnusable,
     CameraValueOutOfRange,
     FileUnusable,
+    MatrixSizeWrong,
+    MissingKey,
+    NumbersInvalid,
     ParameterError,
-    QuadError,
 )
 from quad_common.files.bounded_file import user_path, write_text
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
 from quad_common.quantity import number_from
-from quad_common.quoting import shown
 from quad_common.vision.camera import CameraModel
 
 KEYS = (
@@ -84,12 +86,12 @@ def load_camera(path: str | Path, *, needs_pose: bool = True) -> CameraModel:
         path = user_path(path, _WHAT)
         document = read_yaml(path, _WHAT, 'keys such as image_width and camera_matrix')
     except FileUnusable as error:
-        raise CameraError(str(error)) from error
+        raise error.of_kind(CameraFileUnusable) from error
     try:
         check_keys(document, KEYS)
         return _camera(document, needs_pose)
-    except (_Invalid, ParameterError) as error:
-        raise in_file(error, _WHAT, path, CameraError, CameraValueOutOfRange) from error
+    except (ParameterError, MissingKey, MatrixSizeWrong, NumbersInvalid) as error:
+        raise in_file(error, _WHAT, path, CameraEntryInvalid, CameraValueOutOfRange) from error
 
 
 def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_camera') -> None:
@@ -131,7 +133,7 @@ def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_came
         text = yaml.safe_dump(document, sort_keys=False, default_flow_style=None)
         write_text(user_path(path, _WHAT), comment + text, _WHAT)
     except FileUnusable as error:
-        raise CameraError(str(error)) from error
+        raise error.of_kind(CameraFileUnusable) from error
 
 
 def matrix_from_quaternion(quaternion: Array) -> Array:
@@ -187,30 +189,22 @@ def quaternion_from_matrix(rotation: Array) -> Array:
     return quaternion if quaternion[3] >= 0.0 else -quaternion
 
 
-class _Invalid(QuadError):
-    """What is wrong with a camera file, still without the file's name."""
-
-
 def _camera(document: Mapping[str, Any], needs_pose: bool) -> CameraModel:
     width, height = (_whole(document, key) for key in ('image_width', 'image_height'))
     matrix = _numbers(document, 'camera_matrix', 9).reshape(3, 3)
     matrix[:2, 2] += _HALF
     model = document.get('distortion_model', 'plumb_bob')
     if model != 'plumb_bob':
-        raise _Invalid(f"'distortion_model' is {shown(model)}; it must be plumb_bob")
+        raise ParameterError('distortion_model', model, 'plumb_bob')
     distortion = _numbers(document, 'distortion_coefficients', 5)
     if not needs_pose and 'position' not in document and 'orientation' not in document:
         return CameraModel(width, height, matrix, _DOWN, np.array([0.0, 0.0, 1.0]), distortion)
     for key in ('position', 'orientation'):
         if key not in document:
-            raise _Invalid(
-                f"the key '{key}' is missing; 'quadwalk camera calibrate' finds where a camera is"
-            )
+            raise MissingKey(key, "'quadwalk camera calibrate' finds where a camera is")
     quaternion = _numbers(document, 'orientation', 4)
     if not math.isclose(math.hypot(*quaternion), 1.0, abs_tol=0.01):
-        raise _Invalid(
-            f"'orientation' is {quaternion.tolist()}; it must be a quaternion of length 1"
-        )
+        raise ParameterError('orientation', quaternion.tolist(), 'a quaternion of length 1')
     rotation = matrix_from_quaternion(quaternion)
     position = _numbers(document, 'position', 3)
     return CameraModel(width, height, matrix, rotation, position, distortion)
@@ -219,7 +213,7 @@ def _camera(document: Mapping[str, Any], needs_pose: bool) -> CameraModel:
 def _whole(document: Mapping[str, Any], key: str) -> int:
     value = document.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or value <= 0:
-        raise _Invalid(f"'{key}' is {shown(value)}; it must be a whole number above 0")
+        raise ParameterError(key, value, 'a whole number above 0')
     return value
 
 
@@ -230,9 +224,7 @@ def _numbers(document: Mapping[str, Any], key: str, count: int) -> Array:
         check_keys(value, _MATRIX_KEYS, key)
         shape = [value[side] for side in ('rows', 'cols') if side in value]
         if shape and (not all(type(side) is int for side in shape) or math.prod(shape) != count):
-            raise _Invalid(
-                f"'{key}' has rows and cols of {shown(shape)}; together they must make {count}"
-            )
+            raise MatrixSizeWrong(key, shape, count)
         value = value.get('data')
     # A matrix may be written in rows.
     flat = value
@@ -240,5 +232,5 @@ def _numbers(document: Mapping[str, Any], key: str, count: int) -> Array:
         flat = [number for row in value for number in row]
     numbers = [number_from(number) for number in flat] if isinstance(flat, list) else []
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise _Invalid(f"'{key}' is {shown(value)}; it must hold {count} finite numbers")
+        raise NumbersInvalid(key, value, count)
     return np.array(numbers)

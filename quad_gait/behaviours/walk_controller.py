@@ -14,7 +14,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError, TrajectoryError
+from quad_common.errors import (
+    EmergencyStopOn,
+    GaitError,
+    RobotIsLame,
+    RobotStaysStill,
+    TrajectoryError,
+)
 from quad_common.maps.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
@@ -323,7 +329,7 @@ class WalkController:
     def stand(self) -> str:
         """Stop, and regain the initial posture, also after sitting or a fall; as :meth:`stop`."""
         if self._is_frozen:
-            raise GaitError('the emergency stop is on: release it first')
+            raise EmergencyStopOn()
         self.stop()
         self._is_to_sit = False
         self._has_fallen = False
@@ -337,9 +343,9 @@ class WalkController:
     def sit(self) -> str:
         """Stop, and lower the body as far as it goes; only :meth:`stand` ends it."""
         if self._lameness is not None:
-            raise GaitError(f'the robot is lame, and stays as it is: {self._lameness.fault}')
+            raise RobotIsLame(str(self._lameness.fault))
         if self._waits_for_stand:
-            raise GaitError(f'the robot stays as it is: {self._why_still()}')
+            raise RobotStaysStill(self._why_still())
         self.stop()
         self._is_to_sit = True
         return 'the robot stops at the end of its gait cycle and sits down, until stand is called'

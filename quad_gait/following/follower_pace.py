@@ -4,7 +4,7 @@ How many cycles a follower needs, for planners that plan the walking time.
 
 from __future__ import annotations
 
-from quad_common.errors import CannotFollow, GaitError
+from quad_common.errors import CannotFollow, CyclePeriodsDiffer
 from quad_common.robot.walking_time import WalkingTimeModel
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.follower_options import FollowerOptions
@@ -40,10 +40,7 @@ def pace_of(
     """
     options = options or FollowerOptions()
     if abs(walking.period - turning.period) > 1e-9:
-        raise GaitError(
-            f'cycles of walking take {walking.period:g} s and of turning {turning.period:g} s; '
-            f'a pace is counted in cycles of one length'
-        )
+        raise CyclePeriodsDiffer(walking.period, turning.period)
     stride = walking.largest_share(BodyMotion(forward=1.0))
     turns = [turning.largest_share(BodyMotion(turn=sign)) for sign in (1.0, -1.0)]
     if not stride > 0.0:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import ActivePairError, MissingOptionalDependency
+from quad_common.errors import ActivePairError, FreeJointPoseNotFound, MissingOptionalDependency
 from quad_common.planar_pair.active_pair import (
     with_hip_held,
     with_hip_joints_held,
@@ -274,7 +274,7 @@ def _free(joint: Any) -> Solve:
         feet = (complex(x.foot_i), complex(x.foot_j))
         found = pose_with_free_joint(pair, *feet, **angles, free=joint)
         if found.posture is None:
-            raise ActivePairError(found.why)
+            raise FreeJointPoseNotFound(str(joint), found.why)
         return found.posture
 
     return solve

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,26 @@ _ROBOT = 'titan_viii'
 
 _MOST_DRAWS = 20_000
 """So many pairs in a row that have no plan of such a length mean that there is none."""
+
+
+@dataclass(eq=False, repr=False)
+class NoPairFound(PlannerError):
+    """No pair of poses that was drawn has a plan of the wanted length."""
+
+    draws: int
+    """Number of pairs that were drawn."""
+    map_name: str
+    """Name of the map file."""
+    lengths: tuple[float, float]
+    """Least and largest length of the plan [m]."""
+
+    def sentence(self) -> str:
+        """Say which lengths were wanted."""
+        shortest, longest = self.lengths
+        return (
+            f'of {self.draws} random pairs of poses on {self.map_name} none has a plan '
+            f'of {shortest:g} to {longest:g} m'
+        )
 
 
 def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
@@ -143,10 +164,7 @@ def draw_pairs(
                 pairs.append((path, start, goal))
                 break
         else:
-            raise PlannerError(
-                f'of {_MOST_DRAWS} random pairs of poses on {path.name} none has a plan '
-                f'of {SHORTEST:g} to {longest:g} m'
-            )
+            raise NoPairFound(_MOST_DRAWS, path.name, (SHORTEST, longest))
     return pairs
 
 

@@ -38,11 +38,16 @@ _PATIENCE = 10.0
 """Time without a new cycle after which a robot does not walk [s]."""
 
 
+@dataclass(eq=False, repr=False)
 class DoesNotWalk(QuadError):
     """A robot that was to walk stands still."""
 
-    def __init__(self, reason: str) -> None:
-        super().__init__(f'the robot does not walk: {reason}')
+    reason: str
+    """Reason, as a clause."""
+
+    def sentence(self) -> str:
+        """Say why it stands still."""
+        return f'the robot does not walk: {self.reason}'
 
 
 Place = tuple[Pose2D, Pose2D]

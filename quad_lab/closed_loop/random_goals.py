@@ -5,6 +5,7 @@ Goals at random that have a plan.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,26 @@ from quad_planner.planner_setup import planner_for
 
 _TRIES = 2000
 """Goals that are drawn before it is given up."""
+
+
+@dataclass(eq=False, repr=False)
+class NoGoalFound(QuadError):
+    """No goal that was drawn has a plan of the wanted length."""
+
+    tries: int
+    """Number of goals that were drawn."""
+    lengths: tuple[float, float]
+    """Least and largest length of the plan [m]."""
+    start: Pose2D
+    """Pose from which plans were made."""
+
+    def sentence(self) -> str:
+        """Say which lengths were wanted."""
+        shortest, longest = self.lengths
+        return (
+            f'no goal of {self.tries} has a plan of {shortest:g} to {longest:g} m from '
+            f'({self.start.x:.2f}, {self.start.y:.2f}) m'
+        )
 
 
 class GoalDrawer:
@@ -89,10 +110,7 @@ class GoalDrawer:
             )
             if shortest <= self._length(start, goal) <= longest:
                 return goal
-        raise QuadError(
-            f'no goal of {_TRIES} has a plan of {shortest:g} to {longest:g} m from '
-            f'({start.x:.2f}, {start.y:.2f}) m'
-        )
+        raise NoGoalFound(_TRIES, (shortest, longest), start)
 
     def _length(self, start: Pose2D, goal: Pose2D) -> float:
         try:

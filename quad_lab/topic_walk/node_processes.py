@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
@@ -46,13 +47,32 @@ _PARTICIPANTS = 32
 """The most that find one another on one machine."""
 
 
+@dataclass(eq=False, repr=False)
 class NodeDied(QuadError):
     """A node ended though nobody asked it to."""
 
-    def __init__(self, name: str, code: int, log: str) -> None:
-        self.code = code
-        self.log = log
-        super().__init__(f'{name} ended with code {code}; its last words:\n{log}')
+    name: str
+    """Name of the node."""
+    code: int
+    """Exit code."""
+    log: str
+    """Last lines of its log."""
+
+    def sentence(self) -> str:
+        """Say which node ended, and its last words."""
+        return f'{self.name} ended with code {self.code}; its last words:\n{self.log}'
+
+
+@dataclass(eq=False, repr=False)
+class NoFreeDomain(QuadError):
+    """Every ROS domain of this machine is in use."""
+
+    count: int
+    """Number of domains that were tried."""
+
+    def sentence(self) -> str:
+        """Say how many are in use."""
+        return f'all {self.count} ROS domains of this machine are in use'
 
 
 @contextlib.contextmanager
@@ -111,7 +131,7 @@ def _claim_domain(stack: contextlib.ExitStack) -> int:
             continue
         stack.enter_context(contextlib.closing(lock))
         return domain
-    raise QuadError('all 100 ROS domains of this machine are in use')
+    raise NoFreeDomain(100)
 
 
 def _is_quiet(domain: int) -> bool:

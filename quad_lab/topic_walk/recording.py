@@ -5,6 +5,7 @@ Records topics to an MCAP file that ``ros2 bag``, Foxglove and PlotJuggler read.
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,24 +26,20 @@ _PARTS = ('metadata.yaml', '*.mcap')
 """The files of a recording; one that was cut off by a kill has no metadata."""
 
 
+@dataclass(eq=False, repr=False)
 class NoPlaceForRecording(QuadError):
-    """
-    A recording cannot go where it is to go: something else is there.
+    """A recording cannot go where it is to go: something else is there."""
 
-    Parameters
-    ----------
-    folder : Path
-        Where it was to go.
-    other : Path
-        What is there.
-    """
+    folder: Path
+    """Folder where it was to go."""
+    other: Path
+    """File or folder that is there."""
 
-    def __init__(self, folder: Path, other: Path) -> None:
-        self.folder = folder
-        self.other = other
-        super().__init__(
-            f'the recording cannot go to {folder}: {other} is no part of a recording, and is '
-            'not removed; move it away, or choose another --output'
+    def sentence(self) -> str:
+        """Say what is in its place."""
+        return (
+            f'the recording cannot go to {self.folder}: {self.other} is no part of a recording, '
+            'and is not removed; move it away, or choose another --output'
         )
 
 

@@ -51,8 +51,19 @@ _FASTEST_ON_TERRAIN = 3.0
 in real time."""
 
 
-class WalkFailed(QuadError):
-    """The walk could not be begun or came to nothing."""
+@dataclass(eq=False, repr=False)
+class NodesNotReady(QuadError):
+    """The nodes of a walk were not ready in time."""
+
+    limit: float
+    """Time that they had [s]."""
+    said: str
+    """What they said of themselves; empty for nothing."""
+
+    def sentence(self) -> str:
+        """Say what the nodes said meanwhile."""
+        said = self.said or 'nothing was heard of them'
+        return f'the nodes were not ready within {self.limit:.0f} s ({said})'
 
 
 @dataclass(frozen=True)
@@ -106,7 +117,7 @@ def walk(
 
     Raises
     ------
-    WalkFailed
+    NodesNotReady
         If the nodes do not become ready.
     NodeDied
         If a node ends on its own.
@@ -220,10 +231,7 @@ def _wait_until_ready(observer: WalkObserver, nodes: NodeProcesses) -> None:
         nodes.check()
         if time.monotonic() > deadline:
             said = '; '.join(f'{name}: {status[1]}' for name, status in observer.statuses.items())
-            raise WalkFailed(
-                f'the nodes were not ready within {START_TIMEOUT:.0f} s '
-                f'({said or "nothing was heard of them"})'
-            )
+            raise NodesNotReady(START_TIMEOUT, said)
 
 
 def _problem(observer: WalkObserver, waited: float, stalled: float, walked: float) -> str:

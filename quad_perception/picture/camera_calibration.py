@@ -14,7 +14,15 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quad_common.errors import CameraError
+from quad_common.errors import (
+    CameraPoseDoesNotFit,
+    NoPoseAbovePoints,
+    PointCountsDiffer,
+    PointsInLine,
+    PointsMalformed,
+    PointsNotNumbers,
+    TooFewPoints,
+)
 from quad_common.vision.camera import CameraModel
 
 Array = NDArray[np.float64]
@@ -76,9 +84,9 @@ def calibrate_pose(
         places = np.column_stack((places, np.zeros(len(places))))
     seen = _checked('pixels', pixels, (2,))
     if len(places) != len(seen):
-        raise CameraError(f'there are {len(places)} points and {len(seen)} pixels')
+        raise PointCountsDiffer(len(places), len(seen))
     if len(places) < LEAST_POINTS:
-        raise CameraError(f'there are {len(places)} points; {LEAST_POINTS} are needed at least')
+        raise TooFewPoints(len(places), LEAST_POINTS)
     _refuse_lines('points', places)
     _refuse_lines('pixels', seen)
     rotation, position, deviation = _best_pose(lens, places, seen)
@@ -87,11 +95,8 @@ def calibrate_pose(
     found = CameraCalibration(camera, errors, deviation)
     if not found.reprojection_error <= largest_error:
         worst = int(np.argmax(errors))
-        raise CameraError(
-            f'no pose of the camera fits: the points are {found.reprojection_error:.1f} pixels '
-            f'from their projections on the average, the worst is number {worst + 1} at '
-            f'({seen[worst, 0]:g}, {seen[worst, 1]:g}); check their order and places'
-        )
+        pixel = (float(seen[worst, 0]), float(seen[worst, 1]))
+        raise CameraPoseDoesNotFit(found.reprojection_error, worst + 1, pixel)
     return found
 
 
@@ -99,20 +104,16 @@ def _checked(name: str, values: ArrayLike, columns: tuple[int, ...]) -> Array:
     try:
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise CameraError(f'the {name} are not numbers') from None
+        raise PointsNotNumbers(name) from None
     if array.ndim != 2 or array.shape[1] not in columns or not np.isfinite(array).all():
-        wanted = ' or '.join(str(count) for count in columns)
-        raise CameraError(f'the {name} must be rows of {wanted} finite numbers')
+        raise PointsMalformed(name, columns)
     return array
 
 
 def _refuse_lines(name: str, values: Array) -> None:
     spread = np.linalg.svd(values - values.mean(axis=0), compute_uv=False)
     if not spread[1] > _LEAST_SPREAD * spread[0]:
-        raise CameraError(
-            f'the {name} are in a line, or the same: a camera can turn around it; '
-            'take points in the corners of the room'
-        )
+        raise PointsInLine(name)
 
 
 def _best_pose(lens: CameraModel, places: Array, seen: Array) -> tuple[Array, Array, Array]:
@@ -142,10 +143,7 @@ def _best_pose(lens: CameraModel, places: Array, seen: Array) -> tuple[Array, Ar
             if is_above and is_ahead and (best is None or squares < best[0]):
                 best = squares, to_world, position, jacobian[:, :6], turn, shift
     if best is None:
-        raise CameraError(
-            'no pose of a camera above the points fits; check their order, and that x is right '
-            'and y is left of it, seen from above'
-        )
+        raise NoPoseAbovePoints()
     squares, to_world, position, jacobian, turn, shift = best
     variance = squares / max(1, 2 * len(places) - 6)
     covariance = variance * np.linalg.pinv(jacobian.T @ jacobian)

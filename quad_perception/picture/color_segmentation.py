@@ -19,7 +19,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import CameraError, CameraValueOutOfRange, FileUnusable, ParameterError
+from quad_common.errors import (
+    CameraEntryInvalid,
+    CameraFileUnusable,
+    CameraValueOutOfRange,
+    FileUnusable,
+    ParameterError,
+)
 from quad_common.files.bounded_file import user_path
 from quad_common.files.yaml_document import in_file, read_yaml
 from quad_common.quantity import Quantity, list_of
@@ -196,11 +202,11 @@ def load_ranges(path: str | Path) -> tuple[ColorRange, ...]:
         path = user_path(path, _WHAT)
         document = read_yaml(path, _WHAT, 'names with lower and upper each')
     except FileUnusable as error:
-        raise CameraError(str(error)) from error
+        raise error.of_kind(CameraFileUnusable) from error
     try:
         return tuple(_range(name, entry) for name, entry in document.items())
     except ParameterError as error:
-        raise in_file(error, _WHAT, path, CameraError, CameraValueOutOfRange) from error
+        raise in_file(error, _WHAT, path, CameraEntryInvalid, CameraValueOutOfRange) from error
 
 
 def _range(name: str, entry: object) -> ColorRange:

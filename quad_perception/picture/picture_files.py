@@ -18,9 +18,14 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from quad_common.errors import CameraError, FileUnusable
+from quad_common.errors import (
+    CameraFileUnusable,
+    FileUnusable,
+    NotAPicture,
+    PictureNotWritten,
+    PictureTooLarge,
+)
 from quad_common.files.bounded_file import check_target, read_bytes, read_head
-from quad_common.quoting import quoted
 from quad_common.vision.camera import MOST_PIXELS
 from quad_perception.picture.color_segmentation import Picture
 
@@ -74,14 +79,14 @@ def read_pictures(path: Path) -> Iterator[Picture]:
             return
         content = read_bytes(path, 'picture', _LARGEST_STILL)
     except FileUnusable as error:
-        raise CameraError(str(error)) from error
+        raise error.of_kind(CameraFileUnusable) from error
     _check_still(path, content)
     try:
         still = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
     except cv2.error:
         still = None
     if still is None:
-        raise _neither(path)
+        raise NotAPicture(path)
     yield np.asarray(cv2.cvtColor(still, cv2.COLOR_BGR2RGB), np.uint8)
 
 
@@ -105,13 +110,11 @@ def write_picture(path: Path, rgb: Picture) -> None:
         check_target(path, 'picture')
         is_written = cv2.imwrite(str(path), cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
     except FileUnusable as error:
-        raise CameraError(str(error)) from error
+        raise error.of_kind(CameraFileUnusable) from error
     except (cv2.error, UnicodeEncodeError):
         is_written = False
     if not is_written:
-        raise CameraError(
-            f'{quoted(str(path))} cannot be written as a picture; try a name with .png'
-        )
+        raise PictureNotWritten(path)
 
 
 def _check_still(path: Path, content: bytes) -> None:
@@ -123,12 +126,12 @@ def _check_still(path: Path, content: bytes) -> None:
             with Image.open(io.BytesIO(content), formats=_STILLS) as image:
                 size = image.size
     except Image.DecompressionBombError as error:
-        raise _too_large(path) from error
+        raise PictureTooLarge(path, MOST_PIXELS) from error
     except Exception as error:
         # Whatever a damaged header makes a decoder meet.
-        raise _neither(path) from error
+        raise NotAPicture(path) from error
     if size[0] * size[1] > MOST_PIXELS:
-        raise _too_large(path)
+        raise PictureTooLarge(path, MOST_PIXELS)
 
 
 def _video(path: Path) -> Iterator[Picture]:
@@ -140,7 +143,7 @@ def _video(path: Path) -> Iterator[Picture]:
     try:
         sides = [video.get(side) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)]
         if sides[0] * sides[1] > MOST_PIXELS:
-            raise _too_large(path)
+            raise PictureTooLarge(path, MOST_PIXELS)
         while True:
             is_there, frame = video.read()
             if not is_there:
@@ -148,18 +151,8 @@ def _video(path: Path) -> Iterator[Picture]:
             has_pictures = True
             yield np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8)
     except cv2.error as error:
-        raise _neither(path) from error
+        raise NotAPicture(path) from error
     finally:
         video.release()
     if not has_pictures:
-        raise _neither(path)
-
-
-def _neither(path: Path) -> CameraError:
-    return CameraError(f'{quoted(str(path))} is neither a picture nor a video that OpenCV reads')
-
-
-def _too_large(path: Path) -> CameraError:
-    return CameraError(
-        f'{quoted(str(path))} cannot be used: pictures have at most {MOST_PIXELS} pixels'
-    )
+        raise NotAPicture(path)

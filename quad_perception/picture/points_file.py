@@ -9,7 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import CameraError, CameraValueOutOfRange, FileUnusable, OutOfRange
+from quad_common.errors import (
+    CameraFileUnusable,
+    CameraValueOutOfRange,
+    FileUnusable,
+    OutOfRange,
+    PointLineMalformed,
+    TooManyPointsInFile,
+)
 from quad_common.files.bounded_file import read_text
 from quad_common.quantity import COORDINATE, Quantity
 
@@ -45,19 +52,19 @@ def read_points(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     try:
         lines = read_text(path, what).splitlines()
     except FileUnusable as error:
-        raise CameraError(str(error)) from error
+        raise error.of_kind(CameraFileUnusable) from error
     rows = []
     for number, line in enumerate(lines, 1):
         text = line.partition('#')[0].replace(',', ' ').split()
         if not text:
             continue
         if len(text) != len(_POINT):
-            raise CameraError(f'{what} {path}, line {number}: it must hold x, y, column and row')
+            raise PointLineMalformed(what, path, number)
         try:
             rows.append([_POINT[name].check(name, part) for name, part in zip(_POINT, text)])
         except OutOfRange as error:
             raise error.at(f'{what} {path}, line {number}: ', CameraValueOutOfRange) from error
         if len(rows) > _MOST_POINTS:
-            raise CameraError(f'{what} {path} holds more than {_MOST_POINTS} points')
+            raise TooManyPointsInFile(what, path, _MOST_POINTS)
     values = np.array(rows, dtype=float).reshape(-1, len(_POINT))
     return values[:, :2], values[:, 2:]

@@ -32,23 +32,37 @@ _LARGEST_GAP = 0.5
 """Between two odometries, to interpolate between them [s]."""
 
 
+@dataclass(eq=False, repr=False)
 class PictureTooOld(QuadError):
     """A camera's pose is from before all that is remembered of the odometry, or after it."""
 
-    def __init__(self, stamp: float, known: tuple[float, float] | None) -> None:
+    stamp: float
+    """Time of the picture [s]."""
+    known: tuple[float, float] | None
+    """Times from and to which odometry is known [s]; None if none is."""
+
+    def sentence(self) -> str:
+        """Say from when to when odometry is known."""
         odometry = 'no odometry is known'
-        if known is not None:
-            odometry = f'odometry is known from {known[0]:.2f} s to {known[1]:.2f} s'
-        super().__init__(f'the camera saw the robot at {stamp:.2f} s; {odometry}')
+        if self.known is not None:
+            odometry = f'odometry is known from {self.known[0]:.2f} s to {self.known[1]:.2f} s'
+        return f'the camera saw the robot at {self.stamp:.2f} s; {odometry}'
 
 
+@dataclass(eq=False, repr=False)
 class PoseRefused(QuadError):
     """A camera's pose is too far from where the robot must be."""
 
-    def __init__(self, distance: float, angle: float) -> None:
-        super().__init__(
-            f'the camera saw the robot {distance:.2f} m and {math.degrees(angle):.0f} degrees '
-            f'from where it must be; it was not believed'
+    distance: float
+    """Distance between both [m]."""
+    angle: float
+    """Angle between both [rad]."""
+
+    def sentence(self) -> str:
+        """Say how far the pose is off."""
+        return (
+            f'the camera saw the robot {self.distance:.2f} m and '
+            f'{math.degrees(self.angle):.0f} degrees from where it must be; it was not believed'
         )
 
 

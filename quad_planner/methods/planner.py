@@ -15,7 +15,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from quad_common.errors import InvalidPlanner, PlannerError, QuadError
+from quad_common.errors import InvalidPlanner, NoMap, PlannerError, QuadError
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -160,7 +160,7 @@ class Planner(Generic[Prepared]):
             If there is no map, or no plan; the map stays.
         """
         if self._prepared is None:
-            raise PlannerError('there is no map to plan on yet; a map must be set first')
+            raise NoMap()
         return self._method.plan(self._prepared, start, goal)
 
 

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quad_common.errors import MapError, ParameterError
+from quad_common.errors import GroundUnknown, ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 
@@ -86,10 +86,7 @@ class Terrain:
         """Check the field."""
         unknown = int(np.isnan(self.field.heights).sum())
         if unknown:
-            raise MapError(
-                f'the ground is unknown in {unknown} of {self.field.heights.size} cells; '
-                'a simulated one must be known everywhere'
-            )
+            raise GroundUnknown(unknown, self.field.heights.size)
 
     @property
     def is_level(self) -> bool:

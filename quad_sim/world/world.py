@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import MapError, ParameterError
+from quad_common.errors import MapBoundsUnusable, ParameterError
 from quad_common.maps.occupancy_grid import MAX_CELLS, OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.vision.markers import Color, check_color
@@ -262,10 +262,7 @@ def occupancy_of(
     x_min, y_min, x_max, y_max = bounds
     width, height = ((b - a) / resolution for a, b in ((x_min, x_max), (y_min, y_max)))
     if not (width > 0.0 and height > 0.0 and width * height <= MAX_CELLS):
-        raise MapError(
-            f'a map from ({x_min}, {y_min}) to ({x_max}, {y_max}) m with cells of {resolution} m '
-            f'cannot be drawn; it must have between 1 and {MAX_CELLS} cells'
-        )
+        raise MapBoundsUnusable('a map', bounds, resolution, MAX_CELLS, 'cannot be drawn')
     shape = (math.ceil(height - 1e-9), math.ceil(width - 1e-9))
     grid = OccupancyGrid(np.zeros(shape, np.int8), resolution, Pose2D(x_min, y_min, 0.0))
     cells = np.zeros(shape, np.int8)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from types import TracebackType
 from typing import Any
@@ -42,12 +43,20 @@ _HEADING = 0.09
 """Likewise [rad]."""
 
 
+@dataclass(eq=False, repr=False)
 class NotSeen(QuadError):
     """Something that was waited for did not come."""
 
-    def __init__(self, what: str, waited: str, said: str) -> None:
-        self.what = what
-        super().__init__(f'not seen in {waited}: {what}; the nodes say: {said}')
+    what: str
+    """What was waited for."""
+    waited: str
+    """Time that was waited, with its unit."""
+    said: str
+    """What the nodes say."""
+
+    def sentence(self) -> str:
+        """Say what did not come."""
+        return f'not seen in {self.waited}: {self.what}; the nodes say: {self.said}'
 
 
 class Stage:

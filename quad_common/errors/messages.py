@@ -1,0 +1,42 @@
+"""
+Errors of what is received: messages and transforms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from quad_common.errors.base import QuadError
+
+
+@dataclass(eq=False, repr=False)
+class InvalidMessage(QuadError):
+    """A message contradicts itself or holds numbers that are not finite."""
+
+    what: str
+    """Name of the message, for example ``joint state``."""
+    reason: str
+    """What is wrong with it, as a clause."""
+
+    def sentence(self) -> str:
+        """Say what is wrong with the message."""
+        return f'the {self.what} cannot be used: {self.reason}'
+
+
+@dataclass(eq=False, repr=False)
+class InvalidTransform(QuadError):
+    """A transform between two frames is none in the plane, or not to be believed."""
+
+    parent: str
+    """Name of the frame in which it is given."""
+    child: str
+    """Name of the frame that it places."""
+    reason: str
+    """What is wrong with it, as a clause."""
+
+    def sentence(self) -> str:
+        """Say what is wrong with the transform."""
+        return (
+            f"the transform from '{self.parent[:60]}' to '{self.child[:60]}' is not used: "
+            f'{self.reason}'
+        )

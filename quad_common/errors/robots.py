@@ -1,0 +1,186 @@
+"""
+Errors of robots' data files.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+
+from quad_common.errors.base import QuadError
+from quad_common.errors.files import FileEntryInvalid, FileUnusable
+from quad_common.errors.parameters import OutOfRange, ParameterError
+from quad_common.quoting import quoted, shown
+
+
+class RobotModelError(QuadError):
+    """A robot's data file is missing, incomplete or contradicts itself."""
+
+
+class RobotValueOutOfRange(RobotModelError, OutOfRange):
+    """A quantity of a robot's data file is no number of its range."""
+
+
+class RobotValueInvalid(RobotModelError, ParameterError):
+    """An entry of a robot's data file is not of its kind."""
+
+
+class RobotFileUnusable(RobotModelError, FileUnusable):
+    """A robot's data file cannot be read."""
+
+
+class RobotEntryInvalid(RobotModelError, FileEntryInvalid):
+    """An entry of a robot's data file means nothing."""
+
+
+@dataclass(eq=False, repr=False)
+class RobotUnknown(RobotModelError):
+    """There is no robot of that name, and no such file."""
+
+    robot: str
+    """Name that was given."""
+    available: tuple[str, ...]
+    """Names of the robots that ship."""
+
+    def sentence(self) -> str:
+        """Say which robots there are."""
+        return (
+            f'there is no robot {quoted(self.robot)}; available: {", ".join(self.available)}, '
+            'or the path of a robot data file'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class LegTypeUnknown(RobotModelError):
+    """There is no such build of legs."""
+
+    path: str | PathLike[str]
+    """Path of the data file."""
+    leg_type: object
+    """Build that was given."""
+    available: tuple[str, ...]
+    """Builds that there are."""
+
+    def sentence(self) -> str:
+        """Say which builds there are."""
+        available = ', '.join(f"'{name}'" for name in self.available)
+        return f'{self.path}: leg_type is {shown(self.leg_type)}; available: {available}'
+
+
+@dataclass(eq=False, repr=False)
+class RobotNameInvalid(RobotModelError):
+    """The name of a robot is no short text."""
+
+    path: str | PathLike[str]
+    """Path of the data file."""
+    name: object
+    """Name that was given."""
+    longest: int
+    """Number of characters of the longest name."""
+
+    def sentence(self) -> str:
+        """Say what a name is."""
+        return (
+            f'{self.path}: the name is {shown(self.name)}; '
+            f'it must be a text of up to {self.longest} printable characters'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class RobotNumberMissing(RobotModelError):
+    """A robot's data file lacks a number."""
+
+    path: str | PathLike[str]
+    """Path of the data file."""
+    name: str
+    """Dotted name of the number."""
+
+    def sentence(self) -> str:
+        """Say which number is missing."""
+        return f"{self.path} has no number '{self.name}'"
+
+
+@dataclass(eq=False, repr=False)
+class RobotNumberWithoutSource(RobotModelError):
+    """A number of a robot's data file does not say where it comes from."""
+
+    path: str | PathLike[str]
+    """Path of the data file."""
+    name: str
+    """Dotted name of the number."""
+
+    def sentence(self) -> str:
+        """Say how numbers are given."""
+        return f"{self.path}: '{self.name}' must be given as {{value: ..., source: ...}}"
+
+
+@dataclass(eq=False, repr=False)
+class JointRangeEmpty(RobotModelError):
+    """The lower limit of a joint is not below its upper one."""
+
+    path: str | PathLike[str]
+    """Path of the data file."""
+    joint: str
+    """Kind of the joint."""
+    lower: float
+    """Lower limit [rad]."""
+    upper: float
+    """Upper limit [rad]."""
+
+    def sentence(self) -> str:
+        """Say which limits are in the wrong order."""
+        return (
+            f'{self.path}: joint {self.joint} has lower {self.lower} not below upper {self.upper}'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class InitialPostureOutOfRange(RobotModelError):
+    """The initial posture of a robot is beyond a joint's range."""
+
+    path: str | PathLike[str]
+    """Path of the data file."""
+    problem: QuadError
+    """Error of the joint."""
+
+    def sentence(self) -> str:
+        """Say which joint is out of its range."""
+        return f'{self.path}: the initial posture is out of range: {self.problem}'
+
+
+@dataclass(eq=False, repr=False)
+class LegTooShort(RobotModelError):
+    """A leg does not reach down or out as far as its posture needs."""
+
+    leg: str
+    """Name of the leg."""
+    length: float
+    """Length of the straight leg [m]."""
+    distance: float
+    """Distance that it must reach [m]."""
+    direction: str
+    """Direction of that distance, for example ``down``."""
+
+    def sentence(self) -> str:
+        """Say how far the leg reaches."""
+        return (
+            f'leg {self.leg} is {self.length:.3f} m long and cannot reach {self.distance:.3f} m '
+            f'{self.direction}; lower the body or the roughness'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class StretchTooShort(RobotModelError):
+    """The largest stretch of the legs is less than the initial posture needs."""
+
+    stretch: float
+    """Largest stretch [m]."""
+    needed: float
+    """Distance from yaw axis to foot in the initial posture [m]."""
+
+    def sentence(self) -> str:
+        """Say how far the legs must stretch."""
+        return (
+            f'the largest stretch {self.stretch:.3f} m is less than the initial posture needs, '
+            f'{self.needed:.3f} m'
+        )

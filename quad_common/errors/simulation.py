@@ -1,0 +1,93 @@
+"""
+Errors of simulators.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from quad_common.errors.base import QuadError, listed
+from quad_common.quoting import quoted
+
+
+class SimulatorError(QuadError):
+    """The simulator cannot do what it was asked to."""
+
+
+@dataclass(eq=False, repr=False)
+class NotSimulated(SimulatorError):
+    """The simulator's backend leaves out what is asked for."""
+
+    what: str
+    """What is asked for, with its article."""
+    backend: str
+    """Backend that has it."""
+
+    def sentence(self) -> str:
+        """Say which backend has it."""
+        return (
+            f"{self.what} cannot be had: this simulator has nothing to see but the robot's "
+            f"numbers; set 'backend' to '{self.backend}'"
+        )
+
+
+@dataclass(eq=False, repr=False)
+class ObstacleOnRobot(SimulatorError):
+    """An obstacle would stand where the robot is."""
+
+    name: str
+    """Name of the obstacle."""
+    distance: float
+    """Distance from base_link to the obstacle [m]."""
+    required: float
+    """Distance that the robot needs [m]."""
+
+    def sentence(self) -> str:
+        """Say how far away the obstacle must be."""
+        return (
+            f'obstacle {self.name} would stand {self.distance:.2f} m from the middle of the robot; '
+            f'it must be at least {self.required:.2f} m away'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class TooManyObstacles(SimulatorError):
+    """More obstacles would stand in the world than it may hold."""
+
+    count: int
+    """Number that there would be."""
+    most: int
+    """Number that there may be."""
+
+    def sentence(self) -> str:
+        """Say how many there may be."""
+        return f'there would be {self.count} obstacles; {self.most} are the most'
+
+
+@dataclass(eq=False, repr=False)
+class JointNotFound(SimulatorError):
+    """A joint of that name does not exist."""
+
+    name: str
+    """Name that was given."""
+    available: Iterable[str]
+    """Names of the joints."""
+
+    def sentence(self) -> str:
+        """Say which joints there are."""
+        return f'there is no joint {quoted(self.name)}; available: {listed(self.available)}'
+
+
+@dataclass(eq=False, repr=False)
+class MissingOptionalDependency(SimulatorError):
+    """A capability needs a package that is not installed."""
+
+    package: str
+    """Name of the package."""
+    command: str
+    """Command that installs it."""
+
+    def sentence(self) -> str:
+        """Say how to install the package."""
+        return f"this needs the package '{self.package}'; install it with: {self.command}"
