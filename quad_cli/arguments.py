@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from quad_common.errors import QuadError
+from quad_common.errors.quoting import clipped, quoted
 from quad_common.files.bounded_file import (
     check_folder_target,
     check_target,
@@ -22,7 +23,6 @@ from quad_common.files.bounded_file import (
 from quad_common.parameters import parameters_of
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import ANGLE, COORDINATE, Quantity, number_from
-from quad_common.quoting import clipped, quoted
 from quad_common.resources import sample_map, share_directory
 
 LARGEST_SEED = 2**31 - 1

@@ -23,10 +23,10 @@ from quad_common.errors import (
     PerceptionError,
     UnknownKey,
 )
+from quad_common.errors.quoting import quoted
 from quad_common.maps.map_file import save_map
 from quad_common.maps.occupancy_grid import FREE, OccupancyGrid
 from quad_common.quantity import CELL_SIZE, COORDINATE
-from quad_common.quoting import quoted
 from quad_common.robot.robot_file import load_robot
 from quad_common.vision.camera_file import load_camera, save_camera
 from quad_perception.picture.annotated import annotated

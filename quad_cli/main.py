@@ -18,7 +18,7 @@ import sys
 
 from quad_cli.arguments import CommandParser, with_negative_values
 from quad_common.errors import QuadError
-from quad_common.quoting import clipped
+from quad_common.errors.quoting import clipped
 
 COMMANDS = {
     'demo': 'walk from a start to a goal in simulation, and say how well it went',

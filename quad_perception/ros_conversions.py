@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo
 
 from quad_common.errors import InvalidMessage
+from quad_common.errors.quoting import quoted
 from quad_common.planar_pose import Pose2D
-from quad_common.quoting import quoted
 from quad_common.ros.pose_conversions import (
     base_transform,
     checked_name,

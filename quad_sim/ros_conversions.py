@@ -25,7 +25,7 @@ from quad_common.errors import (
     TooManyJoints,
     TooManyPoints,
 )
-from quad_common.quoting import quoted
+from quad_common.errors.quoting import quoted
 from quad_common.ros.pose_conversions import (
     checked_name,
     pose_from_message,

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, TypeVar
 
-from quad_common.quoting import escaped
+from quad_common.errors.quoting import escaped
 
 AnyError = TypeVar('AnyError', bound=BaseException)
 

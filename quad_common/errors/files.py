@@ -9,7 +9,7 @@ from os import PathLike
 from typing import TypeVar
 
 from quad_common.errors.base import QuadError
-from quad_common.quoting import clipped
+from quad_common.errors.quoting import clipped
 
 _Kind = TypeVar('_Kind', bound='FileUnusable')
 

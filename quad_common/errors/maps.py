@@ -12,7 +12,7 @@ import numpy as np
 from quad_common.errors.base import QuadError
 from quad_common.errors.files import FileEntryInvalid, FileUnusable
 from quad_common.errors.parameters import OutOfRange
-from quad_common.quoting import clipped, shown
+from quad_common.errors.quoting import clipped, shown
 
 
 class MapError(QuadError):

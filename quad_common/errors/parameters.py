@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from quad_common.errors.base import QuadError
-from quad_common.quoting import shown
+from quad_common.errors.quoting import shown
 
 
 class ParameterError(QuadError, ValueError):

@@ -11,7 +11,7 @@ from os import PathLike
 from quad_common.errors.base import QuadError, listed
 from quad_common.errors.files import FileEntryInvalid, FileUnusable
 from quad_common.errors.parameters import OutOfRange
-from quad_common.quoting import quoted
+from quad_common.errors.quoting import quoted
 
 
 class CameraError(QuadError):

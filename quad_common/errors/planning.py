@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from quad_common.errors.base import QuadError, listed
-from quad_common.quoting import quoted
+from quad_common.errors.quoting import quoted
 
 
 class PlannerError(QuadError):

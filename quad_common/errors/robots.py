@@ -10,7 +10,7 @@ from os import PathLike
 from quad_common.errors.base import QuadError
 from quad_common.errors.files import FileEntryInvalid, FileUnusable
 from quad_common.errors.parameters import OutOfRange, ParameterError
-from quad_common.quoting import quoted, shown
+from quad_common.errors.quoting import quoted, shown
 
 
 class RobotModelError(QuadError):

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from quad_common.errors.base import QuadError, listed
-from quad_common.quoting import quoted
+from quad_common.errors.quoting import quoted
 
 
 class SimulatorError(QuadError):

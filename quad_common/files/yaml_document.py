@@ -15,8 +15,8 @@ from typing import Any
 import yaml
 
 from quad_common.errors import FileEntryInvalid, FileUnusable, OutOfRange, QuadError, UnknownKey
+from quad_common.errors.quoting import clipped, shown
 from quad_common.files.bounded_file import LARGEST_TEXT, read_text
-from quad_common.quoting import clipped, shown
 
 LARGEST_DEPTH = 20
 """Of mappings and lists in one another; shipped files have 4."""

@@ -22,8 +22,8 @@ from quad_common.errors import (
     MapError,
     MapFileUnusable,
 )
+from quad_common.errors.quoting import clipped
 from quad_common.files.bounded_file import LARGEST_IMAGE, read_bytes
-from quad_common.quoting import clipped
 
 MOST_PIXELS = 2**27
 """Of the largest image that is decoded: 579 m square with cells of 0.05 m."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from quad_common.errors import QuadError, without_frames
-from quad_common.quoting import quoted
+from quad_common.errors.quoting import quoted
 
 Result = TypeVar('Result')
 

@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
 from quad_common.errors import InvalidMessage, QuadError
-from quad_common.quoting import clipped, quoted
+from quad_common.errors.quoting import clipped, quoted
 from quad_common.ros.callback_net import CallbackNet
 from quad_common.ros.pose_conversions import check_clock
 

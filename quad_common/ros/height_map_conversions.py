@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField
 
 from quad_common.errors import InvalidMessage, MapError
+from quad_common.errors.quoting import LONGEST_QUOTE, clipped, quoted
 from quad_common.maps.height_map import MAX_CELLS, HeightMap
-from quad_common.quoting import LONGEST_QUOTE, clipped, quoted
 from quad_common.ros.pose_conversions import LARGEST_COORDINATE
 
 _MOST_FIELDS = 64

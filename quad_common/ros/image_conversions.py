@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sensor_msgs.msg import CameraInfo, Image
 
 from quad_common.errors import InvalidMessage
-from quad_common.quoting import quoted
+from quad_common.errors.quoting import quoted
 from quad_common.vision.camera import CameraModel
 
 LARGEST_PICTURE = 2**24

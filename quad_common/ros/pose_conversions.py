@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from rosgraph_msgs.msg import Clock
 
 from quad_common.errors import InvalidMessage, InvalidPose
+from quad_common.errors.quoting import quoted
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import LONGEST_PLAN, Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.quoting import quoted
 from quad_common.vision.camera import CameraModel
 
 LARGEST_COORDINATE = 1e6

@@ -21,9 +21,9 @@ from rclpy.clock_type import ClockType
 from rclpy.parameter import Parameter as RosParameter
 
 from quad_common.errors import QuadError
+from quad_common.errors.quoting import clipped
 from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
 from quad_common.process.spare_memory import give_back_spare_memory
-from quad_common.quoting import clipped
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.status import Status
 

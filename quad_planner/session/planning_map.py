@@ -8,10 +8,10 @@ from collections.abc import Callable
 from typing import Any
 
 from quad_common.errors import InvalidMessage
+from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
-from quad_common.quoting import quoted
 from quad_planner.grid.traversability import Ground, GroundLimits
 from quad_planner.methods.planner import Planner
 

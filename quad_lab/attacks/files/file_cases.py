@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from quad_common.errors import QuadError
-from quad_common.quoting import clipped
+from quad_common.errors.quoting import clipped
 from quad_lab.attacks.files.argument_cases import (
     CommandLine,
     changed_command,

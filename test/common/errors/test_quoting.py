@@ -10,7 +10,7 @@ from quad_common.errors import (
     ParameterError,
     WrongFrame,
 )
-from quad_common.quoting import LONGEST_SENTENCE, clipped, escaped, quoted, shown
+from quad_common.errors.quoting import LONGEST_SENTENCE, clipped, escaped, quoted, shown
 
 HOSTILE = {
     'giant': 'x' * 10**7,

@@ -11,7 +11,7 @@ import pytest
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SOURCES = sorted(path for package in ROOT.glob('quad_*') for path in package.rglob('*.py'))
 
 SAMPLES = {
