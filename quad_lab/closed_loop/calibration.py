@@ -86,7 +86,10 @@ def measure_motion(
     try:
         walk.run(0.1)
         controller.set_twist(motion.rate(gait.cycle_period))
-        walk.run(30.0 + gait.cycle_period, until=lambda: controller.cycle is not None)
+        walk.run(
+            30.0 + gait.cycle_period,
+            until=lambda: controller.cycle is not None or controller.activity.is_disabled,
+        )
         ends: list[Pose2D] = []
         while len(ends) < _SKIPPED + cycles + 1 and not walk.record.has_fallen:
             try:

@@ -17,6 +17,7 @@ from quad_common.maps.map_file import load_map
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
+from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 from quad_lab.topic_walk.recording import Recording
 from quad_lab.topic_walk.walk_observer import WalkObserver
@@ -207,7 +208,8 @@ def _watch(
     record = observer.record
     observer.give_goal()
     began = advanced = time.monotonic()
-    seen = start_time = moved = observer.time
+    seen = start_time = observer.time
+    end = GuidedEnd(_PATIENCE)
     while not record.has_arrived and not record.problem:
         observer.listen(0.1)
         nodes.check()
@@ -215,11 +217,10 @@ def _watch(
         now = time.monotonic()
         if observer.time > seen:
             seen, advanced = observer.time, now
-        if observer.activity is None or not observer.activity.is_terminal:
-            moved = seen
         record.wall_time = now - began
         record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
-        if not record.problem and seen - moved > _PATIENCE:
+        is_over = end.is_over(seen, observer.activity)
+        if is_over and not record.problem and not record.has_arrived:
             record.problem = observer.statuses['gait_node'][1]
     return record
 

@@ -11,6 +11,7 @@ pytest.importorskip('rclpy')
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
+from quad_lab.topic_walk import walk
 from quad_lab.topic_walk.walk import _problem
 from quad_lab.topic_walk.walk_record import WalkRecord
 
@@ -33,3 +34,37 @@ def test_a_robot_that_no_plan_moves_ends_the_walk_with_its_reason(activity: Acti
 @pytest.mark.parametrize('activity', [Activity.WALKING, Activity.BLOCKED, Activity.STOPPED])
 def test_a_robot_that_a_new_plan_may_move_is_waited_for(activity: Activity) -> None:
     assert _problem(seen(activity, 'blocked'), 1.0, 0.0, 1.0) == ''
+
+
+class LameAfterAWhile:
+    """An observer of a robot whose knee fails on its way."""
+
+    def __init__(self) -> None:
+        self.record = WalkRecord(GOAL)
+        self.record.plans.append(Plan.through([[0.0, 0.0], [2.0, 0.0]], 0.0))
+        self.time = 0.0
+
+    @property
+    def activity(self) -> Activity:
+        return Activity.WALKING if self.time < 5.0 else Activity.LAME
+
+    @property
+    def statuses(self) -> dict[str, tuple[bytes, str, dict[str, str]]]:
+        return {'gait_node': (b'', f'{self.activity.value}: a knee', {})}
+
+    def planner_is_ready(self) -> bool:
+        return True
+
+    def give_goal(self) -> None:
+        pass
+
+    def listen(self, duration: float) -> None:
+        self.time += 1.0
+
+
+def test_a_robot_that_falls_lame_ends_the_walk_at_once(monkeypatch):
+    monkeypatch.setattr(walk, '_wait_until_ready', lambda observer, nodes: None)
+    observer = LameAfterAWhile()
+    nodes = SimpleNamespace(check=lambda: None)
+    record = walk._watch(observer, nodes, lambda observer: None)
+    assert (record.problem, record.has_arrived, observer.time) == ('lame: a knee', False, 5.0)
