@@ -127,11 +127,11 @@ class PlannerNode(QuadNode[PlannerParameters]):
             start = pose_from_message(request.start.pose, 'start')
             goal = pose_from_message(request.goal.pose, 'goal')
             frames = request.start.header.frame_id, request.goal.header.frame_id
-            plan = self._session.plan_between((frames[0], start), (frames[1], goal))
+            plan = self._session.map.plan_between((frames[0], start), (frames[1], goal))
         except QuadError as error:
             self.report_error(error)
         stamp = self.get_clock().now().to_msg()
-        response.plan = path_message(plan, self._session.frame.name, stamp)
+        response.plan = path_message(plan, self._session.map.frame.name, stamp)
         return response
 
     def _on_beginning(self) -> None:

@@ -16,12 +16,8 @@ from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCos
 from quad_planner.methods.planner import Planner, make_planner
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.planning_session import (
-    Output,
-    PlanningSession,
-    Requests,
-    SessionOptions,
-)
+from quad_planner.session.planning_session import PlanningSession, SessionOptions
+from quad_planner.session.session_ports import Output, Requests
 
 
 def no_clock() -> float:

@@ -38,7 +38,7 @@ def session_status(
         The error if the last goal was refused.
     """
     topic, goal = parameters.odom_topic, session.pending_goal
-    if not session.has_map and session.problem is None:
+    if not session.map.is_ready and session.problem is None:
         return Status(Level.WARN, "no map: waiting for one on 'map'")
     if session.is_busy and goal is None:
         return Status(

@@ -7,11 +7,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from quad_common.errors import InvalidMessage
+from quad_common.errors import InvalidMessage, WrongFrame
 from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
 from quad_planner.grid.traversability import Ground, GroundLimits
 from quad_planner.methods.planner import Planner
 
@@ -56,6 +58,45 @@ class PlanningMap:
         self._grid: OccupancyGrid | None = None
         self._ground: Ground | None = None
         self._waiting: tuple[HeightMap, str] | None = None
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether there is a map to plan on."""
+        return self.planner.prepared is not None
+
+    def pose_on_map(self, frame: str, pose: Pose2D, what: str) -> Pose2D:
+        """Bring a pose into the map; WrongFrame if nothing relates its frame to the map's."""
+        placed = self.frame.on_map(frame, pose)
+        if placed is None:
+            raise WrongFrame(what, frame, self.frame.name)
+        return placed
+
+    def plan_between(self, start: tuple[str, Pose2D], goal: tuple[str, Pose2D]) -> Plan:
+        """
+        Plan once, beside what is planned for the robot.
+
+        Parameters
+        ----------
+        start, goal : tuple of str and Pose2D
+            Each with its frame; without a name it is the map's.
+
+        Raises
+        ------
+        PlannerError
+            If there is no map or no plan, or nothing relates a frame to the map's.
+        """
+        # Unlike a topic, a request is meant for this planner: its map goes without saying.
+        (start_frame, begin), (goal_frame, end), name = start, goal, self.frame.name
+        return self.planner.plan(
+            self.pose_on_map(start_frame or name, begin, 'start'),
+            self.pose_on_map(goal_frame or name, end, 'goal'),
+        )
+
+    def warm_up(self, clock: Callable[[], float]) -> float:
+        """Get the searches ready; return how long that took by a clock [s]."""
+        began = clock()
+        self.planner.warm_up()
+        return clock() - began
 
     def take_grid(self, grid: OccupancyGrid, frame: str) -> bool:
         """

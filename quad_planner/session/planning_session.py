@@ -11,17 +11,15 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
 
-from quad_common.errors import PlannerError, QuadError, WrongFrame, without_frames
-from quad_common.frames.map_frame import MapFrame
+from quad_common.errors import PlannerError, QuadError, without_frames
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
-from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.pose_age import PoseAge
+from quad_planner.session.session_ports import Output, Requests
 
 _CHECK_PERIOD = 0.2
 """How often it is checked whether the robot has left its path [s]."""
@@ -37,39 +35,6 @@ _ARRIVED_TURN = 0.2
 
 _LONG = 3.0
 """Time in which compiled searches are ready at the latest [s]."""
-
-
-class Requests(Protocol):
-    """What works on searches; see :class:`quad_planner.session.latest_request.LatestRequest`."""
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether a request waits for its answer."""
-
-    def is_superseded(self) -> bool:
-        """Return, to work that asks, whether it may stop."""
-
-    def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
-        """Take a request; those before it are given up."""
-
-
-class Output(Protocol):
-    """What becomes of a session's decisions."""
-
-    def publish_plan(self, plan: Plan | None) -> int:
-        """Publish a plan, or take the last one back; return its stamp, each another one [ns]."""
-
-    def show_map(self, prepared: InflatedMap) -> None:
-        """Show what is planned on now."""
-
-    def say(self, sentence: str) -> None:
-        """Log a sentence."""
-
-    def warn(self, sentence: str) -> None:
-        """Log what a user should know."""
-
-    def update_status(self) -> None:
-        """Say what goes on."""
 
 
 @dataclass(frozen=True)
@@ -115,9 +80,8 @@ class PlanningSession:
         output: Output,
         options: SessionOptions,
     ) -> None:
-        self._map = planning_map
-        self._planner = planning_map.planner
-        self._frame = planning_map.frame
+        self.map = planning_map
+        """What is planned on."""
         self._requests = requests
         self._output = output
         self._options = options
@@ -139,16 +103,6 @@ class PlanningSession:
         """Pose of the robot from which it was planned."""
         self.problem: QuadError | None = None
         """Reason why the last goal was refused, or has no plan."""
-
-    @property
-    def frame(self) -> MapFrame:
-        """What relates frames to the map's."""
-        return self._frame
-
-    @property
-    def has_map(self) -> bool:
-        """Whether there is a map to plan on."""
-        return self._planner.prepared is not None
 
     @property
     def is_busy(self) -> bool:
@@ -192,23 +146,23 @@ class PlanningSession:
         QuadError
             If it cannot be planned on, or a height map that waited for it does not go with it.
         """
-        if self._map.take_grid(grid, frame):
+        if self.map.take_grid(grid, frame):
             self._plan_on_new_map()
-        if self._map.take_waiting_heights():
+        if self.map.take_waiting_heights():
             self._plan_on_new_map()
 
     def take_heights(self, heights: HeightMap, frame: str) -> None:
         """Plan over this ground from now on; see :meth:`PlanningMap.take_heights`."""
-        if self._map.take_heights(heights, frame):
+        if self.map.take_heights(heights, frame):
             self._plan_on_new_map()
 
     def _plan_on_new_map(self) -> None:
         self.problem = None
-        assert self._planner.prepared is not None
-        self._output.show_map(self._planner.prepared)
+        assert self.map.planner.prepared is not None
+        self._output.show_map(self.map.planner.prepared)
         wish = self._pending
         if wish is None and self._goal is not None:
-            wish = _Wish(self._frame.name, self._goal, is_given=False)
+            wish = _Wish(self.map.frame.name, self._goal, is_given=False)
         if self._waiting is None and wish is not None and self._pose is not None:
             self._search(wish, is_plan_void=True)
         self._try_waiting_goal()
@@ -223,46 +177,18 @@ class PlanningSession:
         self._try_waiting_goal()
         self._output.update_status()
 
-    def plan_between(self, start: tuple[str, Pose2D], goal: tuple[str, Pose2D]) -> Plan:
-        """
-        Plan once, beside what is planned for the robot.
-
-        Parameters
-        ----------
-        start, goal : tuple of str and Pose2D
-            Each with its frame; without a name it is the map's.
-
-        Raises
-        ------
-        PlannerError
-            If there is no map or no plan, or nothing relates a frame to the map's.
-        """
-        # Unlike a topic, a request is meant for this planner: its map goes without saying.
-        named = [(frame or self._frame.name, pose) for frame, pose in (start, goal)]
-        poses = [
-            self._on_map(*pose, what) for pose, what in zip(named, ('start', 'goal'), strict=True)
-        ]
-        return self._planner.plan(*poses)
-
-    def _on_map(self, frame: str, pose: Pose2D, what: str) -> Pose2D:
-        """Bring a pose into the map; WrongFrame if nothing relates its frame to the map's."""
-        placed = self._frame.on_map(frame, pose)
-        if placed is None:
-            raise WrongFrame(what, frame, self._frame.name)
-        return placed
-
     def _try_waiting_goal(self) -> None:
         """Plan to the goal that came last, as soon as map and pose are known."""
         wish = self._waiting
-        if wish is None or self._planner.prepared is None or self._pose is None or self.silence:
+        if wish is None or not self.map.is_ready or self._pose is None or self.silence:
             return
         self._waiting = None
         try:
-            goal = self._on_map(wish.frame, wish.goal, 'goal')
+            goal = self.map.pose_on_map(wish.frame, wish.goal, 'goal')
         except PlannerError as error:
             self.problem = without_frames(error)
             return
-        self._search(_Wish(self._frame.name, goal, wish.is_given))
+        self._search(_Wish(self.map.frame.name, goal, wish.is_given))
 
     # The robot
 
@@ -301,7 +227,7 @@ class PlanningSession:
             return
         if self._goal is not None:
             self._output.say(f'the robot is {distance:.2f} m from its path: planning anew')
-            self._search(_Wish(self._frame.name, self._goal, is_given=False))
+            self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
         else:
             # Who hears it late must not walk to it again.
             self._publish(None)
@@ -368,14 +294,8 @@ class PlanningSession:
 
     def warm_up(self, clock: Callable[[], float]) -> None:
         """Get the searches ready; one that is under way is not given up for it."""
-
-        def work() -> float:
-            began = clock()
-            self._planner.warm_up()
-            return clock() - began
-
         if not self.is_busy:
-            self._requests.submit(work, self._on_warm)
+            self._requests.submit(partial(self.map.warm_up, clock), self._on_warm)
 
     def _on_warm(self, result: Callable[[], float]) -> None:
         took = result()
@@ -400,7 +320,7 @@ class PlanningSession:
         start, goal = self._pose, wish.goal
         self._pending = wish
         self._requests.submit(
-            lambda: self._planner.plan(start, goal), partial(self._on_result, start, wish)
+            lambda: self.map.planner.plan(start, goal), partial(self._on_result, start, wish)
         )
 
     def _give_up_search(self) -> None:

@@ -8,7 +8,6 @@ import contextlib
 import ctypes
 import os
 import sys
-from collections import defaultdict
 from collections.abc import Hashable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,13 +17,14 @@ from numpy.typing import NDArray
 
 from quad_common.errors import MissingOptionalDependency, ParameterError
 from quad_common.planar_pose import Pose2D
-from quad_common.process.temporary_folder import temporary_folder
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.urdf import urdf_from_robot
 from quad_common.vision.camera_file import quaternion_from_matrix
+from quad_sim.engines.bullet_body import load_body
 from quad_sim.engines.bullet_ground import lay_ground
+from quad_sim.engines.bullet_obstacles import BulletObstacles
 from quad_sim.engines.bullet_scene import BulletScene
+from quad_sim.engines.bullet_walls import build_walls
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
 from quad_sim.engines.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
 from quad_sim.world.appearance import Appearance
@@ -73,8 +73,6 @@ _SOLVER_ITERATIONS = 25
 
 _POSITION_GAIN = 0.3
 _VELOCITY_GAIN = 1.0
-_TILE = 4.0
-"""Obstacles are put into one mesh per square of this size, so that far ones cost nothing [m]."""
 
 
 def headless_client() -> Any:
@@ -121,7 +119,6 @@ class BulletSimulator:
         self._appearance = Appearance() if appearance is None else appearance
         self._scene: BulletScene | None = None
         self._goal: Pose2D | None = None
-        self._placed: dict[Hashable, tuple[Obstacle, int]] = {}
         self._steps = 0
         with _silenced():
             self._bullet: Any = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
@@ -132,10 +129,13 @@ class BulletSimulator:
             deterministicOverlappingPairs=1,
         )
         self._grounds = lay_ground(self._bullet, world)
-        self._make_walls(world)
+        build_walls(self._bullet, world)
+        self._obstacles = BulletObstacles(self._bullet, world)
         for index, obstacle in enumerate(world.obstacles):
             self.put_obstacle((OF_WORLD, index), obstacle)
-        self._body, self._joints, self._link_names = self._load_robot()
+        body = load_body(self._bullet, robot, in_physics=True)
+        self._body, self._joints, self._link_names = body.number, body.joints, body.links
+        self._efforts = robot.effort.reshape(-1).tolist()
         self._feet = frozenset(f'{leg}_foot' for leg in LEGS)
         self._falls = {Contact('base_link', 'ground')}
         self._falls |= {Contact(f'{leg}_hip', 'ground') for leg in LEGS}
@@ -270,34 +270,20 @@ class BulletSimulator:
         obstacle : Obstacle
             It stands fast.
         """
-        self.remove_obstacle(name)
-        bottom, top = self._world.span_of(obstacle)
-        half = (obstacle.length / 2.0, obstacle.width / 2.0, (top - bottom) / 2.0)
-        if obstacle.kind == 'box':
-            shape = self._bullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
-        else:
-            shape = self._bullet.createCollisionShape(
-                pybullet.GEOM_CYLINDER, radius=half[0], height=top - bottom
-            )
-        pose = obstacle.pose
-        turned = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
-        place = (pose.x, pose.y, bottom + half[2])
-        body = self._bullet.createMultiBody(0, shape, -1, place, turned)
-        self._placed[name] = obstacle, body
+        self._obstacles.put(name, obstacle)
         if self._scene is not None:
             self._scene.put_obstacle(name, obstacle)
 
     def remove_obstacle(self, name: Hashable) -> None:
         """Take an obstacle away, if it is there."""
-        if name in self._placed:
-            self._bullet.removeBody(self._placed.pop(name)[1])
+        self._obstacles.remove(name)
         if self._scene is not None:
             self._scene.remove_obstacle(name)
 
     @property
     def obstacles(self) -> dict[Hashable, Obstacle]:
         """Those that stand there now, besides the walls."""
-        return {name: obstacle for name, (obstacle, _) in self._placed.items()}
+        return self._obstacles.standing
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; nothing collides with it."""
@@ -353,64 +339,15 @@ class BulletSimulator:
     def _make_scene(self) -> BulletScene:
         """Make what pictures are taken of, a second world with the same things in it."""
         client = headless_client()
-        body = _load_urdf(client, self._robot)
-        names = _joint_indices(client, body)
-        joints = [names[name] for name in self._robot.joint_names]
-        scene = BulletScene(client, body, joints, self._robot, self._world, self._appearance)
+        body = load_body(client, self._robot, in_physics=False)
+        scene = BulletScene(
+            client, body.number, body.joints, self._robot, self._world, self._appearance
+        )
         for name, obstacle in self.obstacles.items():
             scene.put_obstacle(name, obstacle)
         if self._goal is not None:
             scene.put_goal_marker(self._goal)
         return scene
-
-    def _make_walls(self, world: World) -> None:
-        """Build the boxes as one static mesh per tile of the floor."""
-        tiles: dict[tuple[int, int], list[Array]] = defaultdict(list)
-        for box in world.boxes:
-            column, row = np.floor(box.mean(axis=0) / _TILE).astype(int)
-            tiles[column, row].append(box)
-        with temporary_folder() as folder:
-            for index, boxes in enumerate(tiles.values()):
-                path = folder / f'{index}.obj'
-                spans = [world.span_of_wall(box) for box in boxes]
-                path.write_text(_mesh_of_boxes(boxes, spans), encoding='ascii')
-                shape = self._bullet.createCollisionShape(
-                    pybullet.GEOM_MESH,
-                    fileName=str(path),
-                    flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
-                )
-                self._bullet.createMultiBody(0, shape)
-
-    def _load_robot(self) -> tuple[int, list[int], dict[int, str]]:
-        body = _load_urdf(
-            self._bullet,
-            self._robot,
-            pybullet.URDF_USE_INERTIA_FROM_FILE
-            | pybullet.URDF_USE_SELF_COLLISION
-            | pybullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT
-            # Otherwise cylinders are hulls with a margin around them, 1 mm thicker than the
-            # data say: a third more for the shins of a small robot.
-            | pybullet.URDF_USE_IMPLICIT_CYLINDER,
-        )
-        by_name = _joint_indices(self._bullet, body)
-        links = {-1: 'base_link'}
-        for index in range(self._bullet.getNumJoints(body)):
-            links[index] = self._bullet.getJointInfo(body, index)[12].decode()
-        for link in links:
-            self._bullet.changeDynamics(
-                body,
-                link,
-                lateralFriction=1.0,
-                restitution=0.0,
-                # Without it a robot that stands still at a heading creeps round by a degree
-                # in a second or two. Coulomb's law holds with it as well.
-                frictionAnchor=1,
-                linearDamping=0.0,
-                angularDamping=0.0,
-                jointDamping=0.0,
-            )
-        self._efforts = self._robot.effort.reshape(-1).tolist()
-        return body, [by_name[name] for name in self._robot.joint_names], links
 
     def _contacts(self) -> tuple[Contact, ...]:
         found = set()
@@ -426,47 +363,7 @@ class BulletSimulator:
         return tuple(sorted(found, key=str))
 
 
-def _load_urdf(client: Any, robot: Robot, flags: int = 0) -> int:
-    """Load a robot into a world, and return its body."""
-    with temporary_folder() as folder:
-        path = folder / f'{robot.name}.urdf'
-        path.write_text(urdf_from_robot(robot), encoding='utf-8')
-        body: int = client.loadURDF(str(path), flags=flags)
-    return body
-
-
-def _joint_indices(client: Any, body: int) -> dict[str, int]:
-    """Return the index of each joint of a body."""
-    count = client.getNumJoints(body)
-    return {client.getJointInfo(body, index)[1].decode(): index for index in range(count)}
-
-
 def _cross(a: Array, b: Array) -> Array:
     """Vector product of two vectors; numpy's own takes ten times as long for just two."""
     (ax, ay, az), (bx, by, bz) = a, b
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-
-
-def _mesh_of_boxes(boxes: list[Array], spans: list[tuple[float, float]]) -> str:
-    """
-    Write boxes as a Wavefront mesh.
-
-    Each is given by the four corners of its base, counter-clockwise, and the heights of its
-    bottom and its top.
-    """
-    lines = []
-    faces = []
-    for index, (base, span) in enumerate(zip(boxes, spans)):
-        first = 8 * index + 1
-        for z in span:
-            lines += [f'v {x:.6f} {y:.6f} {z:.6f}' for x, y in base]
-        for a, b, c, d in (
-            (4, 5, 6, 7),
-            (0, 1, 5, 4),
-            (1, 2, 6, 5),
-            (2, 3, 7, 6),
-            (3, 0, 4, 7),
-        ):
-            faces.append(f'f {first + a} {first + b} {first + c}')
-            faces.append(f'f {first + a} {first + c} {first + d}')
-    return '\n'.join(lines + faces) + '\n'
