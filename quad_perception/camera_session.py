@@ -51,7 +51,7 @@ class CameraSession:
             color=_color(p.goal_color), heading_color=_color(p.goal_heading_color)
         )
         self.place = _camera_place(p)
-        """Where the camera is; its lens comes with :meth:`take_camera`."""
+        """Place of the camera; its lens comes with :meth:`take_camera`."""
         self.tracker: SceneTracker | None = None
         """The scene; None before the camera's lens is known."""
         self._problems: dict[str, QuadError] = {}

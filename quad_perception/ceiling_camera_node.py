@@ -27,7 +27,7 @@ from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.ros_conversions import is_same_lens, legs_pose
 
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Of pictures that come faster than they are worked on, the newest counts."""
+"""Quality of service of pictures: of those that wait, the newest counts."""
 
 
 class CeilingCameraNode(QuadNode[CeilingCameraParameters]):

@@ -26,7 +26,7 @@ from quad_perception.picture.marker_poses import MarkerPose
 from quad_perception.tracking.pose_fusion import PoseFusion
 
 _FASTEST = 100.0
-"""Of a robot: more is no velocity [m/s, rad/s]."""
+"""Largest velocity of a robot that is believed [m/s, rad/s]."""
 
 _AXES = (0, 1, 5)
 """x, y and yaw among the six of a ROS covariance."""

@@ -40,7 +40,7 @@ class CameraCalibration:
     camera: CameraModel
     """The camera, with its pose."""
     errors: Array
-    """Between each pixel and its point's projection, shape (n,) [pixels]."""
+    """Distance between each pixel and its point's projection, shape (n,) [pixels]."""
     position_deviation: Array
     """Standard deviation of the camera's position, shape (3,); what the errors make of it [m]."""
 
@@ -63,7 +63,7 @@ def calibrate_pose(
     points : array_like, shape (n, 2) or (n, 3), n >= 4
         Places in the world, on the floor if they have no height [m].
     pixels : array_like, shape (n, 2)
-        Where they are in the picture: column and row, as from
+        Places in the picture: column and row, as from
         :meth:`quad_common.vision.camera.CameraModel.project`.
     largest_error : float
         A larger reprojection error means that something is wrong [pixels].

@@ -149,7 +149,7 @@ class Segmentation:
     """What a picture shows, by color."""
 
     masks: Mapping[str, Mask]
-    """By the name of the range: 255 where the pixels have its color; shape (height, width)."""
+    """Masks by the name of the range, 255 where pixels have its color; shape (height, width)."""
     value: Picture
     """The largest of red, green and blue, less noise; shape (height, width)."""
 
@@ -191,7 +191,7 @@ def load_ranges(path: str | Path) -> tuple[ColorRange, ...]:
     Returns
     -------
     tuple of ColorRange
-        In the order of the file.
+        Ranges in the order of the file.
 
     Raises
     ------

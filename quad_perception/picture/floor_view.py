@@ -30,11 +30,11 @@ Box = tuple[float, float, float, float]
 """x_min, y_min, x_max, y_max [m]."""
 
 _MOST_CELLS = 2**20
-"""Of a plan's extent: tables of more would take gigabytes."""
+"""Largest number of cells of a plan's extent: tables of more would take gigabytes."""
 _MOST_POINTS = 2**23
-"""Of a plan: tables of more would take gigabytes, too. A camera of 2048 x 2048 needs fewer."""
+"""Largest number of points of a plan. A camera of 2048 x 2048 needs fewer."""
 _BORDER = 60
-"""So many points are taken along each side of the picture to find the floor's extent."""
+"""Points along each side of the picture that are taken to find the floor's extent."""
 _TOO_FAR = 5.0
 """The visible floor may reach this many camera heights from below the camera."""
 
@@ -53,7 +53,7 @@ class FloorView:
         x_min, y_min, x_max, y_max of the map in the world [m]; by default what the camera
         sees of the floor. Both are brought to whole cells outward.
     largest_height : float
-        Of obstacles [m]. The plan reaches beyond the map to where their tops are seen.
+        Largest height of obstacles [m]. The plan reaches beyond the map to where tops are seen.
 
     Raises
     ------
@@ -91,7 +91,7 @@ class FloorView:
         self.shape = (int(rows), int(columns))
         """Rows and columns of the map."""
         self.origin = Pose2D(float(first[0] * resolution), float(first[1] * resolution), 0.0)
-        """Of the map, at its lower left corner."""
+        """Pose of the map, at its lower left corner."""
         box = _with_tops(resolution * np.array([first, last]), camera, largest_height)
         plan_first, plan_last = _whole_cells(
             box if visible is None else _overlap(box, visible), resolution
@@ -110,9 +110,9 @@ class FloorView:
                 f'one with {_MOST_POINTS} at most',
             )
         self.step = resolution / self.parts
-        """Between points of the plan [m]."""
+        """Distance between points of the plan [m]."""
         self.corner = plan_first * resolution
-        """Of the plan in the world, the lower left one, shape (2,) [m]."""
+        """Lower left corner of the plan in the world, shape (2,) [m]."""
         columns, rows = (plan_last - plan_first) * self.parts
         at = np.indices((rows, columns)).reshape(2, -1)[::-1].T + 0.5
         places = at * self.step + self.corner
@@ -128,7 +128,7 @@ class FloorView:
         inside[inside] = np.linalg.norm(back - places[inside], axis=1) < self.step
         pixels[~inside] = -9.0
         self.seen = inside.reshape(rows, columns)
-        """Which points of the plan are in the picture."""
+        """Points of the plan that are in the picture, shape (rows, columns)."""
         table = (pixels - 0.5).astype(np.float32).reshape(rows, columns, 2)
         self._table = cv2.convertMaps(table, None, cv2.CV_16SC2)
         self.nadir: Array = (camera.position[:2] - self.corner) / self.step

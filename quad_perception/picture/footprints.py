@@ -34,15 +34,15 @@ Mask = NDArray[np.uint8]
 _SIDE, _TOP = 1, 3
 """What is seen of an obstacle."""
 _BRIGHT = 0.9
-"""Tops are at least as bright as this fraction of the brightest part of a blob."""
+"""Least brightness of tops, as a fraction of the brightest part of a blob."""
 _LEVEL = 92.0
 """The percentile of a blob's values that is the brightness of its top."""
 _SAME_LIGHT = 0.75
-"""A blob darker than this fraction of the brightest one shows no top."""
+"""Least brightness of a blob that shows a top, as a fraction of the brightest one."""
 _RAYS = 40
-"""At most so many rays measure a side."""
+"""Largest number of rays that measure a side."""
 _STEP = 0.5
-"""Between samples along a ray [points of the plan]."""
+"""Distance between samples along a ray [points of the plan]."""
 _INSIDE = 2.5
 """Rays begin so far inside the top [points of the plan]."""
 _LEAST_BLOB = 0.05
@@ -52,7 +52,7 @@ _LEAST_RADIUS = 8.0
 _SAME_HEIGHT = 0.08
 """Rays whose heights differ by more are of different obstacles [m]."""
 _LEAST_GROUP = 0.2
-"""So large a fraction of a top's rays is an obstacle of its own."""
+"""Least fraction of a top's rays that makes an obstacle of its own."""
 _GRAZING = 3.0
 """A side that is shorter is no proof of a second obstacle [points of the plan]."""
 _LEAST_RAYS = 4
@@ -61,14 +61,14 @@ _LEAST_RAYS = 4
 
 @dataclass(frozen=True, eq=False)
 class Footprint:
-    """One obstacle."""
+    """An obstacle on the floor."""
 
     mask: Mask
     """255 where it stands, of a part of the plan."""
     corner: tuple[int, int]
     """Column and row on the plan of the part's first point."""
     height: float | None
-    """Of the obstacle [m]; None if no side of it is seen down to the floor."""
+    """Height of the obstacle [m]; None if no side of it is seen down to the floor."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class FootprintFinder:
     view : FloorView
         Camera and plan.
     assumed_height : float
-        Of obstacles whose sides are not seen [m]: below the camera, or behind others.
+        Height of obstacles whose sides are not seen [m]: below the camera, or behind others.
     least_size : float
         What is smaller both ways is no obstacle but a speck [m].
     """
@@ -264,7 +264,7 @@ def _groups(values: Array, tolerances: Array) -> list[NDArray[np.int64]]:
     values : ndarray, shape (n,)
         What was measured.
     tolerances : ndarray, shape (n,)
-        By how much a value may differ from the next one of its group.
+        Amount by which a value may differ from the next one of its group.
 
     Returns
     -------

@@ -25,13 +25,13 @@ from quad_perception.picture.color_segmentation import Mask, Segmentation
 Array = NDArray[np.float64]
 
 _LEAST_SHARE = 0.05
-"""Spots of a smaller fraction of the disc's area are noise."""
+"""Least area of a spot that is no noise, as a fraction of the disc's."""
 _WHOLE_SHARE = 0.8
 """A disc of which less is seen has its center elsewhere than its centroid."""
 _TOO_LARGE = 1.5
 """What is larger than a disc by this is none."""
 _DISTANCE_TOLERANCE = 0.2
-"""By this fraction the distance of two discs may be wrong, and by so many metres besides."""
+"""Error that the distance of two discs may have, as a fraction, and in metres besides."""
 _DISTANCE_SLACK = 0.02
 _EDGE_DEVIATION = 0.3
 """Standard deviation of where a pixel cuts an edge [pixels]."""
@@ -39,14 +39,14 @@ _EDGE_DEVIATION = 0.3
 
 @dataclass(frozen=True)
 class DiscOnMarker:
-    """One of a marker's discs."""
+    """A disc of a marker."""
 
     color: str
     """Name of its range of colors."""
     offset: float
-    """Of its center along the marker's x axis [m]."""
+    """Place of its center along the marker's x axis [m]."""
     radius: float
-    """[m]"""
+    """Radius of the disc [m]."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,13 @@ class MarkerShape:
     front: DiscOnMarker
     """Farther along the marker's x axis than the other one."""
     height: float
-    """Of the discs above the floor [m]."""
+    """Height of the discs above the floor [m]."""
     height_deviation: float = 0.0
-    """By which the height varies, as a standard deviation [m]."""
+    """Standard deviation of the height [m]."""
     tilt_deviation: float = 0.0
-    """By which the marker pitches and rolls [rad]."""
+    """Standard deviation of pitch and roll of the marker [rad]."""
     lever: float = 0.0
-    """How far the discs are above the point whose position is wanted [m]."""
+    """Height of the discs above the point whose position is wanted [m]."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -87,7 +87,7 @@ class MarkerShape:
 
     @property
     def distance(self) -> float:
-        """Between the centers [m]."""
+        """Distance between the centers [m]."""
         return self.front.offset - self.rear.offset
 
     @classmethod
@@ -136,12 +136,12 @@ class MarkerShape:
 
 @dataclass(frozen=True, eq=False)
 class MarkerPose:
-    """Where a marker is."""
+    """Pose of a marker, and how exactly it is known."""
 
     pose: Pose2D
-    """In the world [m, m, rad]."""
+    """Pose in the world [m, m, rad]."""
     covariance: Array
-    """Of x, y and yaw, shape (3, 3) [m^2, m rad, rad^2]."""
+    """Covariance of x, y and yaw, shape (3, 3) [m^2, m rad, rad^2]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,13 +149,13 @@ class _Spot:
     """A connected part of a color that may be a disc."""
 
     center: Array
-    """On the plane of the discs, shape (2,) [m]."""
+    """Center on the plane of the discs, shape (2,) [m]."""
     share: float
-    """Of the area that the whole disc would have in the picture."""
+    """Fraction of the area that the whole disc would have in the picture."""
     is_cut: bool
     """Whether the picture's border cuts it."""
     deviation: float
-    """Of the center, by the pixels [m]."""
+    """Standard deviation of the center, by the pixels [m]."""
 
 
 def find_marker(segmentation: Segmentation, camera: CameraModel, shape: MarkerShape) -> MarkerPose:
@@ -174,7 +174,7 @@ def find_marker(segmentation: Segmentation, camera: CameraModel, shape: MarkerSh
     Returns
     -------
     MarkerPose
-        Where it is.
+        Pose of the marker.
 
     Raises
     ------

@@ -13,7 +13,7 @@ import numpy as np
 from quad_perception.picture.color_segmentation import ColorRange, Picture, Segmentation
 
 _DIM = 0.35
-"""Of the picture where no range catches it."""
+"""Brightness of the picture where no range catches it, as a fraction."""
 _LINE = 22
 """Height of a line of the legend [pixels]."""
 

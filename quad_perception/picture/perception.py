@@ -38,7 +38,7 @@ _AROUND_FEET = 0.15
 """That the robot has to itself, beyond the circle of its feet [m]."""
 
 _LEAST_FLOOR = 0.6
-"""The floor is brighter than this fraction of the median of what has its color."""
+"""Least brightness of the floor, as a fraction of the median of what has its color."""
 
 
 def default_ranges(
@@ -84,13 +84,13 @@ class Perception:
     robot: MarkerPose | None
     """The robot's base_link; None if it is not found."""
     robot_problem: PerceptionError | None
-    """Why it is not found."""
+    """Reason why it is not found."""
     goal: MarkerPose | None
     """None if it is not found."""
     goal_problem: PerceptionError | None
-    """Why it is not found."""
+    """Reason why it is not found."""
     masks: Mapping[str, Mask]
-    """By the name of the range, 255 where the picture has its color."""
+    """Masks by the name of the range, 255 where the picture has its color."""
 
 
 class Perceiver:
@@ -102,7 +102,7 @@ class Perceiver:
     camera : CameraModel
         What takes the pictures.
     ranges : sequence of ColorRange
-        With the names of :func:`default_ranges`.
+        Color ranges with the names of :func:`default_ranges`.
     robot : MarkerShape
         The marker on the robot's back.
     goal : MarkerShape
@@ -112,11 +112,11 @@ class Perceiver:
     bounds : tuple of float, optional
         x_min, y_min, x_max, y_max of the map [m]; what the camera sees if not given.
     robot_radius : float
-        Of the circle around base_link that the robot, with its legs, never leaves [m].
+        Radius of the circle around base_link that the robot, with its legs, never leaves [m].
     largest_height : float
         Obstacles are at most this high [m].
     assumed_height : float
-        Of obstacles whose sides are not seen [m].
+        Height of obstacles whose sides are not seen [m].
 
     Raises
     ------

@@ -30,7 +30,7 @@ from quad_common.vision.camera import MOST_PIXELS
 from quad_perception.picture.color_segmentation import Picture
 
 _LARGEST_STILL = 2**28
-"""Bytes of the file of a still picture."""
+"""Largest size of the file of a still picture [bytes]."""
 
 _STILLS = ('PNG', 'JPEG', 'BMP', 'TIFF', 'WEBP', 'PPM', 'GIF', 'JPEG2000')
 """Formats of still pictures, as Pillow calls them; OpenCV decodes them all."""

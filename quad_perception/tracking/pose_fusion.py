@@ -26,10 +26,10 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 Array = NDArray[np.float64]
 
 _GATE = 16.27
-"""Of the squared Mahalanobis distance: one in a thousand is farther (chi-square, 3)."""
+"""Largest squared Mahalanobis distance: one in a thousand is farther (chi-square, 3)."""
 
 _LARGEST_GAP = 0.5
-"""Between two odometries, to interpolate between them [s]."""
+"""Longest time between two odometries between which is interpolated [s]."""
 
 
 @dataclass(eq=False, repr=False)
@@ -80,7 +80,7 @@ class FusionOptions:
     slip: float = 0.03
     """Drift of the odometry: standard deviation for a metre walked [m]."""
     turning_slip: float = 0.03
-    """Of the heading, for a radian turned, and for a metre walked [rad]."""
+    """Deviation of the heading for a radian turned, and for a metre walked [rad]."""
     memory: float = 5.0
     """Pictures may be so late [s]."""
     patience: int = 5
@@ -101,7 +101,7 @@ class PoseFusion:
     Parameters
     ----------
     options : FusionOptions
-        How much odometry and camera are believed.
+        Weights of odometry and camera.
     """
 
     def __init__(self, options: FusionOptions | None = None) -> None:
@@ -119,14 +119,14 @@ class PoseFusion:
 
     @property
     def pose(self) -> Pose2D | None:
-        """Of the robot on the map at the last odometry; None before picture and odometry."""
+        """Pose of the robot on the map at the last odometry; None before picture and odometry."""
         if self._correction is None or not self._odometry:
             return None
         return self._correction @ self._odometry[-1][1]
 
     @property
     def covariance(self) -> Array:
-        """Of x, y [m] and yaw [rad] of the pose, in the map's axes, shape (3, 3)."""
+        """Covariance of x, y [m] and yaw [rad] of the pose, in the map's axes, shape (3, 3)."""
         return self._covariance.copy()
 
     def age(self, time: float) -> float:

@@ -36,7 +36,7 @@ class TrackerOptions:
     goal_angle: float = 0.1
     """A goal marker that turned by less is as it was [rad]."""
     largest_age: float = 3.0
-    """Without a picture of the robot for so long its pose is not known [s]."""
+    """Time without a picture of the robot after which its pose is not known [s]."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,9 @@ class Sighting:
     goal: Pose2D | None
     """The goal, if it is new or has moved, in the map [m, m, rad]."""
     problem: QuadError | None
-    """Why the robot's pose was not corrected; None if it was."""
+    """Reason why the robot's pose was not corrected; None if it was."""
     goal_problem: SeveralMarkers | None
-    """Which goal is meant, if several are seen; the last one stays."""
+    """Goals that are seen if there are several; the last one stays."""
 
 
 class SceneTracker:
@@ -66,7 +66,7 @@ class SceneTracker:
     options : TrackerOptions, optional
         What counts as a change.
     fusion : FusionOptions, optional
-        How much odometry and camera are believed.
+        Weights of odometry and camera.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class SceneTracker:
 
     @property
     def fusion(self) -> PoseFusion:
-        """Where the robot is, from pictures and odometry."""
+        """Pose of the robot, from pictures and odometry."""
         return self._fusion
 
     @property

@@ -23,9 +23,9 @@ class Appearance:
 
     floor_color: Color = (205, 205, 200)
     obstacle_color: Color = (205, 50, 35)
-    """Of walls and of obstacles that have no color of their own."""
+    """Color of walls and of obstacles that have none of their own."""
     robot_color: Color = (70, 72, 76)
-    """Of body and legs."""
+    """Color of body and legs."""
     checker_size: float = 0.0
     """Side of the squares of a pattern on the floor; 0: the floor is plain [m]."""
     robot_marker: RobotMarker | None = None

@@ -20,16 +20,16 @@ _FOOTPRINTS = (0.3, 1.0)
 """Least and largest length, width or diameter of an obstacle [m]."""
 
 _HEIGHTS = (0.2, 1.0)
-"""[m]"""
+"""Least and largest height of obstacles [m]."""
 
 _WIDEST_GAP = 0.8
-"""How much wider than the robot the narrowest gap may be drawn [m]."""
+"""Largest excess of the narrowest gap over what the robot needs [m]."""
 
 _MARGIN = 0.3
-"""Between an obstacle and the robot at the start or the goal, at least [m]."""
+"""Least distance of an obstacle from the robot at the start or the goal [m]."""
 
 _TRIES = 100
-"""For a room, and for an obstacle in it, before the gap is made narrower."""
+"""Tries for a room, and for an obstacle in it, before the gap is made narrower."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Room:
     start: Pose2D
     goal: Pose2D
     gap: float
-    """Between any two obstacles there is this much, at least [m]."""
+    """Least distance between any two obstacles [m]."""
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -71,9 +71,9 @@ def random_room(
     seed : int
         One seed, one room.
     count : int, optional
-        How many obstacles; drawn from :data:`FEWEST` to :data:`MOST` if not given.
+        Number of obstacles; drawn from :data:`FEWEST` to :data:`MOST` if not given.
     start : Pose2D, optional
-        Where the robot is to stand at first; drawn if not given.
+        Pose of the robot at first; drawn if not given.
     size : float
         Side of the room [m].
     clearance : float

@@ -28,7 +28,7 @@ _LARGEST = 4096
 """Side of the picture that is rendered, at most [pixels]."""
 
 _EXACT = 0.05
-"""By which the distortion's inverse may miss [pixels]."""
+"""Error that the distortion's inverse may have [pixels]."""
 
 
 class Scene(Protocol):
@@ -61,11 +61,11 @@ class SimulatedCamera:
     Parameters
     ----------
     model : CameraModel
-        Where it is and what its lens does.
+        Place and lens of the camera.
     noise : float
         Standard deviation of the normal noise of each number in a picture [of 255].
     brightness : float
-        By which each number in a picture is multiplied, before the noise. Numbers end at 255,
+        Factor of each number in a picture, before the noise. Numbers end at 255,
         as those of a real camera that is exposed too long.
 
     Raises

@@ -34,12 +34,12 @@ def standing_on(robot: Robot, terrain: Terrain, pose: Pose2D) -> tuple[Array, Ar
     terrain : Terrain
         The ground.
     pose : Pose2D
-        Of base_link.
+        Pose of base_link.
 
     Returns
     -------
     position : ndarray, shape (3,)
-        Of base_link in the world [m].
+        Position of base_link in the world [m].
     rotation : ndarray, shape (3, 3)
         From base_link to the world.
     """

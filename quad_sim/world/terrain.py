@@ -33,11 +33,11 @@ class Block:
     """
 
     pose: Pose2D
-    """Of its middle; the x axis is along its length."""
+    """Pose of its middle; the x axis is along its length."""
     length: float
-    """[m]"""
+    """Length along x [m]."""
     width: float
-    """[m]"""
+    """Width along y [m]."""
     top: float
     """Height of its top in the world [m]."""
 

@@ -23,10 +23,10 @@ Places = tuple[tuple[float, float], ...]
 """x and y of points in the world [m]."""
 
 _TRIES = 30
-"""For each thing that finds its place at random."""
+"""Tries for each thing that is placed at random."""
 
 _SIZES = (0.6, 1.4)
-"""Of bumps and boxes, of the size that was asked for."""
+"""Sizes of bumps and boxes, as fractions of the size that was asked for."""
 
 _LEAST = 0.4
 """Height of the lowest bumps and boxes, of the height that was asked for."""
@@ -57,21 +57,21 @@ def bumps(
     rng : numpy.random.Generator
         Draws places, sizes and heights.
     height : float
-        Of the highest bumps; the lowest have 0.4 of it [m].
+        Height of the highest bumps; the lowest have 0.4 of it [m].
     size : float
         Diameter of the bumps on the average, from 0.6 to 1.4 of it [m].
     cover : float
         Part of the ground that bumps cover at most; they do not overlap, so that about half is
         what there is place for.
     level_at : tuple of (float, float)
-        Where there are none.
+        Points around which there are none [m].
     clear : float
         Radius around those places [m].
 
     Returns
     -------
     HeightMap
-        Of height (1 - (d / radius)^2)^2 at the distance d from a bump's middle; 0 between them.
+        Heights (1 - (d / radius)^2)^2 at the distance d from a bump's middle; 0 between them.
     """
     heights = np.zeros_like(cells.heights)
     for x, y, radius, part in _scatter(cells, rng, size, cover, level_at, clear, 0.0, _disc_area):
@@ -94,11 +94,11 @@ def slope(
     start : Pose2D
         It rises in this heading.
     angle : float
-        Between ramp and level; negative: a hollow in place of a hill [rad].
+        Angle between ramp and level; negative: a hollow in place of a hill [rad].
     length : float
-        Of each of the three parts, on the level [m].
+        Length of each of the three parts, on the level [m].
     clear : float
-        From the start to its foot [m].
+        Distance from the start to its foot [m].
 
     Returns
     -------
@@ -122,7 +122,7 @@ def cross_slope(cells: HeightMap, start: Pose2D, angle: float) -> HeightMap:
     start : Pose2D
         The contour at z = 0 goes through it in its heading.
     angle : float
-        By which the ground rises to the left [rad].
+        Angle by which the ground rises to the left [rad].
 
     Returns
     -------
@@ -150,7 +150,7 @@ def noise(
     rng : numpy.random.Generator
         Draws it.
     height : float
-        How far the highest or lowest point is from z = 0 [m].
+        Distance of the highest or lowest point from z = 0 [m].
     size : float
         Length over which heights are alike: their correlation is 1/e at this distance [m].
     level_at : tuple of (float, float)
@@ -187,16 +187,16 @@ def kerb(
     start : Pose2D
         It lies ahead of this heading.
     height : float
-        Of the steps [m].
+        Height of the steps [m].
     length : float
-        Between them [m].
+        Distance between them [m].
     clear : float
-        From the start to the first one [m].
+        Distance from the start to the first one [m].
 
     Returns
     -------
     Block
-        With upright sides.
+        Platform with upright sides.
     """
     x_min, y_min, x_max, y_max = cells.bounds
     width = 2.0 * math.hypot(x_max - x_min, y_max - y_min)
@@ -223,22 +223,22 @@ def boxes(
     rng : numpy.random.Generator
         Draws places, headings, sizes and heights.
     height : float
-        Of the highest boxes above the ground at their middle; the lowest have 0.4 of it [m].
+        Height of the highest boxes above the ground at their middle; the lowest have 0.4 of it [m].
     size : float
         Diagonal of the boxes on the average, from 0.6 to 1.4 of it [m].
     cover : float
         Part of the ground that boxes cover at most.
     level_at : tuple of (float, float)
-        Where there are none.
+        Points around which there are none [m].
     clear : float
         Radius around those places [m].
     gap : float
-        Between any two boxes, at least [m].
+        Least distance between any two boxes [m].
 
     Returns
     -------
     tuple of Block
-        With upright sides and level tops.
+        Boxes with upright sides and level tops.
     """
     placed = []
     for x, y, radius, part in _scatter(cells, rng, size, cover, level_at, clear, gap, _box_area):

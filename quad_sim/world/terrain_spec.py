@@ -23,21 +23,21 @@ from quad_sim.world.terrain import Terrain
 from quad_sim.world.terrain_shapes import Places
 
 KINDS = ('bumps', 'slope', 'cross_slope', 'kerb', 'noise', 'boxes')
-"""Of ground, besides ``flat`` and files."""
+"""Kinds of ground, besides ``flat`` and files."""
 
 FLAT = 'flat'
 
 FILES = ('.yaml', '.yml')
-"""How the name of a height map file ends."""
+"""Endings of the name of a height map file."""
 
 _DIGITS = 30
-"""Of a seed that are read: more are too many anyway."""
+"""Largest number of digits of a seed that are read."""
 
 MOST_PARTS = 16
-"""Of ground that are added up."""
+"""Largest number of grounds that are added up."""
 
 RESOLUTION = 0.02
-"""Of the height field [m]."""
+"""Side of a cell of the height field [m]."""
 
 STEEPEST = 0.6
 """Largest angle of a slope: a foot slides on it before [rad]."""
@@ -57,17 +57,17 @@ class TerrainSpec:
     kind: str
     """One of :data:`KINDS`, or the path of a height map file."""
     height: float = 0.04
-    """Of the highest bumps, boxes and waves of noise, and of kerbs, 0 to 1 [m]."""
+    """Height of the highest bumps, boxes and waves of noise, and of kerbs, 0 to 1 [m]."""
     angle: float = 0.15
-    """Of slopes, within 0.6 on both sides [rad]."""
+    """Angle of slopes, within 0.6 on both sides [rad]."""
     size: float = 0.4
     """Mean diameter of bumps and diagonal of boxes, length of noise's waves, 0.1 to 10 [m]."""
     length: float = 1.5
-    """Of each part of a slope, and of a kerb, 0.1 to 100 [m]."""
+    """Length of each part of a slope, and of a kerb, 0.1 to 100 [m]."""
     clear: float = 0.8
     """Radius of the level ground around start and goal, 0 to 10 [m]."""
     seed: int = 0
-    """Of bumps, noise and boxes, at least 0."""
+    """Seed of bumps, noise and boxes, at least 0."""
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -145,11 +145,11 @@ def make_terrain(
     bounds : tuple of float
         What it spans: x_min, y_min, x_max, y_max; a file that is the only part spans its own [m].
     start : Pose2D
-        Of the robot: slopes and kerbs lie ahead of it.
+        Pose of the robot: slopes and kerbs lie ahead of it.
     level_at : tuple of (float, float)
         Where bumps, noise and boxes leave the ground level, for example the start and the goal.
     resolution : float
-        Of the height field [m].
+        Side of a cell of the height field [m].
 
     Returns
     -------

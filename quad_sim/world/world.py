@@ -19,7 +19,7 @@ from quad_sim.world.terrain import Terrain
 Array = NDArray[np.float64]
 
 KINDS = ('box', 'cylinder')
-"""Of obstacles."""
+"""Kinds of obstacles."""
 
 
 OF_WORLD = 'room'
@@ -40,11 +40,11 @@ class Obstacle:
     kind: str
     """One of :data:`KINDS`."""
     pose: Pose2D
-    """Of its middle; the x axis is along its length."""
+    """Pose of its middle; the x axis is along its length."""
     length: float
-    """Of a box; a cylinder's diameter [m]."""
+    """Length of a box along x; a cylinder's diameter [m]."""
     width: float
-    """Of a box; a cylinder's diameter [m]."""
+    """Width of a box along y; a cylinder's diameter [m]."""
     height: float
     """Above the ground at its middle [m]."""
     color: Color | None = None
@@ -81,7 +81,7 @@ class Obstacle:
 
     @property
     def outer_radius(self) -> float:
-        """Of the circle around its middle that holds the footprint [m]."""
+        """Radius of the circle around its middle that holds the footprint [m]."""
         if self.kind == 'cylinder':
             return self.length / 2.0
         return math.hypot(self.length, self.width) / 2.0
@@ -137,7 +137,7 @@ class World:
     boxes: Array
     """Walls: corner points of each box's base, counter-clockwise, shape (n, 4, 2) [m]."""
     obstacle_height: float = 0.5
-    """Of the walls above the highest ground under each [m]."""
+    """Height of the walls above the highest ground under each [m]."""
     friction: float = 0.8
     """Coulomb friction between feet and ground."""
     obstacles: tuple[Obstacle, ...] = ()
@@ -221,7 +221,7 @@ def world_from_map(
     Returns
     -------
     World
-        With the occupied cells merged into as few boxes as rows of equal runs allow.
+        World with the occupied cells merged into as few boxes as rows of equal runs allow.
     """
     if grid is None:
         return World(np.empty((0, 4, 2)), obstacle_height, friction)
