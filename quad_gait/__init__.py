@@ -10,8 +10,7 @@ TYPE_CHECKING = False
 
 if TYPE_CHECKING:
     from quad_gait.behaviours.activity import Activity as Activity
-    from quad_gait.behaviours.walk_controller import ControllerOptions as ControllerOptions
-    from quad_gait.behaviours.walk_controller import WalkController as WalkController
+    from quad_gait.behaviours.options import SupervisorOptions as SupervisorOptions
     from quad_gait.cycle.body_motion import BodyMotion as BodyMotion
     from quad_gait.cycle.cycle import Cycle as Cycle
     from quad_gait.cycle.cycle import CycleEnds as CycleEnds
@@ -28,6 +27,9 @@ if TYPE_CHECKING:
     from quad_gait.following.follower_options import FollowerOptions as FollowerOptions
     from quad_gait.state.leg_odometry import LegOdometry as LegOdometry
     from quad_gait.state.measurement import Measurement as Measurement
+    from quad_gait.state.robot_state import RobotState as RobotState
+    from quad_gait.state.state_estimator import StateEstimator as StateEstimator
+    from quad_gait.supervisor import Supervisor as Supervisor
 else:
     __getattr__, __dir__, __all__ = lazy_names(
         __name__,
@@ -39,9 +41,12 @@ else:
             'quad_gait.cycle.gait_check': ('GaitReport', 'check_gait'),
             'quad_gait.cycle.stability': ('stability_margin', 'support_polygon'),
             'quad_gait.state.measurement': ('Measurement',),
+            'quad_gait.state.robot_state': ('RobotState',),
+            'quad_gait.state.state_estimator': ('StateEstimator',),
             'quad_gait.state.leg_odometry': ('LegOdometry',),
             'quad_gait.following.follower_options': ('FollowerOptions',),
             'quad_gait.behaviours.activity': ('Activity',),
-            'quad_gait.behaviours.walk_controller': ('ControllerOptions', 'WalkController'),
+            'quad_gait.behaviours.options': ('SupervisorOptions',),
+            'quad_gait.supervisor': ('Supervisor',),
         },
     )

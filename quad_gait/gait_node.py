@@ -42,7 +42,7 @@ from quad_common.ros.pose_conversions import (
 from quad_common.ros.ros_node import ERROR, OK, STALE, WARN, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import compensation_for
@@ -59,6 +59,7 @@ from quad_gait.ros_conversions import (
 from quad_gait.state.leg_odometry import LegOdometry
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.sensor_inputs import InputOptions, SensorInputs
+from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import check_suits_uneven_ground
 
@@ -87,10 +88,10 @@ class GaitNode(QuadNode[GaitParameters]):
         super().__init__('gait_node', GaitParameters, **kwargs)
         p = self.parameters
         self._robot = load_robot(p.robot)
-        self._controller = WalkController(
+        self._controller = Supervisor(
             self._robot,
             *self._gaits(p),
-            ControllerOptions(
+            SupervisorOptions(
                 settle_time=p.settle_time,
                 lead_time=p.lead_time,
                 sample_period=p.sample_period,

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from quad_common.parameters import parameter
 from quad_common.plan import LONGEST_PLAN
+from quad_common.robot.robot import Robot
+from quad_gait.behaviours.options import SupervisorOptions
+from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
+from quad_gait.following.follower_options import FollowerOptions
+from quad_gait.state.sensor_inputs import InputOptions
+from quad_gait.state.state_estimator import EstimatorOptions
+from quad_gait.uneven.uneven_options import UnevenOptions
+from quad_gait.uneven.uneven_stride import check_suits_uneven_ground
 
 
 @dataclass(frozen=True)
@@ -149,3 +158,62 @@ class GaitParameters:
         lower=0.0,
         upper=3600.0,
     )
+
+    @property
+    def is_uneven(self) -> bool:
+        """Whether the ground is."""
+        return self.ground == 'uneven'
+
+    @property
+    def has_odometry_by_legs(self) -> bool:
+        """Whether the robot's pose is the node's own odometry."""
+        return self.odom_topic == 'odom/legs'
+
+    def gaits(self, robot: Robot) -> tuple[Gait, Gait]:
+        """Load the gaits for walking and for turning."""
+        gait = load_gait(self.gait, robot)
+        if self.is_uneven:
+            check_suits_uneven_ground(gait)
+        return gait, turning_gait_for(gait, robot, self.turning_gait)
+
+    @property
+    def follower_options(self) -> FollowerOptions:
+        """Options for following plans."""
+        return FollowerOptions(
+            turning=self.turning,
+            position_tolerance=self.position_tolerance,
+            heading_tolerance=self.heading_tolerance,
+            path_tolerance=self.path_tolerance,
+            corner_deviation=self.corner_deviation,
+            corner_radius=self.corner_radius,
+            largest_speed=self.largest_speed or math.inf,
+        )
+
+    @property
+    def supervisor_options(self) -> SupervisorOptions:
+        """Timing and tolerances of the supervisor."""
+        uneven = UnevenOptions(sample_period=self.sample_period, reaction_time=self.reaction_time)
+        return SupervisorOptions(
+            settle_time=self.settle_time,
+            lead_time=self.lead_time,
+            sample_period=self.sample_period,
+            least_margin=self.least_margin,
+            twist_timeout=self.cmd_vel_timeout,
+            tracking_gain=self.tracking_gain if self.foot_tracking == 'backstepping' else None,
+            follower=self.follower_options,
+            uneven=uneven if self.is_uneven else None,
+        )
+
+    @property
+    def estimator_options(self) -> EstimatorOptions:
+        """Ages that readings may have, and where leg odometry begins."""
+        return EstimatorOptions(
+            InputOptions(
+                self.joint_timeout,
+                self.imu_timeout,
+                odometry_has_attitude=not self.has_odometry_by_legs,
+                needs_attitude=self.is_uneven,
+            ),
+            has_leg_odometry=True,
+            starts_at_origin=self.has_odometry_by_legs or self.leg_odometry_start == 'origin',
+        )

@@ -1,3 +1,3 @@
 """
-What the robot does, and what comes next.
+What a sound robot does, one file a behaviour, and what it is wished to do.
 """

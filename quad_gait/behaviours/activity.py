@@ -1,5 +1,5 @@
 """
-What a robot is doing, or why it is not moving, in one word.
+What a robot is doing, or why it is not moving, in one word and in a sentence.
 """
 
 from __future__ import annotations
@@ -35,12 +35,31 @@ class Activity(enum.Enum):
         """Whether no new plan moves the robot either: somebody must help it first."""
         return self in _DISABLED
 
+    @property
+    def is_verdict(self) -> bool:
+        """Whether it stays until something new is wished for, though the robot just stands."""
+        return self in _VERDICTS
+
+
+_VERDICTS = frozenset({Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED})
 
 _DISABLED = frozenset({Activity.FALLEN, Activity.LAME, Activity.EMERGENCY_STOP})
 
-_TERMINAL = _DISABLED | {
-    Activity.ARRIVED,
-    Activity.STOPPED,
-    Activity.BLOCKED,
-    Activity.NOT_EXECUTED,
-}
+_TERMINAL = _DISABLED | _VERDICTS | {Activity.NOT_EXECUTED}
+
+
+class Report:
+    """What the robot says of itself; behaviours write it."""
+
+    def __init__(self) -> None:
+        self.activity = Activity.WAITING
+        """Activity of the robot."""
+        self.reason = 'no plan yet'
+        """The same as a sentence."""
+        self.limit = ''
+        """What keeps the robot from doing all that was asked for; empty if nothing does."""
+
+    def say(self, activity: Activity, reason: str) -> None:
+        """Say what the robot does, and why."""
+        self.activity = activity
+        self.reason = reason

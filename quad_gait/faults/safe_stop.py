@@ -23,10 +23,10 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.body_motion import minimum_jerk
-from quad_gait.cycle.posture import crouching_joint_angles, posture_trajectory
-from quad_gait.cycle.stability import stability_margin
+from quad_gait.cycle.posture import crouching_joint_angles
 from quad_gait.faults.joint_fault import JointFault
-from quad_gait.state.body_placement import balanced, rotation_of
+from quad_gait.faults.tipping import level_axes, tilt_of_body, tipping
+from quad_gait.state.body_placement import balanced
 from quad_gait.state.stance import Stance
 
 Array = NDArray[np.float64]
@@ -51,12 +51,6 @@ _LANDING_ERROR = 0.01
 
 _FOLDED = 0.85
 """Share of the knee's range to which a leg is folded."""
-
-_TRIAL = 0.15
-"""So far a joint is turned to see whether it answers [rad]."""
-
-_TRIAL_TIME, _TRIAL_PAUSE = 0.6, 0.3
-"""For that, and for the joint to follow [s]."""
 
 
 @dataclass(frozen=True)
@@ -115,58 +109,6 @@ class _Stage(enum.Enum):
     LIFT = 'lift'
     SIT = 'sit'
     OVER = 'over'
-
-
-def tipping(
-    robot: Robot, joints: Array, up: Array, carries: NDArray[np.bool_]
-) -> tuple[float, float]:
-    """
-    Predict whether a robot stands on some of its feet, and how far it tips if not.
-
-    A body whose center of mass is outside its feet turns about the nearest line between two
-    of them, joints held, until the first hip meets the ground.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    joints : ndarray, shape (4, 3)
-        [rad]
-    up : ndarray, shape (3,)
-        The vertical, upward, in the body's axes.
-    carries : ndarray of bool, shape (4,)
-        Which feet bear.
-
-    Returns
-    -------
-    margin : float
-        Of the center of mass inside those feet; negative outside [m].
-    angle : float
-        By which the body tips [rad]; 0 if it stands.
-    """
-    level = _level(up)
-    feet, center = robot.foot_positions(joints) @ level.T, level @ robot.center_of_mass(joints)
-    margin = float(stability_margin(center[:2], feet[:, :2], carries))
-    if margin >= 0.0 or np.count_nonzero(carries) < 2:
-        return margin, 0.0 if margin >= 0.0 else float('nan')
-    standing = np.flatnonzero(carries)
-    lines = [(a, b) for k, a in enumerate(standing) for b in standing[k + 1 :]]
-    distances = []
-    for a, b in lines:
-        way = (feet[b] - feet[a])[:2]
-        arm = (center - feet[a])[:2]
-        distances.append(abs(way[0] * arm[1] - way[1] * arm[0]) / float(np.hypot(*way)))
-    a, b = lines[int(np.argmin(distances))]
-    way = (feet[b] - feet[a])[:2] / np.hypot(*(feet[b] - feet[a])[:2])
-    out = np.array([-way[1], way[0]])
-    out *= np.sign(out @ (center - feet[a])[:2])
-    hips = np.array([leg.hip for leg in robot.legs]) @ level.T
-    ground = float(feet[[a, b], 2].mean()) - robot.foot_radius
-    radius = robot.links['hip'].radius
-    heights = hips[:, 2] - radius - ground
-    reaches = (hips[:, :2] - feet[a, :2]) @ out
-    angles = [np.arctan2(h, r) for h, r in zip(heights, reaches) if r > 0.0]
-    return margin, float(min(angles, default=np.pi / 2.0))
 
 
 class SafeStop:
@@ -287,9 +229,9 @@ class SafeStop:
         if self._stage is None:
             self._predict(now)
             self._stage = _Stage.CATCH
-            self._tilt = _tilt(now)
+            self._tilt = tilt_of_body(now)
             return self._catch(now)
-        if not self._is_lost and _tilt(now) > self._tilt + self._options.giving_way:
+        if not self._is_lost and tilt_of_body(now) > self._tilt + self._options.giving_way:
             self._is_lost, self.bears = True, False
             self._joints = self._commanded(now.time)
             self._stage = _Stage.CATCH
@@ -309,9 +251,9 @@ class SafeStop:
             self.sits = not self.bears
             return None
         if self._stage in (_Stage.CATCH, _Stage.SETTLE):
-            is_done = self.margin >= self._wanted and _tilt(now) < self._options.largest_tilt
+            is_done = self.margin >= self._wanted and tilt_of_body(now) < self._options.largest_tilt
             # Three feet that do not bear the body lever it over the lame leg: no more of that.
-            tips = _tilt(now) > self._tilt_before + self._options.giving_way
+            tips = tilt_of_body(now) > self._tilt_before + self._options.giving_way
             if not is_done and not tips and self._attempts < self._options.attempts:
                 self._attempts += 1
                 self._stage = _Stage.SETTLE
@@ -319,7 +261,7 @@ class SafeStop:
             if self.margin >= self._scale * self._options.least_margin:
                 self._stage = _Stage.LIFT
                 return self._lift(now)
-        elif _tilt(now) > self._tilt + self._options.giving_way and self._attempts:
+        elif tilt_of_body(now) > self._tilt + self._options.giving_way and self._attempts:
             self._attempts = 0
             self._stage = _Stage.SETTLE
             return self._settle(now)
@@ -355,7 +297,7 @@ class SafeStop:
         options, robot = self._options, self._robot
         start = self._joints.copy()
         posture = self._as_measured(now)
-        level = _level(now.body.rotation[2])
+        level = level_axes(now.body.rotation[2])
         feet = robot.foot_positions(posture) @ level.T
         under = feet[self._standing, 2] if self._standing.any() else feet[:, 2].min(keepdims=True)
         ground = float(under.mean())
@@ -390,9 +332,9 @@ class SafeStop:
 
     def _settle(self, now: Stance) -> JointTrajectory:
         """Level the body over the sound feet, with its center of mass well inside them."""
-        self._tilt_before = _tilt(now)
+        self._tilt_before = tilt_of_body(now)
         start = self._joints.copy()
-        level = _level(now.body.rotation[2])
+        level = level_axes(now.body.rotation[2])
         joints = now.joint_positions.copy()
         feet = self._robot.foot_positions(joints) @ level.T
         shift = np.zeros(3)
@@ -419,7 +361,7 @@ class SafeStop:
         """Lower the body to the ground."""
         robot = self._robot
         start = self._joints.copy()
-        level = _level(now.body.rotation[2])
+        level = level_axes(now.body.rotation[2])
         feet = robot.foot_positions(now.joint_positions) @ level.T
         shift = np.array([0.0, 0.0, float(feet[self._sound, 2].mean()) + robot.body_size[2] / 2.0])
         shift[2] = min(shift[2] + 0.3 * robot.hip_height, 0.0)
@@ -595,82 +537,3 @@ class SafeStop:
         # A leg that hangs free comes to rest with its foot low.
         hanging = int(np.argmin(foot[:, 2]))
         return float(min(knee[hanging, 2], foot[hanging, 2]))
-
-
-class JointRecovery:
-    """
-    A joint that has failed, what the robot does about it, and whether it answers again.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    fault : JointFault
-        What has failed.
-    stop : SafeStop
-        How the robot comes to a standstill.
-    """
-
-    def __init__(self, robot: Robot, fault: JointFault, stop: SafeStop) -> None:
-        self._robot = robot
-        self.fault = fault
-        self.stop = stop
-        self._is_asked = False
-        self._trial: tuple[float, Array, float] | None = None
-        self._has_failed_again = False
-        self.is_over = False
-        """Whether the joint has been seen to answer."""
-
-    def __str__(self) -> str:
-        """Say what is wrong, and what the robot does about it."""
-        again = '; tried again, it still does not answer' if self._has_failed_again else ''
-        return f'{self.fault}; {self.stop.prediction}; {self.stop}{again}'
-
-    def try_again(self) -> None:
-        """Turn the joint a little, as soon as the robot stands still, and see whether it does."""
-        self._is_asked = True
-
-    def update(self, now: Stance, commanded: Array) -> JointTrajectory | None:
-        """Take a measurement and the commands (4, 3) [rad]; return what is to be done, if any."""
-        if not self.stop.is_over or (self._trial is None and not self._is_asked):
-            return self.stop.update(now)
-        joint = self.fault.joint
-        if self._trial is not None:
-            end, before, way = self._trial
-            if now.time < end + _TRIAL_PAUSE:
-                return None
-            turned = float(now.joint_positions.flat[joint] - before.flat[joint])
-            self._trial = None
-            self.is_over = turned / way > 0.5
-            self._has_failed_again = not self.is_over
-            return None if self.is_over else self._turn(now, commanded, before)
-        self._is_asked = False
-        before = np.clip(now.joint_positions, self._robot.lower, self._robot.upper)
-        middle = (self._robot.lower.flat[joint] + self._robot.upper.flat[joint]) / 2.0
-        way = _TRIAL if before.flat[joint] < middle else -_TRIAL
-        goal = before.copy()
-        goal.flat[joint] += way
-        trajectory = self._turn(now, commanded, goal)
-        self._trial = (trajectory.end, before, way)
-        return trajectory
-
-    def _turn(self, now: Stance, commanded: Array, goal: Array) -> JointTrajectory:
-        # From what is commanded: a joint that hangs free may be far from it.
-        return posture_trajectory(
-            self._robot,
-            commanded.reshape(-1),
-            goal,
-            now.time + SafeStopOptions().reaction,
-            _TRIAL_TIME,
-            SafeStopOptions().sample_period,
-        )
-
-
-def _tilt(now: Stance) -> float:
-    return float(np.arccos(min(1.0, now.body.rotation[2, 2])))
-
-
-def _level(up: Array) -> Array:
-    """Return the rotation from the body's axes to level ones with the body's heading."""
-    roll, pitch = np.arctan2(up[1], up[2]), -np.arcsin(np.clip(up[0], -1.0, 1.0))
-    return rotation_of(np.array([roll, pitch, 0.0]))

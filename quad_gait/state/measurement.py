@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot import Robot
-from quad_gait.state.body_placement import angles_of, rotation_of
 
 Array = NDArray[np.float64]
 
@@ -53,26 +51,3 @@ class Measurement:
         if self.odometry is None or before.odometry is None:
             return self.pose
         return before.pose @ before.odometry.inverse() @ self.odometry
-
-    def level_feet(self, robot: Robot) -> tuple[Array, Array]:
-        """
-        Place feet and center of mass beside the body, seen from above.
-
-        Parameters
-        ----------
-        robot : Robot
-            The robot; its joints must have been heard of.
-
-        Returns
-        -------
-        tuple of ndarray, shapes (4, 2) and (2,)
-            In base_link, levelled by the orientation [m].
-        """
-        assert self.joint_positions is not None
-        joints = self.joint_positions.reshape(4, 3)
-        feet, center = robot.foot_positions(joints), robot.center_of_mass(joints)
-        if self.orientation is not None:
-            roll, pitch, _ = angles_of(self.orientation)
-            rotation = rotation_of(np.array([roll, pitch, 0.0]))
-            feet, center = feet @ rotation.T, center @ rotation.T
-        return feet[:, :2], center[:2]

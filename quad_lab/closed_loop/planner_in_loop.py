@@ -10,7 +10,7 @@ from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_gait.behaviours.walk_controller import WalkController
+from quad_gait.supervisor import Supervisor
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import session_from_parameters
 from quad_planner.session.immediate_request import ImmediateRequest
@@ -24,7 +24,7 @@ class PlannerInLoop:
     ----------
     robot : Robot
         The robot.
-    controller : WalkController
+    controller : Supervisor
         What follows the plans.
     parameters : PlannerParameters
         As planner_node takes them.
@@ -35,7 +35,7 @@ class PlannerInLoop:
     def __init__(
         self,
         robot: Robot,
-        controller: WalkController,
+        controller: Supervisor,
         parameters: PlannerParameters,
         frame: MapFrame | None = None,
     ) -> None:

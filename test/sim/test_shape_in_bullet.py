@@ -12,7 +12,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import available_robots, load_robot
 from quad_common.robot.urdf import urdf_from_robot
-from quad_gait.behaviours.walk_controller import Activity
+from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import FollowerOptions
 from quad_lab.closed_loop.closed_loop import ClosedLoop

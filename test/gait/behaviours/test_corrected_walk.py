@@ -10,9 +10,11 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.behaviours.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
+from quad_gait.supervisor import Supervisor
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 
@@ -29,7 +31,7 @@ class CorrectedWalk:
     def __init__(self, gait='crawl', **options):
         walking = load_gait(gait, ROBOT)
         turning = turning_gait_for(walking, ROBOT)
-        self.controller = WalkController(ROBOT, walking, turning, ControllerOptions(**options))
+        self.controller = Supervisor(ROBOT, walking, turning, SupervisorOptions(**options))
         self.simulation = Simulation(KinematicSimulator(ROBOT, 0.01), ROBOT, ORIGIN)
         self.correction = ORIGIN
         self.follows = True

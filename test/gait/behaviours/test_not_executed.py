@@ -6,8 +6,9 @@ import pytest
 from quad_common.plan import Plan
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 
 ROBOT = load_robot('titan_viii')
@@ -18,7 +19,7 @@ AHEAD = Plan.through([[0.0, 0.0], [1.0, 0.0]], 0.0)
 @pytest.fixture(params=['crawl', 'trot'])
 def walk(request):
     gait = load_gait(request.param, ROBOT)
-    controller = WalkController(ROBOT, gait, turning_gait_for(gait, ROBOT), ControllerOptions())
+    controller = Supervisor(ROBOT, gait, turning_gait_for(gait, ROBOT), SupervisorOptions())
     walk = DisturbedWalk(
         ROBOT, controller, UNDISTURBED, np.random.default_rng(1), backend='kinematic'
     )

@@ -11,7 +11,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline, wrap_angle
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import generate_cycle
@@ -20,6 +20,7 @@ from quad_gait.cycle.posture import crouching_joint_angles
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import NO_SLIP, Calibration, SlipCompensation
 from quad_gait.state.measurement import Measurement
+from quad_gait.supervisor import Supervisor
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.simulator import tilt_of
 from quad_sim.simulation import Simulation
@@ -36,7 +37,7 @@ CORNER = Plan.through([[0.0, 0.0], [0.6, 0.0], [0.6, 0.4]], math.pi / 2)
 
 def make_controller(robot=ROBOT, gait=None, compensation=NO_SLIP, **options):
     walking, turning = (CRAWL, TURN) if gait is None else gaits_for(robot, gait)
-    return WalkController(robot, walking, turning, ControllerOptions(**options), compensation)
+    return Supervisor(robot, walking, turning, SupervisorOptions(**options), compensation)
 
 
 def gaits_for(robot, name):
@@ -183,7 +184,7 @@ def test_consecutive_trajectories_join_without_a_jump_or_a_jerk(walked):
 def test_a_trajectory_is_given_out_its_lead_time_before_it_moves_anything(walked):
     for told_at, trajectory in zip(walked.told_at, walked.trajectories):
         lead = trajectory.stamp + trajectory.times[0] - told_at
-        assert lead >= ControllerOptions().lead_time - 1e-9
+        assert lead >= SupervisorOptions().lead_time - 1e-9
         moving = np.flatnonzero(np.abs(trajectory.velocities).max(axis=1) > 1e-6)
         assert trajectory.stamp + trajectory.times[moving[0]] > told_at + 0.3
 
@@ -544,7 +545,7 @@ def test_a_turn_to_either_side_has_the_order_of_legs_that_its_limits_choose(side
     controller.set_plan(Plan((Pose2D(0.0, 0.0, side * 0.7),)))
     trajectory = controller.update(standing(1.0))
     motion = controller.cycle.motion
-    gait = MotionLimits(ROBOT, TURN, ControllerOptions().least_margin).gait_for(motion)
+    gait = MotionLimits(ROBOT, TURN, SupervisorOptions().least_margin).gait_for(motion)
     assert controller.cycle.gait == gait
     expected = generate_cycle(ROBOT, gait, motion).trajectory(ROBOT, 0.0)
     assert trajectory.positions == pytest.approx(expected.positions, abs=1e-12)

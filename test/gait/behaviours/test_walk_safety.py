@@ -13,9 +13,11 @@ from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_file import available_robots, load_robot
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits, check_command
-from quad_gait.behaviours.walk_controller import Activity, ControllerOptions, WalkController
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
+from quad_gait.supervisor import Supervisor
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 
@@ -30,8 +32,8 @@ class SafeWalk:
         self.robot = load_robot(name)
         walking = load_gait(gait, self.robot)
         turning = turning_gait_for(walking, self.robot)
-        options = ControllerOptions(watches_joints=False)
-        self.controller = WalkController(self.robot, walking, turning, options)
+        options = SupervisorOptions(watches_joints=False)
+        self.controller = Supervisor(self.robot, walking, turning, options)
         self.simulation = Simulation(
             KinematicSimulator(self.robot, 0.01), self.robot, Pose2D(0.0, 0.0, 0.0)
         )

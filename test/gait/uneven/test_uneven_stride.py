@@ -13,11 +13,12 @@ from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_build import LEGS
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
+from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
 from quad_lab.closed_loop.closed_loop import ClosedLoop
@@ -36,11 +37,11 @@ WEIGHT = TITAN.mass * 9.80665
 
 def controller_for(robot, height_map=None, **options):
     gait = load_gait('crawl', robot)
-    controller = WalkController(
+    controller = Supervisor(
         robot,
         gait,
         turning_gait_for(gait, robot),
-        ControllerOptions(uneven=UnevenOptions(), **options),
+        SupervisorOptions(uneven=UnevenOptions(), **options),
     )
     controller.set_height_map(height_map)
     return controller

@@ -14,11 +14,12 @@ from quad_common.robot.robot_build import LEGS
 from quad_common.robot.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.state.measurement import Measurement
+from quad_gait.supervisor import Supervisor
 from quad_sim.engines.bullet_simulator import GRAVITY, BulletSimulator
 from quad_sim.engines.simulator import Contact, tilt_of
 from quad_sim.simulation import Simulation
@@ -322,7 +323,7 @@ def test_a_turn_to_the_right_mirrors_a_turn_to_the_left(make):
 def test_a_short_walk_round_a_corner_arrives(make):
     plan = Plan.through([[0.0, 0.0], [0.5, 0.0], [0.5, 0.4]], math.pi / 2)
     simulation = Simulation(make(), ROBOT, ORIGIN)
-    controller = WalkController(ROBOT, load_gait('crawl'), load_gait('turn'), ControllerOptions())
+    controller = Supervisor(ROBOT, load_gait('crawl'), load_gait('turn'), SupervisorOptions())
     controller.set_plan(plan)
     for k in range(round(100.0 / simulation.time_step)):
         if k % 10 == 0:

@@ -1,0 +1,93 @@
+"""
+Walking over uneven ground: each step is a stride whose feet feel for the ground.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import GaitError
+from quad_common.maps.height_map import HeightMap
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
+from quad_gait.behaviours.wishes import UseHeightMap, Wish
+from quad_gait.state.robot_state import RobotState
+from quad_gait.uneven.uneven_stride import UnevenStride
+
+
+class UnevenWalk(Walk):
+    """Carries one stride out until its last foot stands."""
+
+    def __init__(self, shared: Shared) -> None:
+        super().__init__(shared)
+        self._stride: UnevenStride | None = None
+        self._begun: RobotState | None = None
+        self._height_map: HeightMap | None = None
+
+    def take(self, wish: Wish) -> None:
+        """Take a map of the ground."""
+        if isinstance(wish, UseHeightMap):
+            self._height_map = wish.height_map
+            if self._stride is not None:
+                self._stride.height_map = wish.height_map
+
+    def in_contact_at(self, time: float) -> NDArray[np.bool_]:
+        """Return which feet stand, by what was measured last, shape (4,)."""
+        return np.ones(4, dtype=bool) if self._stride is None else self._stride.in_contact
+
+    def footholds(self) -> NDArray[np.float64]:
+        """Return the footholds at the end of the stride, (4, 3) [m]; (0, 3) without one."""
+        return np.empty((0, 3)) if self._stride is None else self._stride.footholds
+
+    def forget(self) -> None:
+        """Leave the stride as it is."""
+        self._stride = None
+
+    def begin(self, state: RobotState, done: Done) -> Command | Done:
+        """Begin a stride."""
+        step, guidance, options = done.step, self._guidance, self._options.uneven
+        assert step is not None
+        assert options is not None
+        try:
+            self._stride = UnevenStride(
+                self._robot,
+                guidance.gait_pair.order_of(step),
+                step.motion,
+                state.pose,
+                self._height_map,
+                options,
+            )
+        except GaitError as error:
+            self._report.say(Activity.STOPPED, str(error))
+            return GO_ON
+        self._begun = state
+        guidance.note_begin(state, state.pose @ step.motion.end)
+        guidance.say(step, step.motion)
+        return self._go_on(state, self._stride)
+
+    def update(self, state: RobotState) -> Command | Done:
+        """Carry the stride on; be done when the robot is at rest."""
+        if self._stride is not None:
+            return self._go_on(state, self._stride)
+        return GO_ON if state.time < self._is_settled_at else Done(Activity.STANDING)
+
+    def _go_on(self, state: RobotState, stride: UnevenStride) -> Command:
+        try:
+            trajectory = stride.update(state.stance(self._begun))
+        except GaitError as error:
+            self._end(stride)
+            self._guidance.give_up(Activity.STOPPED, str(error))
+            return GO_ON
+        self._joints.busy_until = stride.end
+        self._report.limit = stride.limit or self._report.limit
+        if stride.is_over:
+            self._end(stride)
+        return Command(trajectory)
+
+    def _end(self, stride: UnevenStride) -> None:
+        """Let the robot stand as the stride left it: its feet are on uneven ground."""
+        posture = stride.joint_positions
+        if posture is not None:
+            self._joints.posture = posture
+        self._stride = None

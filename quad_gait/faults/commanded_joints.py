@@ -1,0 +1,102 @@
+"""
+What the joints have been commanded, until when, and whether they follow.
+
+All trajectories leave by here: the last gate lets them through, and the fault detector expects
+them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.faults.command_gate import CommandGate
+from quad_gait.faults.joint_fault import JointFault
+from quad_gait.faults.joint_fault_detector import JointFaultDetector
+from quad_gait.state.robot_state import RobotState
+
+Array = NDArray[np.float64]
+
+
+class CommandedJoints:
+    """
+    Remembers what was given out, and compares it with what the joints do.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    is_watched : bool
+        Whether joints that do not answer are looked for.
+    """
+
+    def __init__(self, robot: Robot, is_watched: bool) -> None:
+        self._robot = robot
+        self._detector = JointFaultDetector(robot)
+        self._is_watched = is_watched
+        self.gate = CommandGate(robot)
+        """The gate through which every trajectory leaves."""
+        self.posture: Array = robot.initial_joint_angles
+        """Posture in which the robot stands between two motions, shape (4, 3) [rad]."""
+        self.busy_until = -math.inf
+        """Time at which the last motion is done [s]; minus infinity if it does not count."""
+        self.fault: JointFault | None = None
+        """The joint that was found at the last measurement not to answer."""
+        self.failed: JointFault | None = None
+        """The joint that is known not to answer; whoever acts on a fault notes it."""
+
+    @property
+    def unfollowed(self) -> float:
+        """Time for which the joints have not followed what was given out [s]."""
+        return self._detector.unfollowed
+
+    def stand(self) -> None:
+        """Let the robot stand in its initial posture from now on."""
+        self.posture = self._robot.initial_joint_angles
+
+    def watch(self, state: RobotState) -> None:
+        """Compare the joints with their commands."""
+        self.fault = None
+        if state.joint_positions is not None and not state.problem and self._is_watched:
+            self.fault = self._detector.update(
+                state.measured_at, state.joint_positions, state.joint_efforts
+            )
+
+    def forget(self) -> None:
+        """Know nothing of what the joints are commanded: something else has moved them."""
+        self.gate.forget()
+        self._detector.forget()
+
+    def expect_nothing(self) -> None:
+        """Miss nobody who executes what was given out before."""
+        self._detector.forget()
+
+    def commanded(self, state: RobotState) -> tuple[Array, Array]:
+        """Return commanded positions [rad] and velocities [rad/s] now, each of shape (12,)."""
+        return self.gate.command(state.time, state.joints.reshape(-1))
+
+    def give(self, trajectory: JointTrajectory, state: RobotState) -> None:
+        """
+        Let a trajectory out.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            For all joints.
+        state : RobotState
+            The robot now.
+
+        Raises
+        ------
+        TrajectoryError
+            If the joints could not follow it; then it is not to be given out.
+        """
+        measured = state.joint_positions
+        if measured is None:
+            measured = self._robot.initial_joint_angles.reshape(-1)
+        self.gate.admit(trajectory, state.time, measured)
+        self._detector.expect(trajectory, state.time)

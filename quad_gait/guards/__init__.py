@@ -1,0 +1,3 @@
+"""
+What interrupts a walk when something is wrong: one file a guard.
+"""

@@ -1,0 +1,154 @@
+"""
+From what the robot's sensors say to the state that the gait acts on.
+
+Joints, imu and odometry come one by one and are checked; each new odometry makes a state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_gait.state.leg_odometry import LegOdometry
+from quad_gait.state.measurement import Measurement
+from quad_gait.state.rest_check import RestCheck
+from quad_gait.state.robot_state import RobotState
+from quad_gait.state.sensor_inputs import InputOptions, JointReadings, SensorInputs
+
+Array = NDArray[np.float64]
+
+Contacts = Callable[[float], NDArray[np.bool_]]
+"""Which feet stand at a time [s], shape (4,)."""
+
+_CLOCK_SET_BACK = 1.0
+"""Time by which a measurement must be older than the last one for that [s]."""
+
+
+@dataclass(frozen=True)
+class EstimatorOptions:
+    """How a state is made."""
+
+    inputs: InputOptions = field(default_factory=InputOptions)
+    """Ages that readings may have."""
+    rest_speed: float = 0.1
+    """Speed below which joints are at rest [rad/s]."""
+    has_leg_odometry: bool = False
+    """Whether the pose by legs is estimated too."""
+    starts_at_origin: bool = False
+    """Whether that begins at its own frame's origin, and not where odometry has the robot."""
+
+
+class StateEstimator:
+    """
+    Puts the readings of sensors together.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : EstimatorOptions, optional
+        How a state is made.
+    contacts : callable, optional
+        Which feet stand at a time, for leg odometry; without it level feet do.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        options: EstimatorOptions | None = None,
+        contacts: Contacts | None = None,
+    ) -> None:
+        options = EstimatorOptions() if options is None else options
+        self._robot = robot
+        self._options = options
+        self._contacts = contacts
+        self._inputs = SensorInputs(robot, options.inputs)
+        self._rest = RestCheck(robot, options.rest_speed)
+        self._last_time = -math.inf
+        self._is_placed = options.starts_at_origin
+        self.leg_odometry = LegOdometry(robot)
+        """The pose by legs; stays where it began unless the options ask for it."""
+
+    @property
+    def imu_problem(self) -> str:
+        """That the imu has fallen silent, as a sentence; empty while it has not."""
+        return self._inputs.imu_problem
+
+    def take_joints(self, readings: JointReadings) -> bool:
+        """
+        Take joint states.
+
+        Returns
+        -------
+        bool
+            Whether leg odometry has gone on by them.
+
+        Raises
+        ------
+        InvalidMessage
+            If a joint cannot be where they say; they are left out then.
+        """
+        is_new = self._inputs.take_joints(readings)
+        if not (is_new and self._is_placed and self._options.has_leg_odometry):
+            return False
+        time = readings.time or 0.0
+        standing = None if self._contacts is None else self._contacts(time)
+        imu = self._inputs.imu_at(time)
+        self.leg_odometry.update(time, readings.positions, standing, *imu)
+        return True
+
+    def take_imu(
+        self, time: float | None, orientation: Array | None, yaw_rate: float | None
+    ) -> None:
+        """Take what an imu says; see :meth:`SensorInputs.take_imu`."""
+        self._inputs.take_imu(time, orientation, yaw_rate)
+
+    def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> RobotState | None:
+        """
+        Take where the body is, and put everything together.
+
+        Parameters
+        ----------
+        time : float
+            When it was measured [s].
+        pose : Pose2D
+            Position and heading of base_link in odometry's frame.
+        orientation : ndarray, shape (4,)
+            Unit quaternion xyzw.
+
+        Returns
+        -------
+        RobotState or None
+            None if it is the same reading as the one before.
+
+        Raises
+        ------
+        InvalidMessage
+            If the body cannot have moved like that; it is left out then.
+        """
+        measurement = self._inputs.take_odometry(time, pose, orientation)
+        if measurement is None:
+            return None
+        if not self._is_placed:
+            # From here on the legs tell; where the robot was put they cannot know.
+            self.leg_odometry.reset(pose)
+            self._is_placed = True
+        return self.judge(measurement)
+
+    def judge(self, measurement: Measurement) -> RobotState:
+        """Return the state that follows from a measurement, and from those before it."""
+        values = dict(measurement.__dict__)
+        if measurement.was_moved or measurement.time < self._last_time - _CLOCK_SET_BACK:
+            self._rest.forget()
+            values['was_moved'] = True
+        self._last_time = measurement.time
+        state = RobotState(**values, robot=self._robot, rest=self._rest)
+        if state.joint_positions is not None:
+            self._rest.take(state.measured_at, state.joint_positions)
+        return state
