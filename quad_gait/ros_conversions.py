@@ -8,7 +8,7 @@ from array import array
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import Point32, PolygonStamped, Pose, Twist
+from geometry_msgs.msg import Point32, PolygonStamped, Pose, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
@@ -124,13 +124,13 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
     )
 
 
-def twist_from_message(message: Twist) -> Twist2D:
+def twist_from_message(message: Twist | TwistStamped) -> Twist2D:
     """
     Read a velocity in the plane.
 
     Parameters
     ----------
-    message : geometry_msgs/Twist
+    message : geometry_msgs/Twist or geometry_msgs/TwistStamped
         Along the body's own axes.
 
     Returns
@@ -144,7 +144,8 @@ def twist_from_message(message: Twist) -> Twist2D:
         If a number is not finite or absurd, or asks for what a walking robot cannot do: to
         rise, to roll or to pitch.
     """
-    linear, angular = message.linear, message.angular
+    velocity = message.twist if isinstance(message, TwistStamped) else message
+    linear, angular = velocity.linear, velocity.angular
     twist = Twist2D(float(linear.x), float(linear.y), float(angular.z))
     rest = (linear.z, angular.x, angular.y)
     if not twist.is_finite() or not np.all(np.isfinite(rest)):

@@ -42,6 +42,7 @@ SHARED = {
     'map_frame_listener': ('gait_node', 'planner_node'),
     'transform_publisher': ('ceiling_camera_node', 'sim_node'),
     'camera_topics': ('ceiling_camera_node',),
+    'gait_topics': ('gait_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
 }
@@ -377,7 +378,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
     from quad_common.ros import map_frame_listener, transform_publisher
-    from quad_gait import gait_node
+    from quad_gait import gait_node, gait_topics
     from quad_perception import camera_topics, ceiling_camera_node
     from quad_planner import planner_node, planner_topics
     from quad_sim import sim_node, sim_topics
@@ -390,6 +391,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
             for module in (
                 camera_topics,
                 gait_node,
+                gait_topics,
                 planner_node,
                 planner_topics,
                 sim_node,

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from told_supervisor import ToldSupervisor
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
@@ -14,7 +15,6 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
-from quad_gait.supervisor import Supervisor
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 
@@ -31,7 +31,7 @@ class CorrectedWalk:
     def __init__(self, gait='crawl', **options):
         walking = load_gait(gait, ROBOT)
         turning = turning_gait_for(walking, ROBOT)
-        self.controller = Supervisor(ROBOT, walking, turning, SupervisorOptions(**options))
+        self.controller = ToldSupervisor(ROBOT, walking, turning, SupervisorOptions(**options))
         self.simulation = Simulation(KinematicSimulator(ROBOT, 0.01), ROBOT, ORIGIN)
         self.correction = ORIGIN
         self.follows = True

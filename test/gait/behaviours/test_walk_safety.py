@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from told_supervisor import ToldSupervisor
 
 from quad_common.errors import CommandOutsideLimits, GaitError
 from quad_common.plan import Plan
@@ -17,7 +18,6 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
-from quad_gait.supervisor import Supervisor
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
 
@@ -33,7 +33,7 @@ class SafeWalk:
         walking = load_gait(gait, self.robot)
         turning = turning_gait_for(walking, self.robot)
         options = SupervisorOptions(watches_joints=False)
-        self.controller = Supervisor(self.robot, walking, turning, options)
+        self.controller = ToldSupervisor(self.robot, walking, turning, options)
         self.simulation = Simulation(
             KinematicSimulator(self.robot, 0.01), self.robot, Pose2D(0.0, 0.0, 0.0)
         )
@@ -203,7 +203,7 @@ def test_what_the_gate_refuses_is_not_given_out_and_the_robot_stops_and_says_so(
     before = len(walk.given)
     fast = JointLimits.of(walk.robot)
     slow = replace(fast, velocity=0.05 * fast.velocity)
-    monkeypatch.setattr(walk.controller._gate, 'limits', slow)
+    monkeypatch.setattr(walk.controller._joints.gate, 'limits', slow)
     walk.run(12.0)
     assert len(walk.given) == before
     assert walk.is_still

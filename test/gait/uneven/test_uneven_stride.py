@@ -18,6 +18,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
+from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
@@ -265,14 +266,16 @@ def test_a_problem_is_said_and_stays_said():
 
 
 def test_the_measured_margin_counts_the_tilt():
-    controller = controller_for(TITAN)
     joints = TITAN.initial_joint_angles.reshape(-1)
     level = Measurement(0.0, ORIGIN, 0.0, joints, np.zeros(12), LEVEL)
     half = math.radians(10.0) / 2.0
     tilted = replace(level, orientation=np.array([0.0, math.sin(half), 0.0, math.cos(half)]))
-    assert controller.measured_margin(level) > controller.measured_margin(tilted) + 0.02
+    standing = np.ones(4, dtype=bool)
+    judge = StateEstimator(TITAN).judge
+    margins = [judge(now).stability_margin(standing) for now in (level, tilted)]
+    assert margins[0] > margins[1] + 0.02
     assert tilt_of(tilted.orientation) == pytest.approx(2.0 * half)
-    polygon = controller.measured_support_polygon(level)
+    polygon = judge(level).support_polygon(standing)
     assert polygon == pytest.approx(TITAN.neutral_feet[[0, 2, 3, 1], :2], abs=1e-9)
 
 

@@ -19,6 +19,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.state.measurement import Measurement
+from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_sim.engines.bullet_simulator import GRAVITY, BulletSimulator
 from quad_sim.engines.simulator import Contact, tilt_of
@@ -325,18 +326,18 @@ def test_a_short_walk_round_a_corner_arrives(make):
     simulation = Simulation(make(), ROBOT, ORIGIN)
     controller = Supervisor(ROBOT, load_gait('crawl'), load_gait('turn'), SupervisorOptions())
     controller.set_plan(plan)
+    estimator = StateEstimator(ROBOT)
     for k in range(round(100.0 / simulation.time_step)):
         if k % 10 == 0:
             seen = simulation.observe()
-            trajectory = controller.update(
-                Measurement(
-                    seen.time,
-                    seen.pose,
-                    tilt_of(seen.orientation),
-                    seen.joint_positions,
-                    seen.joint_velocities,
-                )
+            measurement = Measurement(
+                seen.time,
+                seen.pose,
+                tilt_of(seen.orientation),
+                seen.joint_positions,
+                seen.joint_velocities,
             )
+            trajectory = controller.update(estimator.judge(measurement))
             if trajectory is not None:
                 simulation.accept(trajectory)
             assert distance_to_polyline((seen.pose.x, seen.pose.y), plan.corners) < 0.12

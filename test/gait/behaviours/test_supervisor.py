@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from told_supervisor import ToldSupervisor
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline, wrap_angle
@@ -20,7 +21,6 @@ from quad_gait.cycle.posture import crouching_joint_angles
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import NO_SLIP, Calibration, SlipCompensation
 from quad_gait.state.measurement import Measurement
-from quad_gait.supervisor import Supervisor
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.simulator import tilt_of
 from quad_sim.simulation import Simulation
@@ -37,7 +37,7 @@ CORNER = Plan.through([[0.0, 0.0], [0.6, 0.0], [0.6, 0.4]], math.pi / 2)
 
 def make_controller(robot=ROBOT, gait=None, compensation=NO_SLIP, **options):
     walking, turning = (CRAWL, TURN) if gait is None else gaits_for(robot, gait)
-    return Supervisor(robot, walking, turning, SupervisorOptions(**options), compensation)
+    return ToldSupervisor(robot, walking, turning, SupervisorOptions(**options), compensation)
 
 
 def gaits_for(robot, name):
@@ -222,19 +222,19 @@ def test_the_predicted_margin_is_the_cycles_and_positive(begun):
     controller, start, _ = begun
     cycle = controller.cycle
     for k in range(0, len(cycle.times) - 1, 10):
-        assert controller.margin_at(start + cycle.times[k]) == cycle.margin[k] > 0.03
+        assert controller.support.margin_at(start + cycle.times[k]) == cycle.margin[k] > 0.03
     # Between cycles the robot stands on four feet, 402 mm by 602 mm.
     for controller_, time in ((controller, start + 5.0), (make_controller(), 0.0)):
-        assert controller_.margin_at(time) == pytest.approx(0.201, abs=1e-6)
+        assert controller_.support.margin_at(time) == pytest.approx(0.201, abs=1e-6)
 
 
 def test_the_support_polygon_is_of_the_feet_on_the_ground_in_the_plans_frame(begun):
     controller, start, pose = begun
     swing = CRAWL.swings[0]
-    assert len(controller.support_polygon_at(start + swing.liftoff + 0.2, pose)) == 3
+    assert len(controller.support.polygon_at(start + swing.liftoff + 0.2, pose)) == 3
     feet = pose.transform(ROBOT.neutral_feet)[:, :2]
     for time in (start, start + 0.5, start + 6.0):
-        corners = controller.support_polygon_at(time, pose)
+        corners = controller.support.polygon_at(time, pose)
         assert np.sort(corners, axis=0) == pytest.approx(np.sort(feet, axis=0), abs=1e-9)
 
 

@@ -1,0 +1,112 @@
+"""
+What ``gait_node`` reports: what the robot does, or why it does not move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from quad_common.planar_pose import Pose2D
+from quad_common.status import Level, Status
+from quad_gait.behaviours.activity import Activity
+from quad_gait.parameters import GaitParameters
+from quad_gait.state.state_estimator import StateEstimator
+from quad_gait.supervisor import Supervisor
+
+_LEVELS = {
+    Activity.WAITING: Level.WARN,
+    Activity.STOPPED: Level.ERROR,
+    Activity.BLOCKED: Level.ERROR,
+    Activity.FALLEN: Level.ERROR,
+    Activity.LAME: Level.ERROR,
+    Activity.NOT_EXECUTED: Level.ERROR,
+    Activity.EMERGENCY_STOP: Level.ERROR,
+}
+
+
+class GaitStatus:
+    """
+    Puts together what supervisor and estimator say.
+
+    Parameters
+    ----------
+    supervisor : Supervisor
+        What decides.
+    estimator : StateEstimator
+        What it decides on.
+    parameters : GaitParameters
+        The node's.
+    clock : callable
+        Returns the time by the wall clock [s].
+    """
+
+    def __init__(
+        self,
+        supervisor: Supervisor,
+        estimator: StateEstimator,
+        parameters: GaitParameters,
+        clock: Callable[[], float],
+    ) -> None:
+        self._supervisor = supervisor
+        self._estimator = estimator
+        self._topic = parameters.odom_topic
+        self._timeout = parameters.odom_timeout
+        self._clock = clock
+        self._received_at: float | None = None
+        self._is_time_still = False
+        self._distance_left = 0.0
+        self._said: tuple[str, str, bool] | None = None
+
+    def take_odometry(self, is_new: bool) -> None:
+        """Note that odometry came, and whether it is another reading than the one before."""
+        self._is_time_still = not is_new
+        if is_new:
+            self._received_at = self._clock()
+
+    def has_changed(self, pose: Pose2D) -> bool:
+        """Return whether there is something else to say than last time, with the robot here."""
+        supervisor = self._supervisor
+        said = supervisor.reason, supervisor.limit, bool(self._estimator.imu_problem)
+        if said == self._said:
+            return False
+        self._said = said
+        self._distance_left = supervisor.distance_left(pose)
+        return True
+
+    def status(self, clock_problem: str | None, old_correction: str) -> Status:
+        """
+        Return what is to be reported.
+
+        Parameters
+        ----------
+        clock_problem : str or None
+            That simulated time does not advance, as a sentence.
+        old_correction : str
+            That corrections of odometry have grown old, as a sentence; or empty.
+        """
+        if clock_problem is not None:
+            return Status(Level.STALE, clock_problem)
+        received = self._received_at
+        if received is None or self._clock() - received > self._timeout:
+            if self._is_time_still:
+                message = 'stale odometry: it comes, and its time stands still'
+            else:
+                message = f"no odometry: waiting for it on '{self._topic}'"
+            return Status(Level.WARN, message)
+        supervisor = self._supervisor
+        activity, cycle = supervisor.activity, supervisor.cycle
+        level = _LEVELS.get(activity, Level.OK)
+        silent_imu = self._estimator.imu_problem
+        missing = '' if silent_imu in f'{supervisor.reason}; {supervisor.limit}' else silent_imu
+        notes = [note for note in (supervisor.limit, missing, old_correction) if note]
+        return Status(
+            max(level, Level.WARN) if notes else level,
+            '; '.join([f'{activity.value}: {supervisor.reason}', *notes]),
+            {
+                'activity': activity.value,
+                'gait': supervisor.gait.name,
+                'distance_left': f'{self._distance_left:.3f}',
+                'least_margin': '' if cycle is None else f'{cycle.least_margin:.4f}',
+                'limit': supervisor.limit,
+            },
+        )

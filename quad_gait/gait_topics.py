@@ -1,0 +1,177 @@
+"""
+What ``gait_node`` publishes, and what it can be asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PolygonStamped
+from nav_msgs.msg import Odometry, Path
+from numpy.typing import NDArray
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from std_msgs.msg import Bool, Float64
+from std_srvs.srv import SetBool, Trigger
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
+from visualization_msgs.msg import MarkerArray
+
+from quad_common.errors import QuadError
+from quad_common.plan import Plan
+from quad_common.ros.ros_node import QuadNode
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.ros_conversions import (
+    foothold_markers,
+    leg_odometry_message,
+    polygon_message,
+    trajectory_message,
+)
+from quad_gait.state.leg_odometry import LegOdometry
+from quad_gait.state.robot_state import RobotState
+from quad_gait.supervisor import Supervisor
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class GaitTopics:
+    """
+    The publishers of the gait, and what becomes of its supervisor's decisions.
+
+    Parameters
+    ----------
+    node : QuadNode
+        The node.
+    supervisor : Supervisor
+        What decides.
+    is_uneven : bool
+        Whether the ground is.
+    """
+
+    def __init__(self, node: QuadNode[Any], supervisor: Supervisor, is_uneven: bool) -> None:
+        self._supervisor = supervisor
+        self._is_uneven = is_uneven
+        self._received = Path()
+        self._followed: Plan | None = None
+        self._last_footholds: NDArray[np.float64] | None = None
+        self._trajectories = node.create_publisher(JointTrajectoryMessage, 'joint_trajectory', 10)
+        self._margins = node.create_publisher(Float64, 'stability_margin', 10)
+        self._measured_margins = node.create_publisher(Float64, 'stability_margin/measured', 10)
+        self._polygons = node.create_publisher(PolygonStamped, 'support_polygon', 10)
+        self._footholds = node.create_publisher(MarkerArray, 'footholds', 10)
+        self._leg_odometry = node.create_publisher(Odometry, 'odom/legs', qos_profile_sensor_data)
+        self._followed_plans = node.create_publisher(Path, 'plan/followed', _LATCHED)
+        self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
+
+    def publish_decision(
+        self, trajectory: JointTrajectory | None, state: RobotState, frame: str, stamp: Time
+    ) -> None:
+        """Publish what was decided at a state, with poses in a frame."""
+        self.publish_trajectory(trajectory)
+        if trajectory is not None:
+            self._publish_footholds(frame, stamp)
+        self._publish_stability(state, frame, stamp)
+        self.publish_followed()
+
+    def publish_trajectory(self, trajectory: JointTrajectory | None) -> None:
+        """Publish a trajectory, if there is one."""
+        if trajectory is not None:
+            self._trajectories.publish(trajectory_message(trajectory))
+
+    def publish_emergency_stop(self, is_on: bool) -> None:
+        """Publish whether the emergency stop is on."""
+        self._emergency_stop.publish(Bool(data=is_on))
+
+    def publish_leg_odometry(self, odometry: LegOdometry, frame: str, stamp: Time) -> None:
+        """Publish the pose by legs, for whoever subscribes."""
+        if self._leg_odometry.get_subscription_count() > 0:
+            self._leg_odometry.publish(leg_odometry_message(odometry, frame, stamp))
+
+    def publish_followed(self, received: Path | None = None) -> None:
+        """Publish the plan that is followed when it is another one; an empty path for none."""
+        if received is not None:
+            self._received = received
+        followed = self._supervisor.wanted_plan
+        if followed is not self._followed:
+            self._followed = followed
+            path = self._received
+            self._followed_plans.publish(path if followed else Path(header=path.header))
+
+    def _publish_footholds(self, frame: str, stamp: Time) -> None:
+        """Publish the next footholds when they are others: on uneven ground they seldom are."""
+        footholds = self._supervisor.footholds()
+        last = self._last_footholds
+        if len(footholds) and (last is None or not np.array_equal(footholds, last)):
+            self._last_footholds = footholds
+            self._footholds.publish(foothold_markers(footholds, frame, stamp))
+
+    def _publish_stability(self, state: RobotState, frame: str, stamp: Time) -> None:
+        """Publish margins and support polygon, those that take time for subscribers only."""
+        planned, in_contact = self._supervisor.support, self._supervisor.in_contact_at(state.time)
+        is_measured = self._is_uneven or self._measured_margins.get_subscription_count() > 0
+        measured = state.stability_margin(in_contact) if is_measured else math.nan
+        # Uneven ground is not planned for a cycle ahead: there the real feet count.
+        margin = measured if self._is_uneven else planned.margin_at(state.time)
+        if math.isfinite(margin):
+            self._margins.publish(Float64(data=margin))
+        if math.isfinite(measured):
+            self._measured_margins.publish(Float64(data=measured))
+        if self._polygons.get_subscription_count() > 0:
+            if self._is_uneven:
+                polygon = state.support_polygon(in_contact)
+            else:
+                polygon = planned.polygon_at(state.time, state.pose)
+            self._polygons.publish(polygon_message(polygon, frame, stamp))
+
+
+class GaitServices:
+    """
+    The services of the gait: each wishes for something.
+
+    Parameters
+    ----------
+    node : QuadNode
+        The node.
+    supervisor : Supervisor
+        What decides.
+    topics : GaitTopics
+        What is published of it.
+    """
+
+    def __init__(self, node: QuadNode[Any], supervisor: Supervisor, topics: GaitTopics) -> None:
+        self._node = node
+        self._supervisor = supervisor
+        self._topics = topics
+        node.create_service(SetBool, 'emergency_stop', self._on_emergency_stop)
+        node.create_service(Trigger, 'stand', partial(self._on_request, supervisor.stand))
+        node.create_service(Trigger, 'sit', partial(self._on_request, supervisor.sit))
+        node.create_service(Trigger, 'stop', partial(self._on_request, supervisor.stop))
+
+    def _on_request(
+        self, request: Callable[[], str], _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        """Stand, sit or stop."""
+        try:
+            response.message, response.success = request(), True
+        except QuadError as error:
+            response.message, response.success = str(error), False
+        self._topics.publish_followed()
+        return response
+
+    def _on_emergency_stop(
+        self, request: SetBool.Request, response: SetBool.Response
+    ) -> SetBool.Response:
+        """Freeze the robot at once, or release it."""
+        response.success = True
+        if request.data:
+            self._topics.publish_trajectory(self._supervisor.freeze())
+            response.message = 'all joints hold until the emergency stop is released'
+        else:
+            response.message = self._supervisor.release()
+        self._topics.publish_emergency_stop(request.data)
+        self._topics.publish_followed()
+        self._node.update_status()
+        return response
