@@ -11,7 +11,6 @@ if __name__ == '__main__':
     raise SystemExit(start())
 
 import time
-from dataclasses import replace
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
@@ -129,7 +128,7 @@ class GaitNode(QuadNode[GaitParameters]):
             return
         self._odom_frame = message.header.frame_id
         pose, odometry = self._map.locate(message)
-        state = replace(state, pose=pose, odometry=odometry)
+        state = state.placed(pose, odometry)
         self._supervisor.hold_plan(self._planner.problem)
         trajectory = self._supervisor.update(state)
         # What is computed from the pose on the map is in its frame.

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.stability import stability_margin, support_polygon
 from quad_gait.state.body_placement import angles_of, rotation_of
@@ -35,6 +37,24 @@ class RobotState(Measurement):
     """The robot."""
     rest: RestCheck = field(kw_only=True, repr=False, compare=False)
     """Positions of the joints of late; asked while this is the newest state."""
+
+    @classmethod
+    def of(cls, measurement: Measurement, robot: Robot, rest: RestCheck) -> RobotState:
+        """Return the state that a measurement tells of."""
+        return cls._with(measurement.__dict__, {'robot': robot, 'rest': rest})
+
+    def placed(self, pose: Pose2D, odometry: Pose2D) -> RobotState:
+        """Return this state at another pose on the map, and by odometry."""
+        measured = {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        return self._with(measured, {'pose': pose, 'odometry': odometry})
+
+    @classmethod
+    def _with(cls, *values: dict[str, Any]) -> RobotState:
+        # A frozen dataclass sets its fields one by one: that takes as long as a whole decision.
+        state = cls.__new__(cls)
+        for part in values:
+            state.__dict__.update(part)
+        return state
 
     @property
     def has_joints(self) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,12 +143,13 @@ class StateEstimator:
 
     def judge(self, measurement: Measurement) -> RobotState:
         """Return the state that follows from a measurement, and from those before it."""
-        values = dict(measurement.__dict__)
-        if measurement.was_moved or measurement.time < self._last_time - _CLOCK_SET_BACK:
+        state = RobotState.of(measurement, self._robot, self._rest)
+        if measurement.was_moved:
             self._rest.forget()
-            values['was_moved'] = True
+        elif measurement.time < self._last_time - _CLOCK_SET_BACK:
+            self._rest.forget()
+            state = replace(state, was_moved=True)
         self._last_time = measurement.time
-        state = RobotState(**values, robot=self._robot, rest=self._rest)
-        if state.joint_positions is not None:
-            self._rest.take(state.measured_at, state.joint_positions)
+        if measurement.joint_positions is not None:
+            self._rest.take(state.measured_at, measurement.joint_positions)
         return state

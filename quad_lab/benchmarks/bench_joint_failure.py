@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
@@ -195,7 +195,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
     gait = load_gait(case.gait, robot)
     scale = robot.relative_size
     is_uneven = case.ground != 'flat'
-    options = ControllerOptions(least_margin=0.01 * scale)
+    options = SupervisorOptions(least_margin=0.01 * scale)
     if is_uneven:
         options = for_uneven_ground(options)
     controller = controller_for(robot, gait, options)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_gait.behaviours.walk_controller import ControllerOptions
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.motion_limits import MotionLimits
@@ -78,7 +78,7 @@ def measure_motion(
     MeasuredMotion
         Mean and spread.
     """
-    options = ControllerOptions(
+    options = SupervisorOptions(
         least_margin=0.0, settle_time=0.1, hold_course=False, twist_timeout=math.inf
     )
     controller = controller_for(robot, gait, options)

@@ -9,7 +9,7 @@ plans is put in.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,10 @@ from quad_common.errors import InvalidMessage, QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.behaviours.walk_controller import WalkController
-from quad_gait.state.measurement import Measurement
-from quad_gait.state.sensor_inputs import JointReadings, SensorInputs
+from quad_gait.state.robot_state import RobotState
+from quad_gait.state.sensor_inputs import JointReadings
+from quad_gait.state.state_estimator import StateEstimator
+from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.loop_record import Record
 from quad_sim.engines.simulator import Observation
 from quad_sim.simulation import Simulation, make_simulator
@@ -64,7 +65,7 @@ class ClosedLoop:
     ----------
     robot : Robot
         The robot.
-    controller : WalkController
+    controller : Supervisor
         What moves it.
     backend : str
         ``bullet`` or ``kinematic``.
@@ -79,7 +80,7 @@ class ClosedLoop:
     def __init__(
         self,
         robot: Robot,
-        controller: WalkController,
+        controller: Supervisor,
         backend: str = 'bullet',
         world: World | None = None,
         start: Pose2D = _ORIGIN,
@@ -88,7 +89,7 @@ class ClosedLoop:
         self.robot = robot
         self.controller = controller
         self.record = Record()
-        self._inputs = SensorInputs(robot)
+        self._estimator = StateEstimator(robot)
         simulator = make_simulator(backend, robot, world, appearance=appearance)
         self._simulation = Simulation(simulator, robot, start)
         self._steps = round(SENSOR_PERIOD / self._simulation.time_step)
@@ -174,27 +175,25 @@ class ClosedLoop:
         seen = self._simulation.observe()
         for callback in self.on_observation:
             callback(seen)
-        now = self._measurement(seen)
-        trajectory = None if now is None else self.controller.update(now)
+        state = self._state(seen)
+        trajectory = None if state is None else self.controller.update(state)
         if trajectory is not None:
             self._send(trajectory)
         self.record.note(self.robot, seen, self.controller.in_contact_at(seen.time))
 
-    def _measurement(self, seen: Observation) -> Measurement | None:
+    def _state(self, seen: Observation) -> RobotState | None:
         """Return what the controller is told, checked as the node does; None for nothing."""
         place = self.locate(seen)
         try:
-            self._inputs.take_joints(self._readings(seen))
+            self._estimator.take_joints(self._readings(seen))
             if place is None:
                 return None
             pose, odometry = place
-            now = self._inputs.take_odometry(seen.time, odometry, seen.orientation)
+            state = self._estimator.take_odometry(seen.time, odometry, seen.orientation)
         except InvalidMessage:
             # The robot was put somewhere else; for a moment it is not believed.
             return None
-        return (
-            now if now is None or pose is odometry else replace(now, pose=pose, odometry=odometry)
-        )
+        return state if state is None or pose is odometry else state.placed(pose, odometry)
 
     def _readings(self, seen: Observation) -> JointReadings:
         """Return what the joints say."""

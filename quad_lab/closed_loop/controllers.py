@@ -8,19 +8,20 @@ import math
 from dataclasses import replace
 
 from quad_common.robot.robot import Robot
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import Gait, turning_gait_for
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
+from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 
 def controller_for(
     robot: Robot,
     gait: Gait,
-    options: ControllerOptions | None = None,
+    options: SupervisorOptions | None = None,
     compensation: SlipCompensation = NO_SLIP,
-) -> WalkController:
+) -> Supervisor:
     """
     Make the controller of a gait, and of the one that turns on the spot with it.
 
@@ -28,20 +29,20 @@ def controller_for(
     ----------
     robot, gait
         The robot, and a gait fitted to it.
-    options : ControllerOptions, optional
+    options : SupervisorOptions, optional
         How it controls.
     compensation : SlipCompensation
         What is asked for more than is wanted.
 
     Returns
     -------
-    WalkController
+    Supervisor
     """
     turning = turning_gait_for(gait, robot)
-    return WalkController(robot, gait, turning, options or ControllerOptions(), compensation)
+    return Supervisor(robot, gait, turning, options or SupervisorOptions(), compensation)
 
 
-def for_uneven_ground(options: ControllerOptions) -> ControllerOptions:
+def for_uneven_ground(options: SupervisorOptions) -> SupervisorOptions:
     """Return options with which feet find uneven ground, and no margin is planned for."""
     return replace(options, least_margin=-math.inf, uneven=UnevenOptions())
 
@@ -53,9 +54,9 @@ def measuring_controller(
     compensation: SlipCompensation = NO_SLIP,
     follower: FollowerOptions | None = None,
     least_margin: float = 0.005,
-) -> WalkController:
+) -> Supervisor:
     """Make a controller for measuring: as gait_node does, with steering that never ends."""
-    options = ControllerOptions(
+    options = SupervisorOptions(
         least_margin=least_margin,
         settle_time=0.2,
         hold_course=hold_course,

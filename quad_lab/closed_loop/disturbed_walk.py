@@ -13,8 +13,8 @@ import numpy as np
 from quad_common.errors import TrajectoryError
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.behaviours.walk_controller import WalkController
 from quad_gait.state.sensor_inputs import JointReadings
+from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.simulator import Observation
 
@@ -49,7 +49,7 @@ class DisturbedWalk(ClosedLoop):
     ----------
     robot : Robot
         The robot.
-    controller : WalkController
+    controller : Supervisor
         What moves it.
     disturbance : Disturbance
         What happens to messages.
@@ -62,7 +62,7 @@ class DisturbedWalk(ClosedLoop):
     def __init__(
         self,
         robot: Robot,
-        controller: WalkController,
+        controller: Supervisor,
         disturbance: Disturbance,
         rng: np.random.Generator,
         **others: Any,

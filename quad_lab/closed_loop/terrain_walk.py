@@ -15,7 +15,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
@@ -262,7 +262,7 @@ def walk_course(
         How it went.
     """
     gait = load_gait('crawl', robot)
-    options = ControllerOptions(least_margin=-math.inf)
+    options = SupervisorOptions(least_margin=-math.inf)
     if ground == 'uneven':
         options = for_uneven_ground(options)
     controller = controller_for(robot, gait, options)

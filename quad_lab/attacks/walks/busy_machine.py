@@ -20,12 +20,13 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_file import available_robots, load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.reference_path import circle_pieces
+from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, DisturbedWalk
 from quad_lab.closed_loop.terrain_walk import COURSES, make_course
@@ -206,7 +207,7 @@ def walk_watched(walk: WatchedWalk) -> WatchedOutcome:
     rng = np.random.default_rng((*walk.seed, 1))
     gait = load_gait(walk.gait, robot)
     is_uneven = walk.kind in COURSES
-    options = ControllerOptions(
+    options = SupervisorOptions(
         least_margin=0.005,
         twist_timeout=math.inf,
         follower=FollowerOptions(turning=walk.turning),
@@ -251,7 +252,7 @@ def walk_watched(walk: WatchedWalk) -> WatchedOutcome:
     )
 
 
-def _wish(kind: str, controller: WalkController, pose: Pose2D, rng: np.random.Generator) -> None:
+def _wish(kind: str, controller: Supervisor, pose: Pose2D, rng: np.random.Generator) -> None:
     """Wish for something new, if what was wished for is done."""
     if kind == 'steered':
         direction = DIRECTIONS[str(rng.choice(sorted(DIRECTIONS)))]

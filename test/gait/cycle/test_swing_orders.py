@@ -10,13 +10,14 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle import gait_generator
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import CycleOptions, generate_steady_cycle, margins_of_orders
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.follower_options import FollowerOptions
+from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
@@ -96,8 +97,8 @@ class CountedWalk(ClosedLoop):
 
     def __init__(self, monkeypatch, robot, gait, start=ORIGIN, **follower):
         gait = load_gait(gait, robot)
-        options = ControllerOptions(twist_timeout=math.inf, follower=FollowerOptions(**follower))
-        controller = WalkController(robot, gait, turning_gait_for(gait, robot), options)
+        options = SupervisorOptions(twist_timeout=math.inf, follower=FollowerOptions(**follower))
+        controller = Supervisor(robot, gait, turning_gait_for(gait, robot), options)
         controller.prepare()
         super().__init__(robot, controller, 'kinematic', start=start)
         self.passes = []

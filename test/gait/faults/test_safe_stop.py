@@ -13,9 +13,10 @@ from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot_build import LEGS
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
-from quad_gait.faults.safe_stop import tipping
+from quad_gait.faults.tipping import tipping
+from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.benchmarks.bench_joint_failure import FailureCase, walk_and_fail
 from quad_lab.closed_loop.closed_loop import ClosedLoop
@@ -31,8 +32,8 @@ class LameWalk:
 
     def __init__(self, joint, kind, time, gait='crawl', uneven=False, backend='bullet'):
         gaits = load_gait(gait, ROBOT)
-        options = ControllerOptions(uneven=UnevenOptions() if uneven else None)
-        self.controller = WalkController(ROBOT, gaits, turning_gait_for(gaits, ROBOT), options)
+        options = SupervisorOptions(uneven=UnevenOptions() if uneven else None)
+        self.controller = Supervisor(ROBOT, gaits, turning_gait_for(gaits, ROBOT), options)
         self.walk = ClosedLoop(ROBOT, self.controller, backend)
         self.walk.simulation.plan_failure(JointFailure(joint, kind, time))
         self.walk.run(1.0)

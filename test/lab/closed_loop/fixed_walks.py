@@ -23,10 +23,11 @@ import numpy as np
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import available_robots, load_robot
-from quad_gait.behaviours.walk_controller import ControllerOptions, WalkController
+from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import FollowerOptions
+from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for
@@ -76,9 +77,9 @@ class TracedWalk(ClosedLoop):
         return Trace(self.hash.hexdigest(), self.count, self.travel, (pose.x, pose.y, pose.yaw))
 
 
-def make_controller(robot, gait, turning='in_place', uneven=None) -> WalkController:
+def make_controller(robot, gait, turning='in_place', uneven=None) -> Supervisor:
     """Make a controller as gait_node does."""
-    options = ControllerOptions(
+    options = SupervisorOptions(
         least_margin=0.005,
         twist_timeout=math.inf,
         follower=FollowerOptions(turning=turning),
