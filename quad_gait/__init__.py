@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from quad_gait.cycle.gait_check import check_gait as check_gait
     from quad_gait.cycle.gait_generator import CycleOptions as CycleOptions
     from quad_gait.cycle.gait_generator import generate_cycle as generate_cycle
+    from quad_gait.cycle.gait_generator import generate_steady_cycle as generate_steady_cycle
+    from quad_gait.cycle.motion_limits import MotionLimits as MotionLimits
     from quad_gait.cycle.stability import stability_margin as stability_margin
     from quad_gait.cycle.stability import support_polygon as support_polygon
     from quad_gait.following.follower_options import FollowerOptions as FollowerOptions
@@ -37,7 +39,12 @@ else:
             'quad_gait.cycle.gait': ('Gait', 'available_gaits', 'load_gait', 'turning_gait_for'),
             'quad_gait.cycle.body_motion': ('BodyMotion',),
             'quad_gait.cycle.cycle': ('Cycle', 'CycleEnds'),
-            'quad_gait.cycle.gait_generator': ('CycleOptions', 'generate_cycle'),
+            'quad_gait.cycle.gait_generator': (
+                'CycleOptions',
+                'generate_cycle',
+                'generate_steady_cycle',
+            ),
+            'quad_gait.cycle.motion_limits': ('MotionLimits',),
             'quad_gait.cycle.gait_check': ('GaitReport', 'check_gait'),
             'quad_gait.cycle.stability': ('stability_margin', 'support_polygon'),
             'quad_gait.state.measurement': ('Measurement',),
