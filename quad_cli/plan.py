@@ -32,7 +32,8 @@ from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_file import load_robot
 from quad_common.robot.walking_time import WalkingTimeModel, load_pace
-from quad_planner.grid.traversability import Ground, GroundLimits
+from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import METHODS, Planner
 from quad_planner.methods.potential_planner import POTENTIALS
 from quad_planner.parameters import LOW_OBSTACLES, PlannerParameters

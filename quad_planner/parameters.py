@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from quad_common.maps.occupancy_grid import MAX_CELLS
 from quad_common.parameters import parameter
-from quad_planner.grid.traversability import LARGEST_SLOPE, STEEPEST
+from quad_planner.grid.ground_limits import LARGEST_SLOPE, STEEPEST
 
 LOW_OBSTACLES = ('keep', 'step_over')
 """What is done with obstacles of the map that the height map shows to be low."""

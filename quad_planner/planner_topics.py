@@ -17,8 +17,8 @@ from visualization_msgs.msg import MarkerArray
 from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import Plan
 from quad_common.ros.ros_node import QuadNode
+from quad_planner.grid.combined_obstacles import combined_obstacles
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.grid.inflation import combined_obstacles
 from quad_planner.ros_conversions import path_message, plan_markers
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -19,7 +19,8 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
-from quad_planner.grid.traversability import Ground, GroundLimits
+from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.grid.traversability import Ground
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import planner_for
 from quad_sim.engines.simulator import Observation

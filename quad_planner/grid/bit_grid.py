@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_planner.grid.array_types import Mask
 from quad_planner.grid.compiled import compiled, compiled_part
 
 Bits = NDArray[np.uint64]
-Mask = NDArray[np.bool_]
 
 _ONE = np.uint64(1)
 _LAST = np.uint64(63)
@@ -306,82 +306,6 @@ def _shuffle(words: Bits, result: Bits, step: int, low: np.uint64) -> None:
         first, second = words[k], words[k + 32]
         result[2 * k] = (first & low) | ((second & low) << shift)
         result[2 * k + 1] = ((first >> shift) & low) | (second & ~low)
-
-
-def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
-    """
-    Set every cell that is near one that is set.
-
-    Parameters
-    ----------
-    rows : ndarray of uint64, shape (m, n)
-        What is set.
-    reaches : ndarray of int, shape (k,)
-        How far to either side, in a row that is 0, 1, ... k - 1 rows off, falling [cells].
-
-    Returns
-    -------
-    ndarray of uint64, shape (m, n)
-        The same and what is near. Bits beyond the width may be set.
-    """
-    result = np.zeros_like(rows)
-    _dilate(rows, reaches, np.empty(rows.shape[1], dtype=np.uint64), result)
-    return result
-
-
-@compiled
-def _dilate(rows: Bits, reaches: NDArray[np.int64], wide: Bits, result: Bits) -> None:
-    """Add what is near to a result; `wide` is a row for notes."""
-    height, words = rows.shape
-    for y in range(height):
-        # What is set in the next row as well reaches farther from there.
-        goes_down = y > 0 and _has_more(rows, y, y - 1)
-        goes_up = y + 1 < height and _has_more(rows, y, y + 1)
-        if y > 0 and not (goes_down or goes_up or _has_more(rows, y - 1, y)):
-            # The same once more.
-            _add(result, y, wide)
-            continue
-        # From the narrowest to the widest: each goes on from the one before.
-        for at in range(words):
-            wide[at] = rows[y, at]
-        reached = 0
-        for off in range(len(reaches) - 1 if goes_down or goes_up else 0, -1, -1):
-            while reached < reaches[off]:
-                # No gap opens, even where the edge of the map cuts off one side.
-                step = min(reached + 1, reaches[off] - reached, 63)
-                _spread(wide, step)
-                reached += step
-            if (goes_down or off == 0) and y - off >= 0:
-                _add(result, y - off, wide)
-            if goes_up and y + off < height:
-                _add(result, y + off, wide)
-
-
-@compiled_part
-def _has_more(rows: Bits, y: int, other: int) -> bool:
-    """Return whether anything is set in a row that is not in another one."""
-    more = np.uint64(0)
-    for at in range(rows.shape[1]):
-        more |= rows[y, at] & ~rows[other, at]
-    return bool(more != 0)
-
-
-@compiled_part
-def _add(rows: Bits, y: int, line: Bits) -> None:
-    for at in range(len(line)):
-        rows[y, at] |= line[at]
-
-
-@compiled_part
-def _spread(line: Bits, step: int) -> None:
-    """Set each bit that is a step to either side of one that is set, step < 64."""
-    up, down = np.uint64(step), np.uint64(64 - step)
-    before = np.uint64(0)
-    for at in range(len(line)):
-        word = line[at]
-        after = line[at + 1] if at + 1 < len(line) else np.uint64(0)
-        line[at] = word | (word << up) | (before >> down) | (word >> up) | (after << down)
-        before = word
 
 
 @compiled

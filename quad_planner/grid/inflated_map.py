@@ -22,15 +22,10 @@ from quad_common.errors import (
 )
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask
-from quad_planner.grid.inflation import (
-    Mask,
-    Points,
-    blocked_cells,
-    inflated,
-    inflated_again,
-    segment_clearance,
-)
+from quad_planner.grid.clearance import segment_clearance
+from quad_planner.grid.inflation import blocked_cells, inflated, inflated_again
 from quad_planner.grid.line_of_sight import sees
 
 SAME_PLACE = 1e-3

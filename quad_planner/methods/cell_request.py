@@ -13,8 +13,8 @@ import numpy as np
 from quad_common.errors import NoPathFound
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.array_types import Points
 from quad_planner.grid.inflated_map import SAME_PLACE, InflatedMap
-from quad_planner.grid.inflation import Points
 
 Cell = tuple[int, int]
 

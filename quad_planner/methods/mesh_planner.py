@@ -25,8 +25,9 @@ from quad_common.errors import NoPathFound, ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.grid.inflation import Mask, Points, points_allowed, segments_allowed
+from quad_planner.grid.inflation import points_allowed, segments_allowed
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
 from quad_planner.search.dijkstra import shortest_path

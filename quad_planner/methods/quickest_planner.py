@@ -20,6 +20,7 @@ from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
 from quad_planner.search.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
+from quad_planner.search.walk_terms import WalkTerms
 
 _ROUNDING = 2
 """By so many cycles a way from a cell's center may be slower than one from beside it."""
@@ -79,10 +80,8 @@ class QuickestPlanner(ShortestPlanner):
         first, last = request.ends
         if first == last:
             return None
-        path = quickest_path(
-            prepared.search.grid, first, last, *self._yaws(request), self.pace,
-            prepared.grid.resolution, bound, request.check,
-        )  # fmt: skip
+        terms = self._terms(prepared, request, bound)
+        path = quickest_path(prepared.search.grid, first, last, terms, request.check)
         if path is None:
             return None
         return request.plan(request.joined(path.cells + np.float64(0.5)))
@@ -95,11 +94,18 @@ class QuickestPlanner(ShortestPlanner):
         way = quickest_corners(
             prepared.forbidden_bits,
             np.vstack((*request.tips, between, prepared.corners)),
-            *self._yaws(request), self.pace, prepared.grid.resolution, bound, request.check,
-        )  # fmt: skip
+            self._terms(prepared, request, bound),
+            request.check,
+        )
         return None if way is None else request.plan(request.joined(way))
 
-    def _yaws(self, request: CellRequest) -> tuple[float, float]:
-        """Return the headings at start and goal in the frame of the cells [rad]."""
-        origin = request.safety.grid.origin.yaw
-        return request.start.yaw - origin, request.goal.yaw - origin
+    def _terms(self, prepared: PreparedCells, request: CellRequest, bound: int) -> WalkTerms:
+        """Return what cycles are counted by; headings are in the frame of the cells."""
+        yaw = request.safety.grid.origin.yaw
+        return WalkTerms(
+            self.pace,
+            prepared.grid.resolution,
+            request.start.yaw - yaw,
+            request.goal.yaw - yaw,
+            bound,
+        )

@@ -18,15 +18,16 @@ from numpy.typing import NDArray
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.grid.inflation import Points
 from quad_planner.methods.cell_costs import Floats, cell_costs
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
 from quad_planner.search.any_angle import any_angle_path, convex_corners
-from quad_planner.search.jump_points import JumpPointSearch, without_straights
+from quad_planner.search.cell_path import without_straights
+from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns
 from quad_planner.search.weighted_search import cheapest_path, straightened
 

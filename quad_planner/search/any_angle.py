@@ -14,9 +14,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.bit_grid import BitMask, Bits, Mask
+from quad_planner.grid.array_types import Mask, Points
+from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.compiled import compiled
-from quad_planner.grid.inflation import Points
 from quad_planner.grid.line_of_sight import sees
 
 Floats = NDArray[np.float64]

@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.walking_time import LENGTH_SLACK, WalkingTimeModel
+from quad_common.robot.walking_time import LENGTH_SLACK
+from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -31,8 +32,8 @@ from quad_planner.grid.bucket_queue import (
     with_room,
 )
 from quad_planner.grid.compiled import compiled, compiled_part
-from quad_planner.grid.inflation import Mask, Points
 from quad_planner.grid.line_of_sight import sees
+from quad_planner.search.walk_terms import WalkTerms
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -75,11 +76,7 @@ class _Cycles(NamedTuple):
 def quickest_corners(
     forbidden: BitMask,
     points: Points,
-    start_yaw: float,
-    goal_yaw: float,
-    pace: WalkingTimeModel,
-    resolution: float,
-    bound: int,
+    terms: WalkTerms,
     check: Callable[[], None] = lambda: None,
 ) -> Points | None:
     """
@@ -91,14 +88,8 @@ def quickest_corners(
         The forbidden cells; their edges are allowed.
     points : ndarray, shape (n, 2)
         The start, the goal, and where the path may turn [cells].
-    start_yaw, goal_yaw : float
-        Headings in the frame of the cells [rad].
-    pace : WalkingTimeModel
-        How far cycles go.
-    resolution : float
-        Side of a cell [m].
-    bound : int
-        Cycles: a path must take less.
+    terms : WalkTerms
+        What its gait cycles are counted by.
     check : callable
         Called now and then; raises to end the search.
 
@@ -108,7 +99,8 @@ def quickest_corners(
         From the start over the points where it turns to the goal; None if there is none
         within the bound.
     """
-    stride = pace.stride * (1.0 + LENGTH_SLACK) / resolution
+    pace, bound = terms.pace, terms.bound
+    stride = pace.stride * (1.0 + LENGTH_SLACK) / terms.resolution
     # In `bound - 1` cycles the robot gets no farther than this, even without a turn.
     longest = (bound - 1 - pace.stopping) * stride + _TINY
     to_goal = np.hypot(*(points - points[1]).T)
@@ -118,7 +110,11 @@ def quickest_corners(
     points = points[near]
     edges = _edges(forbidden, points, longest, stride, check)
     cycles = _Cycles(
-        pace.turn * (1.0 + LENGTH_SLACK), pace.stopping, pace.bend, goal_yaw, pace.heading_tolerance
+        pace.turn * (1.0 + LENGTH_SLACK),
+        pace.stopping,
+        pace.bend,
+        terms.goal_yaw,
+        pace.heading_tolerance,
     )
     costs = np.full(len(edges.ends), np.inf)
     parents = np.full(len(edges.ends), -1)
@@ -127,7 +123,7 @@ def quickest_corners(
     best = np.column_stack((np.full(len(points), np.inf), np.zeros(len(points))))
     goal = np.array([float(bound), -1.0])
     queue = with_room(bucket_queue(bound), len(points))
-    _begin(edges, start_yaw, cycles, bound, costs, queue)
+    _begin(edges, terms.start_yaw, cycles, bound, costs, queue)
     while True:
         result = _search(
             edges, cycles, costs, parents, is_done, best, goal, queue, bound, _AT_A_TIME
@@ -137,7 +133,11 @@ def quickest_corners(
         if result == _FULL:
             queue = with_room(queue, max(len(points), len(queue.entries)))
         check()
-    edge = int(goal[1])
+    return _path_to(int(goal[1]), points, edges, parents)
+
+
+def _path_to(edge: int, points: Points, edges: _Edges, parents: Indices) -> Points | None:
+    """Go back from the edge that ends at the goal; None if there is none."""
     if edge < 0:
         return None
     way = [1]

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
+from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
     bucket_queue,
     has_room,
@@ -29,8 +30,7 @@ from quad_planner.grid.bucket_queue import (
     with_room,
 )
 from quad_planner.grid.compiled import compiled, compiled_part
-from quad_planner.grid.inflation import Mask
-from quad_planner.search.jump_points import DIAGONAL, ONWARD, STRAIGHT
+from quad_planner.search.cell_steps import DIAGONAL, ONWARD, STRAIGHT
 
 Integers = NDArray[np.int64]
 

@@ -8,7 +8,7 @@ each step and is rounded up to a whole cycle at each turn; of two ways to one st
 cheaper is the better one for all that may follow, and A* is exact.
 
 Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
-for a cycle, so equal costs are equal. The bound on what is left (:func:`_least_turns`) is
+for a cycle, so equal costs are equal. The bound on what is left (:func:`least_turns_of`) is
 the length over free ground, and the least turns that a way over free ground takes. States
 wait in one bucket for each whole cycle of cost and bound together, so the first bucket in
 which the goal is reached holds the least time.
@@ -16,7 +16,6 @@ which the goal is reached holds the least time.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -24,7 +23,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.walking_time import LENGTH_SLACK, WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -37,30 +35,21 @@ from quad_planner.grid.bucket_queue import (
     with_room,
 )
 from quad_planner.grid.compiled import compiled, compiled_part
-from quad_planner.search.jump_points import DIAGONAL, STRAIGHT
+from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
+from quad_planner.search.lattice_costs import (
+    HEADINGS,
+    LARGEST,
+    NOT_REACHED,
+    Costs,
+    costs_of,
+    least_turns_of,
+    total_cost,
+)
+from quad_planner.search.walk_terms import WalkTerms
 
 Cells = NDArray[np.int64]
 Numbers = NDArray[np.int64]
 
-HEADINGS = 8
-"""Heading k points at k times 45 degrees."""
-
-_DX = np.array([1, 1, 0, -1, -1, -1, 0, 1])
-_DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
-
-_SCALES = ((470832, 665857), (80782, 114243), (13860, 19601), (2378, 3363))
-"""Straight and diagonal steps in whole numbers: the nearer to sqrt 2, the larger."""
-
-
-def _leading() -> NDArray[np.bool_]:
-    """Tabulate whether headings a and b lead into sector s (`_sector`), shape (16, 8, 8)."""
-    sector, low, high = np.ogrid[:16, :16:2, :16:2]
-    cone = (high - low) % 16
-    is_between: NDArray[np.bool_] = (cone < 8) & ((sector - low) % 16 <= cone)
-    return is_between | is_between.transpose(0, 2, 1)
-
-
-_LEADS = _leading()
 
 # How a state was reached: from heading k by a turn, or as follows.
 _BY_A_STEP = np.uint8(8)
@@ -73,10 +62,6 @@ _DONE, _PAUSED, _FULL = 0, 1, 2
 _AT_A_TIME = 200_000
 """Expansions between two looks at the time."""
 
-_NOT_REACHED = 2**31 - 1
-_LARGEST = 2**30
-"""Costs up to here are looked at: there is room for what is added to them."""
-
 
 @dataclass(frozen=True)
 class LatticePath:
@@ -88,29 +73,6 @@ class LatticePath:
     """Gait cycles, of walking and turning."""
     expansions: int
     """How many states were looked at."""
-
-
-class _Costs(NamedTuple):
-    """What steps, cycles and turns cost, in whole numbers."""
-
-    straight: int
-    """Of a step to a cell beside."""
-    diagonal: int
-    """Of a diagonal step."""
-    cycle: int
-    """Of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
-    bucket: int
-    """States wait together whose costs, with the bound on what is left, are so near."""
-    longest: int
-    """A path must cost less."""
-    turns: Numbers
-    """Shape (8, 8): of a turn and the pause of the stretch that follows it."""
-    first_turns: Numbers
-    """Shape (8,): from the start's heading to each of the eight, likewise."""
-    last_turns: Numbers
-    """Shape (8,): from each to the goal's heading."""
-    least_turns: Numbers
-    """Shape (8, 17), see :func:`_least_turns`."""
 
 
 class _Reached(NamedTuple):
@@ -128,11 +90,7 @@ def quickest_path(
     grid: BitGrid,
     start: tuple[int, int],
     goal: tuple[int, int],
-    start_yaw: float,
-    goal_yaw: float,
-    pace: WalkingTimeModel,
-    resolution: float,
-    bound: int,
+    terms: WalkTerms,
     check: Callable[[], None] = lambda: None,
 ) -> LatticePath | None:
     """
@@ -144,14 +102,8 @@ def quickest_path(
         The free cells.
     start, goal : tuple of int
         x and y of two different cells of the map.
-    start_yaw, goal_yaw : float
-        Headings in the frame of the cells [rad].
-    pace : WalkingTimeModel
-        How far cycles go.
-    resolution : float
-        Side of a cell [m].
-    bound : int
-        Cycles: a path must take less.
+    terms : WalkTerms
+        What its gait cycles are counted by.
     check : callable
         Called now and then; raises to end the search.
 
@@ -165,7 +117,7 @@ def quickest_path(
             return None
         if not is_set(grid.rows, y + 1, x + 1):
             return None
-    costs = _count(pace, resolution, start_yaw, goal_yaw, bound)
+    costs = costs_of(terms)
     found = _find(grid, start, goal, costs, check)
     if found is None:
         return None
@@ -201,11 +153,11 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
     length = straight * STRAIGHT + diagonal * DIAGONAL
     # The path itself turns n - 2 times.
     most = len(known) - 1
-    if most < 2 or length * most > _LARGEST:
+    if most < 2 or length * most > LARGEST:
         return known
     turns = np.ones((HEADINGS, HEADINGS), dtype=np.int64) - np.eye(HEADINGS, dtype=np.int64)
     none = np.zeros(HEADINGS, dtype=np.int64)
-    costs = _Costs(
+    costs = Costs(
         straight=STRAIGHT * most,
         diagonal=DIAGONAL * most,
         cycle=1,
@@ -214,7 +166,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
         turns=turns,
         first_turns=none,
         last_turns=none,
-        least_turns=_least_turns(turns, none),
+        least_turns=least_turns_of(turns, none),
     )
     found = _find(grid, (start[0], start[1]), (goal[0], goal[1]), costs, check)
     return known if found is None else found[0]
@@ -224,7 +176,7 @@ def _find(
     grid: BitGrid,
     start: tuple[int, int],
     goal: tuple[int, int],
-    costs: _Costs,
+    costs: Costs,
     check: Callable[[], None],
 ) -> tuple[Cells, int, int] | None:
     """Search; return where the path begins, turns and ends, its cost, and expansions."""
@@ -234,7 +186,7 @@ def _find(
     reached = _Reached(
         np.zeros(HEADINGS * cells, dtype=np.int32),
         np.zeros(HEADINGS * cells, dtype=np.uint8),
-        np.array([_NOT_REACHED, 0, 0]),
+        np.array([NOT_REACHED, 0, 0]),
     )
     first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
     _begin(grid.rows, width, first, last, costs, reached, queue)
@@ -246,93 +198,15 @@ def _find(
             queue = with_room(queue, len(queue.entries))
         check()
     best, heading, expansions = reached.best.tolist()
-    if best == _NOT_REACHED:
+    if best == NOT_REACHED:
         return None
     return _turning_points(reached.by, width, last, heading), best, expansions
-
-
-def _count(
-    pace: WalkingTimeModel, resolution: float, start_yaw: float, goal_yaw: float, bound: int
-) -> _Costs:
-    """Count the costs of a pace on the finest scale that can hold the bound's cycles."""
-    strides = pace.stride / resolution * (1.0 + LENGTH_SLACK)
-    scale = 0
-    while scale + 1 < len(_SCALES) and bound * strides * _SCALES[scale][0] > _LARGEST:
-        scale += 1
-    straight, diagonal = _SCALES[scale]
-    cycle = max(1, math.floor(strides * straight))
-    pause = round(pace.stopping * cycle)
-    headings = [math.radians(45.0 * k) for k in range(HEADINGS)]
-    turns = [[pace.turn_cycles(b - a) * cycle + pause for b in headings] for a in headings]
-    first = [pace.turn_cycles(b - start_yaw) * cycle + pause for b in headings]
-    last = np.array([pace.last_turn_cycles(goal_yaw - a) * cycle for a in headings])
-    longest = min(bound * cycle, _LARGEST // cycle * cycle)
-    least = _least_turns(np.array(turns), last)
-    return _Costs(
-        straight, diagonal, cycle, cycle, longest, np.array(turns), np.array(first), last, least
-    )
-
-
-def _least_turns(turns: Numbers, last_turns: Numbers) -> Numbers:
-    """
-    Tabulate the least that turns may cost on the way to the goal over free ground.
-
-    A way over free ground goes along one heading or two (of more, two would do: any
-    displacement in the plane lies between two of those it is made of).
-
-    Parameters
-    ----------
-    turns, last_turns : ndarray of int, shapes (8, 8) and (8,)
-        What turns cost.
-
-    Returns
-    -------
-    ndarray of int, shape (8, 17)
-        By the heading of the robot and the sector in which the goal lies, see `_sector`.
-    """
-    # To be content with nearly the goal's heading may save a cycle in an earlier turn: two
-    # turns may then cost less than one.
-    least_last = np.minimum(last_turns, (turns + last_turns).min(axis=1))
-    to_other = np.where(np.eye(HEADINGS, dtype=np.bool_), 0, turns)
-    # From the robot's heading to a, walk, to b, walk, and to the goal's.
-    ways = to_other[:, :, None] + (to_other + least_last)
-    over_ground = np.where(_LEADS, ways[:, None], _NOT_REACHED).min(axis=(2, 3))
-    return np.column_stack((over_ground, least_last))
-
-
-@compiled_part
-def _sector(dx: int, dy: int) -> int:
-    """
-    Return where a displacement points.
-
-    2 k along heading k, 2 k + 1 between headings k and k + 1, 16 for none.
-    """
-    along, across = abs(dx), abs(dy)
-    if along == 0 and across == 0:
-        return 16
-    if across == 0:
-        return 0 if dx > 0 else 8
-    if along == 0:
-        return 4 if dy > 0 else 12
-    quarter = 1 if along > across else (2 if along == across else 3)
-    if dy > 0:
-        return quarter if dx > 0 else 8 - quarter
-    return 16 - quarter if dx > 0 else 8 + quarter
-
-
-@compiled_part
-def _total(cost: int, dx: int, dy: int, heading: int, costs: _Costs) -> int:
-    """Return a cost and the least that is left, so far from the goal in a heading."""
-    along, across = abs(dx), abs(dy)
-    length = costs.straight * max(along, across)
-    length += (costs.diagonal - costs.straight) * min(along, across)
-    return cost + length + int(costs.least_turns[heading, _sector(dx, dy)])
 
 
 @compiled_part
 def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
     """Return whether a step from a free cell is free; a diagonal needs both beside it."""
-    dx, dy = int(_DX[heading]), int(_DY[heading])
+    dx, dy = int(DX[heading]), int(DY[heading])
     if not is_set(rows, y + dy, x + dx):
         return False
     if heading & 1:
@@ -350,7 +224,7 @@ def _begin(
     width: int,
     start: int,
     goal: int,
-    costs: _Costs,
+    costs: Costs,
     reached: _Reached,
     queue: BucketQueue,
 ) -> None:
@@ -360,7 +234,7 @@ def _begin(
     cycle = costs.cycle
     for k in range(HEADINGS):
         cost = int(costs.first_turns[k])
-        total = _total(cost, dx, dy, k, costs)
+        total = total_cost(cost, dx, dy, k, costs)
         if total > costs.longest - cycle or not _may_step(rows, x, y, k):
             continue
         state = HEADINGS * start + k
@@ -374,7 +248,7 @@ def _search(
     rows: Bits,
     width: int,
     goal: int,
-    costs: _Costs,
+    costs: Costs,
     reached: _Reached,
     queue: BucketQueue,
     at_a_time: int,
@@ -415,14 +289,14 @@ def _search(
             for j in range(HEADINGS):
                 if j != k:
                     turned = rest + int(costs.turns[k, j])
-                    total = _total(turned, goal_x - x, goal_y - y, j, costs)
+                    total = total_cost(turned, goal_x - x, goal_y - y, j, costs)
                     other = HEADINGS * cell + j
                     if _is_new(other, turned, total, costs, reached) and _may_step(rows, x, y, j):
                         _reach(other, turned, np.uint8(k), total, bucket, costs, reached, queue)
         if _may_step(rows, x, y, k):
-            x, y = x + int(_DX[k]), y + int(_DY[k])
+            x, y = x + int(DX[k]), y + int(DY[k])
             cost += costs.diagonal if k & 1 else costs.straight
-            total = _total(cost, goal_x - x, goal_y - y, k, costs)
+            total = total_cost(cost, goal_x - x, goal_y - y, k, costs)
             state = HEADINGS * (y * width + x) + k
             if _is_new(state, cost, total, costs, reached):
                 _reach(state, cost, _BY_A_STEP, total, bucket, costs, reached, queue)
@@ -430,7 +304,7 @@ def _search(
 
 
 @compiled_part
-def _is_new(state: int, cost: int, total: int, costs: _Costs, reached: _Reached) -> bool:
+def _is_new(state: int, cost: int, total: int, costs: Costs, reached: _Reached) -> bool:
     """Return whether a state was not reached as cheaply, and may be on a path in the bound."""
     known = int(reached.cost[state])
     return total <= costs.longest - costs.cycle and (known == 0 or cost + 1 < known)
@@ -443,7 +317,7 @@ def _reach(
     by: np.uint8,
     total: int,
     bucket: int,
-    costs: _Costs,
+    costs: Costs,
     reached: _Reached,
     queue: BucketQueue,
 ) -> None:
@@ -456,7 +330,7 @@ def _reach(
 
 def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
     """Go back from the goal to the start; list where the path begins, turns and ends."""
-    offsets = (_DY * width + _DX).tolist()
+    offsets = (DY * width + DX).tolist()
     step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
     # Python's own numbers: quick to read one by one, and nothing to compile.
     ways = reached_by.data

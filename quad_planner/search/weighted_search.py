@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, BitMask, Bits, is_set
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -24,9 +25,9 @@ from quad_planner.grid.bucket_queue import (
     with_room,
 )
 from quad_planner.grid.compiled import compiled, compiled_part
-from quad_planner.grid.inflation import Points
 from quad_planner.grid.line_of_sight import sees
-from quad_planner.search.jump_points import DIAGONAL, STRAIGHT, without_straights
+from quad_planner.search.cell_path import without_straights
+from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -41,8 +42,6 @@ _MOST_BUCKETS = 1 << 14
 _EXPANSIONS = 65536
 """Between two calls of `check`."""
 
-_DX = np.array([1, 1, 0, -1, -1, -1, 0, 1])
-_DY = np.array([0, 1, 1, 1, 0, -1, -1, -1])
 
 _AT_THE_START = np.uint8(8)
 
@@ -241,7 +240,7 @@ def _search(
             continue
         y, x = cell // width, cell % width
         for k in range(8):
-            dx, dy = int(_DX[k]), int(_DY[k])
+            dx, dy = int(DX[k]), int(DY[k])
             if not is_set(rows, y + dy, x + dx):
                 continue
             if k & 1 and not (is_set(rows, y, x + dx) and is_set(rows, y + dy, x)):
@@ -262,12 +261,12 @@ def _way(by: NDArray[np.uint8], width: int, goal: int) -> Cells:
     """Go back from the goal to the start; list every cell of the path, in cells of the map."""
     count, cell = 1, goal
     while by[cell] != _AT_THE_START:
-        cell -= int(_DY[by[cell]]) * width + int(_DX[by[cell]])
+        cell -= int(DY[by[cell]]) * width + int(DX[by[cell]])
         count += 1
     cells = np.empty((count, 2), dtype=np.int64)
     cell = goal
     for at in range(count - 1, -1, -1):
         cells[at, 0], cells[at, 1] = cell % width - 1, cell // width - 1
         if at:
-            cell -= int(_DY[by[cell]]) * width + int(_DX[by[cell]])
+            cell -= int(DY[by[cell]]) * width + int(DX[by[cell]])
     return cells

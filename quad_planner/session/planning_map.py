@@ -14,7 +14,8 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_planner.grid.traversability import Ground, GroundLimits
+from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
 
 

@@ -21,8 +21,8 @@ from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner
 from quad_planner.potential.map_potential import boundary_distances
 from quad_planner.potential.navigation_field import slowness_near_obstacles, travel_times
+from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
 from quad_planner.search.distance_field import distance_field
-from quad_planner.search.jump_points import DIAGONAL, STRAIGHT
 
 Mask = NDArray[np.bool_]
 MakeMap = Callable[[int, int], Mask]

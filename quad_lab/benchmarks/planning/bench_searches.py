@@ -22,6 +22,7 @@ from quad_planner.grid.inflation import inflated
 from quad_planner.methods.shortest_planner import turns_saved
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path
+from quad_planner.search.walk_terms import WalkTerms
 from quad_planner.search.weighted_search import cheapest_path
 
 Mask = NDArray[np.bool_]
@@ -109,9 +110,8 @@ def _bars(name: str, occupied: Mask, count: int, seed: int) -> list[Criterion]:
             Pose2D(float(points[0, 0]), float(points[0, 1]), yaw), Plan.through(points, goal_yaw)
         )
         by_a_star, _ = _timed(lambda: cheapest_path(grid, plain, start, goal))  # noqa: B023
-        quickest, _ = _timed(
-            lambda: quickest_path(grid, start, goal, yaw, goal_yaw, pace, _RESOLUTION, known + 1)  # noqa: B023
-        )
+        terms = WalkTerms(pace, _RESOLUTION, yaw, goal_yaw, known + 1)
+        quickest, _ = _timed(lambda: quickest_path(grid, start, goal, terms))  # noqa: B023
         proof, fewest = _timed(lambda: fewest_turns(grid, cells))  # noqa: B023
         times.append((by_jumps, by_a_star, quickest, proof))
         saved.append(len(cells) - len(fewest))

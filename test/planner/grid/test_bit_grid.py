@@ -3,15 +3,8 @@
 import numpy as np
 import pytest
 
-from quad_planner.grid.bit_grid import (
-    BitGrid,
-    BitMask,
-    dilated,
-    first_bit,
-    is_set,
-    last_bit,
-    packed_cells,
-)
+from quad_planner.grid.bit_grid import BitGrid, BitMask, first_bit, is_set, last_bit, packed_cells
+from quad_planner.grid.dilation import dilated
 
 
 @pytest.mark.parametrize('place', range(64))

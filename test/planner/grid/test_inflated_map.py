@@ -6,8 +6,8 @@ import pytest
 from quad_common.errors import StartOccupied
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.clearance import segment_clearance
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.grid.inflation import segment_clearance
 
 RESOLUTION = 0.1
 

@@ -8,13 +8,9 @@ import pytest
 from quad_common.errors import ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_planner.grid.inflation import (
-    clearance,
-    combined_obstacles,
-    inflate,
-    segment_clearance,
-    segments_allowed,
-)
+from quad_planner.grid.clearance import clearance, segment_clearance
+from quad_planner.grid.combined_obstacles import combined_obstacles
+from quad_planner.grid.inflation import inflate, segments_allowed
 
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 

@@ -14,14 +14,11 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import available_robots, load_robot
 from quad_common.robot.walking_time import WalkingTimeModel
-from quad_planner.grid.inflation import segment_clearance
-from quad_planner.grid.traversability import (
-    Ground,
-    GroundLimits,
-    cells_touched,
-    high_steps,
-    steep_slopes,
-)
+from quad_planner.grid.cell_overlap import cells_touched
+from quad_planner.grid.clearance import segment_clearance
+from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.grid.ground_shape import high_steps, steep_slopes
+from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import make_planner
 
 ROBOT = load_robot('titan_viii')

@@ -11,8 +11,8 @@ from quad_common.errors import ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.walking_time import WalkingTimeModel
+from quad_planner.grid.clearance import segment_clearance
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.grid.inflation import segment_clearance
 from quad_planner.methods.cell_costs import ClearanceCost, UnknownCost, cell_costs
 from quad_planner.methods.planner import make_planner
 

@@ -22,7 +22,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.parameters import parameters_of
 from quad_common.planar_pose import Pose2D
 from quad_gait.following.reference_path import rounded_pieces
-from quad_planner.grid.inflation import segment_clearance
+from quad_planner.grid.clearance import segment_clearance
 from quad_planner.methods.planner import make_planner
 from quad_planner.methods.potential_planner import POTENTIALS, PotentialPlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner

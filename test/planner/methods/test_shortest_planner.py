@@ -20,7 +20,7 @@ from quad_common.errors import (
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.bit_grid import BitMask
-from quad_planner.grid.inflation import segment_clearance
+from quad_planner.grid.clearance import segment_clearance
 from quad_planner.methods.planner import make_planner
 from quad_planner.methods.shortest_planner import ShortestPlanner, turns_saved
 

@@ -16,6 +16,7 @@ from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.any_angle import convex_corners
 from quad_planner.search.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
+from quad_planner.search.walk_terms import WalkTerms
 
 
 def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
@@ -81,7 +82,7 @@ def test_no_path_takes_fewer_cycles(seed):
         if max(start[0], goal[0]) >= free.shape[1] or max(start[1], goal[1]) >= free.shape[0]:
             continue
         lattice = quickest_path(
-            BitGrid.of(free), start, goal, start_yaw, goal_yaw, pace, RESOLUTION, 500
+            BitGrid.of(free), start, goal, WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, 500)
         )
         if lattice is None:
             continue
@@ -91,14 +92,16 @@ def test_no_path_takes_fewer_cycles(seed):
         # The lattice's own path leads over these points.
         assert least <= lattice.cycles
         way = quickest_corners(
-            BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, lattice.cycles + 1
+            BitMask.of(~free),
+            points,
+            WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, lattice.cycles + 1),
         )
         assert cycles_of(way, start_yaw, goal_yaw, pace) == least
         for a, b in itertools.pairwise(way):
             assert sees(BitMask.of(~free).words, free.shape[1], *a, *b)
         assert (
             quickest_corners(
-                BitMask.of(~free), points, start_yaw, goal_yaw, pace, RESOLUTION, least
+                BitMask.of(~free), points, WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, least)
             )
             is None
         )
@@ -116,7 +119,9 @@ def test_bends_cost_nothing():
     yaw = math.radians(30.0)
     took = {
         name: cycles_of(
-            quickest_corners(BitMask.of(~free), points, yaw, -yaw, pace, RESOLUTION, 200),
+            quickest_corners(
+                BitMask.of(~free), points, WalkTerms(pace, RESOLUTION, yaw, -yaw, 200)
+            ),
             yaw,
             -yaw,
             pace,
@@ -130,7 +135,10 @@ def test_a_goal_that_is_not_seen_has_no_path():
     free = np.ones((10, 10), dtype=bool)
     free[:, 5] = False
     points = np.array([[1.5, 1.5], [8.5, 1.5]])
-    assert quickest_corners(BitMask.of(~free), points, 0.0, 0.0, CRAWL, RESOLUTION, 100) is None
+    assert (
+        quickest_corners(BitMask.of(~free), points, WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 100))
+        is None
+    )
 
 
 def test_a_search_can_be_ended():
@@ -143,10 +151,6 @@ def test_a_search_can_be_ended():
         quickest_corners(
             BitMask.of(~free),
             np.array([[1.5, 1.5], [20.5, 9.5]]),
-            0.0,
-            0.0,
-            CRAWL,
-            RESOLUTION,
-            100,
+            WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 100),
             check=end,
         )

@@ -9,8 +9,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from quad_common.errors import ParameterError
+from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
 from quad_planner.search.distance_field import NOT_REACHED, distance_field
-from quad_planner.search.jump_points import DIAGONAL, STRAIGHT
 
 
 def graph_of(allowed):

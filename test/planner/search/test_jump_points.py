@@ -9,7 +9,8 @@ import pytest
 
 from quad_lab.tools.benchmark_maps import load_scenario, scenario_files
 from quad_planner.grid.bit_grid import BitGrid
-from quad_planner.search.jump_points import DIAGONAL, STRAIGHT, JumpPointSearch
+from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
+from quad_planner.search.jump_points import JumpPointSearch
 
 STEPS = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
 

@@ -3,6 +3,7 @@
 import heapq
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from quad_common.robot.walking_time import WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path
+from quad_planner.search.walk_terms import WalkTerms
 
 RESOLUTION = 0.05
 CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
@@ -92,7 +94,7 @@ def test_no_path_takes_fewer_cycles(seed):
     for free, start, goal, start_yaw, goal_yaw, pace in random_requests(seed, 30):
         least = least_cycles(free, start, goal, start_yaw, goal_yaw, pace)
         path = quickest_path(
-            BitGrid.of(free), start, goal, start_yaw, goal_yaw, pace, RESOLUTION, 500
+            BitGrid.of(free), start, goal, WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, 500)
         )
         assert (path.cycles if path else None) == least
         if path is not None:
@@ -142,12 +144,13 @@ def test_no_path_as_short_turns_less(seed):
 
 def test_a_bound_is_just_above_what_is_found():
     for free, start, goal, start_yaw, goal_yaw, pace in random_requests(100, 60):
-        request = (BitGrid.of(free), start, goal, start_yaw, goal_yaw, pace, RESOLUTION)
-        path = quickest_path(*request, bound=500)
+        grid, terms = BitGrid.of(free), WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, 500)
+        path = quickest_path(grid, start, goal, terms)
         if path is None:
             continue
-        assert quickest_path(*request, bound=path.cycles + 1).cycles == path.cycles
-        assert quickest_path(*request, bound=path.cycles) is None
+        enough = replace(terms, bound=path.cycles + 1)
+        assert quickest_path(grid, start, goal, enough).cycles == path.cycles
+        assert quickest_path(grid, start, goal, replace(terms, bound=path.cycles)) is None
 
 
 def test_the_turns_cost_a_detour_that_is_worth_it():
@@ -157,9 +160,11 @@ def test_the_turns_cost_a_detour_that_is_worth_it():
         free[8 + 2 * (k % 2) : 20, 8 + 10 * k] = False
         free[0 : 6 + 2 * (k % 2), 8 + 10 * k] = False
     grid = BitGrid.of(free)
-    path = quickest_path(grid, (2, 7), (57, 7), 0.0, 0.0, CRAWL, RESOLUTION, 500)
+    path = quickest_path(grid, (2, 7), (57, 7), WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 500))
     slow_turns = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(4.0))
-    straighter = quickest_path(grid, (2, 7), (57, 7), 0.0, 0.0, slow_turns, RESOLUTION, 2000)
+    straighter = quickest_path(
+        grid, (2, 7), (57, 7), WalkTerms(slow_turns, RESOLUTION, 0.0, 0.0, 2000)
+    )
     assert len(straighter.cells) <= len(path.cells)
 
 
@@ -167,7 +172,9 @@ def test_headings_at_both_ends_count():
     grid = BitGrid.of(np.ones((30, 30), dtype=bool))
 
     def cycles(start_yaw, goal_yaw):
-        path = quickest_path(grid, (5, 15), (25, 15), start_yaw, goal_yaw, CRAWL, RESOLUTION, 500)
+        path = quickest_path(
+            grid, (5, 15), (25, 15), WalkTerms(CRAWL, RESOLUTION, start_yaw, goal_yaw, 500)
+        )
         return path.cycles
 
     # One metre is five strides; a quarter turn takes three cycles.
@@ -181,7 +188,10 @@ def test_headings_at_both_ends_count():
 def test_ends_that_are_not_free_have_no_path(start, goal):
     free = np.ones((5, 5), dtype=bool)
     free[2, 2] = False
-    assert quickest_path(BitGrid.of(free), start, goal, 0.0, 0.0, CRAWL, RESOLUTION, 500) is None
+    assert (
+        quickest_path(BitGrid.of(free), start, goal, WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 500))
+        is None
+    )
 
 
 def test_a_search_can_be_ended():
@@ -193,5 +203,9 @@ def test_a_search_can_be_ended():
 
     with pytest.raises(TimeoutError):
         quickest_path(
-            BitGrid.of(free), (0, 0), (699, 699), 0.0, 0.0, CRAWL, RESOLUTION, 2000, check=end
+            BitGrid.of(free),
+            (0, 0),
+            (699, 699),
+            WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 2000),
+            check=end,
         )

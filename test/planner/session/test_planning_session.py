@@ -11,7 +11,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import load_robot
-from quad_planner.grid.traversability import GroundLimits
+from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.planner import make_planner
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.planning_session import PlanningSession, SessionOptions

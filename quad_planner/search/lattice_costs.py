@@ -1,0 +1,147 @@
+"""
+Costs of steps, turns and whole gait cycles for searches over cells and eight headings.
+
+Costs are whole numbers, so equal costs are equal. The bound on what is left
+(:func:`least_turns_of`) is the length over free ground, and the least turns that a path over
+free ground takes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.walking_time import LENGTH_SLACK
+from quad_planner.grid.compiled import compiled_part
+from quad_planner.search.walk_terms import WalkTerms
+
+Numbers = NDArray[np.int64]
+
+
+HEADINGS = 8
+"""Heading k points at k times 45 degrees."""
+
+
+_SCALES = ((470832, 665857), (80782, 114243), (13860, 19601), (2378, 3363))
+"""Straight and diagonal steps in whole numbers: the nearer to sqrt 2, the larger."""
+
+
+def _leading() -> NDArray[np.bool_]:
+    """Tabulate whether headings a and b lead into sector s (`_sector`), shape (16, 8, 8)."""
+    sector, low, high = np.ogrid[:16, :16:2, :16:2]
+    cone = (high - low) % 16
+    is_between: NDArray[np.bool_] = (cone < 8) & ((sector - low) % 16 <= cone)
+    return is_between | is_between.transpose(0, 2, 1)
+
+
+_LEADS = _leading()
+
+
+NOT_REACHED = 2**31 - 1
+
+
+LARGEST = 2**30
+"""Costs up to here are looked at: there is room for what is added to them."""
+
+
+class Costs(NamedTuple):
+    """What steps, cycles and turns cost, in whole numbers."""
+
+    straight: int
+    """Of a step to a cell beside."""
+    diagonal: int
+    """Of a diagonal step."""
+    cycle: int
+    """Of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
+    bucket: int
+    """States wait together whose costs, with the bound on what is left, are so near."""
+    longest: int
+    """A path must cost less."""
+    turns: Numbers
+    """Shape (8, 8): of a turn and the pause of the stretch that follows it."""
+    first_turns: Numbers
+    """Shape (8,): from the start's heading to each of the eight, likewise."""
+    last_turns: Numbers
+    """Shape (8,): from each to the goal's heading."""
+    least_turns: Numbers
+    """Shape (8, 17), see :func:`least_turns_of`."""
+
+
+def costs_of(terms: WalkTerms) -> Costs:
+    """Count the costs of a pace on the finest scale that can hold the bound's cycles."""
+    pace, bound = terms.pace, terms.bound
+    strides = pace.stride / terms.resolution * (1.0 + LENGTH_SLACK)
+    scale = 0
+    while scale + 1 < len(_SCALES) and bound * strides * _SCALES[scale][0] > LARGEST:
+        scale += 1
+    straight, diagonal = _SCALES[scale]
+    cycle = max(1, math.floor(strides * straight))
+    pause = round(pace.stopping * cycle)
+    headings = [math.radians(45.0 * k) for k in range(HEADINGS)]
+    turns = [[pace.turn_cycles(b - a) * cycle + pause for b in headings] for a in headings]
+    first = [pace.turn_cycles(b - terms.start_yaw) * cycle + pause for b in headings]
+    last = np.array([pace.last_turn_cycles(terms.goal_yaw - a) * cycle for a in headings])
+    longest = min(bound * cycle, LARGEST // cycle * cycle)
+    least = least_turns_of(np.array(turns), last)
+    return Costs(
+        straight, diagonal, cycle, cycle, longest, np.array(turns), np.array(first), last, least
+    )
+
+
+def least_turns_of(turns: Numbers, last_turns: Numbers) -> Numbers:
+    """
+    Tabulate the least that turns may cost on the way to the goal over free ground.
+
+    A way over free ground goes along one heading or two (of more, two would do: any
+    displacement in the plane lies between two of those it is made of).
+
+    Parameters
+    ----------
+    turns, last_turns : ndarray of int, shapes (8, 8) and (8,)
+        What turns cost.
+
+    Returns
+    -------
+    ndarray of int, shape (8, 17)
+        By the heading of the robot and the sector in which the goal lies, see `_sector`.
+    """
+    # To be content with nearly the goal's heading may save a cycle in an earlier turn: two
+    # turns may then cost less than one.
+    least_last = np.minimum(last_turns, (turns + last_turns).min(axis=1))
+    to_other = np.where(np.eye(HEADINGS, dtype=np.bool_), 0, turns)
+    # From the robot's heading to a, walk, to b, walk, and to the goal's.
+    ways = to_other[:, :, None] + (to_other + least_last)
+    over_ground = np.where(_LEADS, ways[:, None], NOT_REACHED).min(axis=(2, 3))
+    return np.column_stack((over_ground, least_last))
+
+
+@compiled_part
+def _sector(dx: int, dy: int) -> int:
+    """
+    Return where a displacement points.
+
+    2 k along heading k, 2 k + 1 between headings k and k + 1, 16 for none.
+    """
+    along, across = abs(dx), abs(dy)
+    if along == 0 and across == 0:
+        return 16
+    if across == 0:
+        return 0 if dx > 0 else 8
+    if along == 0:
+        return 4 if dy > 0 else 12
+    quarter = 1 if along > across else (2 if along == across else 3)
+    if dy > 0:
+        return quarter if dx > 0 else 8 - quarter
+    return 16 - quarter if dx > 0 else 8 + quarter
+
+
+@compiled_part
+def total_cost(cost: int, dx: int, dy: int, heading: int, costs: Costs) -> int:
+    """Return a cost and the least that is left, so far from the goal in a heading."""
+    along, across = abs(dx), abs(dy)
+    length = costs.straight * max(along, across)
+    length += (costs.diagonal - costs.straight) * min(along, across)
+    return cost + length + int(costs.least_turns[heading, _sector(dx, dy)])

@@ -1,0 +1,25 @@
+"""
+What the time of a walk is counted by: the robot's pace, its headings, and a bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from quad_common.robot.walking_time import WalkingTimeModel
+
+
+@dataclass(frozen=True)
+class WalkTerms:
+    """What the gait cycles of a walk from a start to a goal are counted by."""
+
+    pace: WalkingTimeModel
+    """Distances and turns of a cycle."""
+    resolution: float
+    """Side of a cell [m]."""
+    start_yaw: float
+    """Heading at the start, in the frame of the cells [rad]."""
+    goal_yaw: float
+    """Heading at the goal, in the frame of the cells [rad]."""
+    bound: int
+    """Number of cycles: a path must take less."""
