@@ -11,7 +11,8 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.posture import posture_trajectory
 from quad_gait.faults.joint_fault import JointFault
-from quad_gait.faults.safe_stop import SafeStop, SafeStopOptions
+from quad_gait.faults.safe_stop import SafeStop
+from quad_gait.faults.safe_stop_options import SafeStopOptions
 from quad_gait.state.stance import Stance
 
 Array = NDArray[np.float64]

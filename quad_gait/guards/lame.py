@@ -11,7 +11,8 @@ from quad_gait.behaviours.routine import Routine
 from quad_gait.behaviours.wishes import Freeze, Sit, Stand, Wish
 from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_trial import JointRecovery
-from quad_gait.faults.safe_stop import SafeStop, SafeStopOptions
+from quad_gait.faults.safe_stop import SafeStop
+from quad_gait.faults.safe_stop_options import SafeStopOptions
 from quad_gait.guards.guard import Guard
 from quad_gait.state.robot_state import RobotState
 
