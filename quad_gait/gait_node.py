@@ -78,7 +78,7 @@ class GaitNode(QuadNode[GaitParameters]):
         if p.is_uneven:
             self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         self.create_subscription(Header, 'plan/heartbeat', self._planner.take_heartbeat, 10)
-        self._services = GaitServices(self, supervisor, self._topics)
+        GaitServices(self, supervisor, self._topics)
         self.update_status()
 
     def take_parameters(self, parameters: GaitParameters) -> None:
