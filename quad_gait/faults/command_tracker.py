@@ -74,6 +74,8 @@ class Explanation(NamedTuple):
     """Whether it is the latest trajectory that should run."""
     is_sure: bool
     """Whether the joints have just left an earlier one for it, or no other can be followed."""
+    is_joined: bool
+    """Whether it is the trajectory itself, and not the way into it."""
 
 
 class CommandTracker:
@@ -93,6 +95,11 @@ class CommandTracker:
     def __bool__(self) -> bool:
         """Return whether any command is known."""
         return bool(self._candidates)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether no trajectory starts on arrival: how late such a one has come is not known."""
+        return not any(candidate.path.starts_on_arrival for candidate in self._candidates)
 
     def forget(self) -> None:
         """Know no trajectory."""
@@ -150,9 +157,7 @@ class CommandTracker:
         Explanation or None
             One that fits all joints, or all but one; None if none does.
         """
-        # How late what starts on arrival has come is not known so exactly.
-        is_exact = not any(candidate.path.starts_on_arrival for candidate in self._candidates)
-        if is_exact and strictness is not None and strictness.any():
+        if self.is_exact and strictness is not None and strictness.any():
             found = self._explain(time, positions, strictness)
             if found is not None:
                 return found
@@ -170,7 +175,7 @@ class CommandTracker:
                 self._followed = candidate
                 if candidate.path.starts_on_arrival and not np.isfinite(candidate.latest):
                     self._bound_delay(candidate, time, positions)
-                return self._explanation(posture, allowed, off, candidate, begun, goes_on)
+                return self._explanation(posture, allowed, off, candidate, begun, goes_on, True)
         return self._search(begun, time, positions, strictness)
 
     def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
@@ -244,7 +249,8 @@ class CommandTracker:
         row = int(rows[np.flatnonzero(fit <= fit.min() + _ALIKE)[-1]])
         owner = blocks[int(owners[row])][0]
         goes_on = False
-        if np.isfinite(delays[row]):
+        is_joined = bool(np.isfinite(delays[row]))
+        if is_joined:
             owner.delay = float(delays[row]) if owner.path.starts_on_arrival else 0.0
             self._followed = owner
             if least == 0:
@@ -255,7 +261,9 @@ class CommandTracker:
                     goes_on = self._settle_for(owner, begun, time, positions)
             else:
                 self._drop_others(owner, begun, time, positions, off[row])
-        return self._explanation(postures[row], allowed[row], off[row], owner, begun, goes_on)
+        return self._explanation(
+            postures[row], allowed[row], off[row], owner, begun, goes_on, is_joined
+        )
 
     def _explanation(
         self,
@@ -265,10 +273,12 @@ class CommandTracker:
         owner: Candidate,
         begun: list[Candidate],
         goes_on: bool,
+        is_joined: bool,
     ) -> Explanation:
         is_latest = not begun or (owner is begun[-1] and not owner.is_outdated)
         is_only = len(self._candidates) == 1
-        return Explanation(posture, allowed, off, is_latest, goes_on or (is_latest and is_only))
+        is_sure = goes_on or (is_latest and is_only)
+        return Explanation(posture, allowed, off, is_latest, is_sure, is_joined)
 
     def _drop_others(
         self,

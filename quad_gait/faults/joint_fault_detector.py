@@ -34,6 +34,11 @@ class FaultDetectorOptions:
     """Time that a joint whose motor gives no torque must stay off to have failed [s]."""
     doubt: float = 0.12
     """The same for one that bears, or while it is not sure which trajectory runs [s]."""
+    settling: float = 0.1
+    """Time for which all joints must have been on the latest trajectory for that to be sure [s]."""
+    swinging_on: float = 0.5
+    """Time that a joint must stay off where it is not sure, and one starts on arrival [s]: a joint
+    that turns when it arrives swings on before it turns back."""
     convergence: float = 0.1
     """A joint that would reach its command within this time by its speed is on its way [s]."""
     longest_way: float = 0.5
@@ -90,6 +95,7 @@ class JointFaultDetector:
         self._slack_for: Array = np.zeros(len(self._largest))
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
+        self._on_latest_for = self._off_latest_for = 0.0
 
     def expect(self, trajectory: JointTrajectory, time: float) -> None:
         """Take notice of a trajectory that is given out at a time [s]."""
@@ -152,8 +158,8 @@ class JointFaultDetector:
             # Where it is not sure which trajectory runs, a little off says nothing.
             found = self._tracker.explain(time, positions)
         if found is None or not found.off.any():
-            self._suspect = -1
             self._note_following(found, step)
+            self._suspect = -1
             return None
         return self._suspected(found, time, positions, moved / dt, step, efforts)
 
@@ -170,7 +176,15 @@ class JointFaultDetector:
         return strictness
 
     def _note_following(self, found: Explanation | None, step: float) -> None:
-        """Count for how long the joints have not followed what should run."""
+        """Count for how long the joints have followed what should run, or have not."""
+        if found is not None and found.is_latest and found.is_joined:
+            self._on_latest_for += step
+            self._off_latest_for = 0.0
+        elif found is not None or self._suspect < 0:
+            # A joint that begins to stay behind looks for an instant like one under way.
+            self._off_latest_for += step
+            if self._off_latest_for > self._options.patience + 1e-9:
+                self._on_latest_for = 0.0
         if found is not None and found.is_sure:
             self.unfollowed = 0.0
         elif found is None or not found.is_latest:
@@ -217,7 +231,11 @@ class JointFaultDetector:
                 return None
         self._off_for += step
         # A leg that gives way leaves no time; one that bears does.
-        patience = options.patience if is_slack and found.is_latest else options.doubt
+        is_settled = found.is_latest and self._on_latest_for >= options.settling - 1e-9
+        if is_settled or self._tracker.is_exact:
+            patience = options.patience if is_slack and is_settled else options.doubt
+        else:
+            patience = options.swinging_on
         if self._off_for < patience - 1e-9:
             return None
         return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
