@@ -30,13 +30,13 @@ _CLEARANCE = 0.5
 """Radius of the disc that finds a way through a room, or that of a larger robot's feet [m]."""
 
 _RESOLUTION = 0.05
-"""Of a room's map [m]."""
+"""Resolution of a room's map [m]."""
 
 _MARGIN = 1.0
-"""By which uneven ground goes on beyond the map [m]."""
+"""Distance by which uneven ground goes on beyond the map [m]."""
 
 _AROUND = 5.0
-"""How far it goes from the start where there is no map [m]."""
+"""Distance it goes from the start where there is no map [m]."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ class Scenery:
     """Its map; None where nobody is told."""
     start: Pose2D
     goal: Pose2D | None
-    """Where the goal's marker lies at first; None: nowhere, or there is nothing to see."""
+    """Pose of the goal's marker at first; None: nowhere, or there is nothing to see."""
     bounds: tuple[float, float, float, float] | None = None
     """What its map or its room spans: x_min, y_min, x_max, y_max [m]; None without one."""
     height_map: HeightMap | None = None
-    """Of its ground; None where it is flat, or nobody is told."""
+    """Height map of its ground; None where it is flat, or not published."""
 
 
 def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:

@@ -175,7 +175,7 @@ class Simulation:
         self.has_fallen = False
         """Whether the robot has fallen since the last reset."""
         self.late_trajectories = 0
-        """How many came after their first point was due, since the last reset."""
+        """Number that came after their first point was due, since the last reset."""
         self.reset()
 
     @property

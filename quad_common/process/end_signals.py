@@ -112,7 +112,7 @@ _releases: list[Callable[[], object]] = []
 """What must be given back even if the process is ended by force."""
 
 _shields = 0
-"""How many blocks must not be interrupted just now."""
+"""Number of blocks that must not be interrupted now."""
 
 _waiting: list[int] = []
 """Signals that came meanwhile."""

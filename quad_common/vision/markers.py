@@ -17,13 +17,13 @@ Color = tuple[int, int, int]
 """Red, green and blue, each from 0 to 255."""
 
 _OVERHANG = 0.02
-"""Of the plate over the body, at each end [m]."""
+"""Overhang of the plate over the body, at each end [m]."""
 
 _ABOVE_BODY = 0.015
-"""From the top of the body to that of the plate [m]."""
+"""Height of the plate above the top of the body [m]."""
 
 _SHARE = 0.9
-"""Of the room for it that a disc takes: the rest keeps discs and edges apart."""
+"""Fraction of its room that a disc takes: the rest keeps discs and edges apart."""
 
 
 def check_color(name: str, color: Color) -> None:
@@ -44,15 +44,15 @@ class RobotMarker:
     """
 
     length: float = 0.50
-    """Of the plate, along base_link's x axis [m]."""
+    """Length of the plate, along base_link's x axis [m]."""
     width: float = 0.26
-    """Of the plate [m]."""
+    """Width of the plate [m]."""
     height: float = 0.10
-    """Of the discs above base_link [m]."""
+    """Height of the discs above base_link [m]."""
     disc_radius: float = 0.112
-    """[m]"""
+    """Radius of the discs [m]."""
     disc_distance: float = 0.25
-    """Between the centers of the discs; base_link is below the middle [m]."""
+    """Distance between the centers of the discs; base_link is below the middle [m]."""
     front_color: Color = (30, 80, 230)
     rear_color: Color = (250, 210, 0)
     plate_color: Color = (250, 250, 250)
@@ -111,13 +111,13 @@ class GoalMarker:
     """
 
     radius: float = 0.15
-    """Of the disc whose center is the goal [m]."""
+    """Radius of the disc whose center is the goal [m]."""
     heading_radius: float = 0.10
-    """Of the disc that shows the heading [m]."""
+    """Radius of the disc that shows the heading [m]."""
     heading_distance: float = 0.30
-    """From the goal to the center of the disc that shows the heading [m]."""
+    """Distance from the goal to the center of the disc that shows the heading [m]."""
     height: float = 0.005
-    """Of both above the floor [m]."""
+    """Height of both above the floor [m]."""
     color: Color = (20, 170, 60)
     heading_color: Color = (215, 40, 200)
 

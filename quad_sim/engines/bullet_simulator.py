@@ -66,7 +66,7 @@ except ImportError as error:
 Array = NDArray[np.float64]
 
 GRAVITY = 9.80665
-"""[m/s^2]"""
+"""Acceleration of gravity [m/s^2]."""
 
 _SOLVER_ITERATIONS = 25
 """Half of Bullet's own: a walking body tilts by 0.2 degrees, not 0.1; a step is a third faster."""

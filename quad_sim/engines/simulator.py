@@ -53,7 +53,7 @@ class Observation:
     joint_efforts: Array
     """Torques of the motors about the joints' axes in the last step, shape (12,) [N m]."""
     contacts: tuple[Contact, ...]
-    """Of anything but feet with anything, and of feet with anything but the ground."""
+    """Contacts of anything but feet with anything, and of feet with anything but the ground."""
     has_fallen: bool
     """The body lies on the ground or is tilted beyond recovery."""
 
@@ -67,7 +67,7 @@ class Simulator(Protocol):
     """One robot in one world, stepped with a fixed time step."""
 
     time_step: float
-    """[s]"""
+    """Time of a step [s]."""
     failures: tuple[str, ...]
     """Those of :data:`quad_sim.engines.joint_failure.FAILURES` that it can let happen."""
 
