@@ -24,19 +24,19 @@ help:
 	@echo 'make lint    ruff and mypy'
 	@echo 'make venv    set everything up in .venv, and nothing else'
 	@echo 'make tf      build tf2_msgs into .venv, so that the nodes publish tf (optional; CMake, a C++ compiler)'
-	@echo 'make lock    write requirements.lock anew (python3.10 and python3.11)'
+	@echo 'make lock    write requirements.lock anew (python3.10 to python3.13)'
 	@echo 'make clean   remove .venv and everything else that was built'
 	@echo "Arguments for the command behind a target: make test ARGS='-k gait'"
 
-# PyBullet has wheels up to Python 3.11, so these come first.
+# PyBullet, which draws the ceiling camera's pictures, has wheels up to Python 3.11: these come first.
 $(BIN)/python:
 	@set -e; found=; \
-	for python in $(or $(PYTHON),python3.11 python3.10 python3); do \
+	for python in $(or $(PYTHON),python3.11 python3.10 python3 python3.12 python3.13); do \
 	    if $$python -c 'import sys, venv, ensurepip; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' \
 	            >/dev/null 2>&1; then found=$$python; break; fi; \
 	done; \
 	if [ -z "$$found" ]; then \
-	    echo 'quadwalk needs Python 3.11 or 3.10 with venv and pip; on Debian and Ubuntu: sudo apt install python3.11 python3.11-venv (or python3 python3-venv where that is 3.10 or newer)' >&2; \
+	    echo 'quadwalk needs Python 3.10 to 3.13 with venv and pip; on Debian and Ubuntu: sudo apt install python3 python3-venv (where that is 3.10 or newer)' >&2; \
 	    exit 1; \
 	fi; \
 	echo "Setting up .venv with $$($$found --version) (once; about a minute) ..."; \
@@ -46,7 +46,7 @@ $(VENV)/requirements.stamp: requirements.lock | $(BIN)/python
 	@$(PIP) install --requirement requirements.lock || \
 	    { echo 'The packages of requirements.lock could not be installed: see the message above; pip must reach a package index' >&2; exit 1; }
 	@$(BIN)/python -c 'import pybullet' >/dev/null 2>&1 || \
-	    echo 'Note: no PyBullet, which has no wheel for this Python. Either: make clean venv PYTHON=python3.11. Or, some ten minutes with a C++ compiler: $(BIN)/python -m pip install --no-build-isolation pybullet'
+	    echo 'Note: PyBullet has no wheel for this Python. Physics are simulated by MuJoCo; only the ceiling camera needs PyBullet (make clean venv PYTHON=python3.11)'
 	@touch $@
 
 # Editable: a change in the sources takes effect at once, a change in the packaging installs again.
@@ -71,7 +71,7 @@ lint: venv
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
 
-lock: PYTHONS ?= python3.10 python3.11
+lock: PYTHONS ?= python3.10 python3.11 python3.12 python3.13
 lock:
 	@python3 tools/lock.py --output requirements.lock $(PYTHONS)
 

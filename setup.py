@@ -27,8 +27,9 @@ COMMANDS = {'quadwalk': 'quad_cli.__main__:main'}
 EXTRAS = {
     # A ROS 2 installation brings its own rclpy and messages: these are for machines without one.
     'ros': ['ros-jazzy-rclpy[fastrtps]>=7.1', 'ros-jazzy-common-interfaces>=5.3'],
-    # Wheels for Python up to 3.11; above it pip compiles for about seven minutes.
-    'sim': ['pybullet>=3.2.5'],
+    # PyBullet has wheels for Python up to 3.11; above it pip compiles for about seven minutes.
+    # MuJoCo 4 splits its package, and an upgrade in place across the split breaks.
+    'sim': ['mujoco>=3.3,<4', 'pybullet>=3.2.5; python_version < "3.12"'],
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
     # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
@@ -91,6 +92,7 @@ setup(
         'Programming Language :: Python :: 3.10',
         'Programming Language :: Python :: 3.11',
         'Programming Language :: Python :: 3.12',
+        'Programming Language :: Python :: 3.13',
         'Topic :: Scientific/Engineering',
         'Typing :: Typed',
     ],

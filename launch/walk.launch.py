@@ -42,7 +42,7 @@ SIM_ARGUMENTS = {
     'map_file': (str, 'path of a Nav2 map file'),
     'start_pose': (numbers, 'where the robot stands at first: [x, y, yaw] in the map [m, m, rad]'),
     'real_time_factor': (float, 'simulated over real time; 0 runs as fast as possible'),
-    'backend': (str, "'bullet' or 'kinematic'"),
+    'backend': (str, "'auto', 'bullet', 'mujoco' or 'kinematic'"),
     'gui': (boolean, "show PyBullet's own window: true or false"),
     'seed': (int, 'of the noise of the simulated sensors'),
     'room_seed': (int, 'of a room of obstacles at random, in place of a map'),

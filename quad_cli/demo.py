@@ -31,6 +31,7 @@ from quad_common.robot.robot_file import load_robot
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import TURNINGS
 from quad_planner.parameters import PLANNING_METHODS, PlannerParameters
+from quad_sim.engines.registry import AUTO, BACKENDS
 from quad_sim.world.terrain_spec import specs_from_text
 
 if TYPE_CHECKING:
@@ -79,9 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default='in_place',
         help='how the robot turns at turning points',
     )
-    parser.add_argument(
-        '--backend', choices=('bullet', 'kinematic'), default='bullet', help='the simulator'
-    )
+    parser.add_argument('--backend', choices=BACKENDS, default=AUTO, help='the simulator')
     parser.add_argument(
         '--terrain',
         default='flat',

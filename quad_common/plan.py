@@ -31,7 +31,7 @@ class Plan:
     """
 
     poses: tuple[Pose2D, ...]
-    """Poses in the world; pose k faces along segment k, the last has the goal's heading."""
+    """In the world; pose k faces along segment k, the last has the goal's heading."""
     remark: str = field(default='', compare=False)
     """What is to be said of how it was found; empty if there is nothing."""
 

@@ -39,9 +39,9 @@ class Pose2D:
     """Position and heading in the plane."""
 
     x: float
-    """Position along x [m]."""
+    """[m]"""
     y: float
-    """Position along y [m]."""
+    """[m]"""
     yaw: float
     """Heading, counter-clockwise from the x axis [rad]."""
 
@@ -97,9 +97,9 @@ class Twist2D:
     """Velocity of a body in the plane, along its own axes."""
 
     forward: float = 0.0
-    """Velocity forward [m/s]."""
+    """[m/s]"""
     left: float = 0.0
-    """Velocity to the left [m/s]."""
+    """[m/s]"""
     turn: float = 0.0
     """Counter-clockwise [rad/s]."""
 

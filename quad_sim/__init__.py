@@ -9,10 +9,10 @@ from quad_common.lazy_names import lazy_names
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
+    from quad_sim.engines.registry import make_simulator as make_simulator
     from quad_sim.engines.simulator import Observation as Observation
     from quad_sim.engines.simulator import Simulator as Simulator
     from quad_sim.simulation import Simulation as Simulation
-    from quad_sim.simulation import make_simulator as make_simulator
     from quad_sim.world.appearance import Appearance as Appearance
     from quad_sim.world.random_room import Room as Room
     from quad_sim.world.random_room import random_room as random_room
@@ -27,7 +27,8 @@ else:
     __getattr__, __dir__, __all__ = lazy_names(
         __name__,
         {
-            'quad_sim.simulation': ('Simulation', 'make_simulator'),
+            'quad_sim.engines.registry': ('make_simulator',),
+            'quad_sim.simulation': ('Simulation',),
             'quad_sim.engines.simulator': ('Observation', 'Simulator'),
             'quad_sim.world.world': ('Obstacle', 'World', 'world_from_map'),
             'quad_sim.world.random_room': ('Room', 'random_room'),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from quad_common.parameters import parameter
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY
 from quad_sim.engines.joint_failure import FAILURES
-from quad_sim.simulation import BACKENDS
+from quad_sim.engines.registry import AUTO, BACKENDS
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,10 @@ class SimParameters:
         1.0, 'Simulated over real time; 0: as fast as possible.', lower=0.0
     )
     backend: str = parameter(
-        'bullet', 'Physics, or a simulator that follows commands exactly.', choices=BACKENDS
+        AUTO,
+        'Physics, or a simulator that follows commands exactly; auto: the first physics engine of '
+        'these that is installed.',
+        choices=BACKENDS,
     )
     failing_joint: str = parameter(
         '',
@@ -88,7 +91,7 @@ class SimParameters:
     most_obstacles: int = parameter(
         1000, "So many obstacles may stand at once by 'obstacles'.", lower=0, upper=10_000
     )
-    gui: bool = parameter(False, "Show PyBullet's own window.")
+    gui: bool = parameter(False, "Show the engine's own window, where it has one.")
     seed: int = parameter(0, 'Of the noise of the simulated sensors.', lower=0)
     time_step: float = parameter(
         0.005, 'Of the physics; /clock comes at 100 Hz at least.', 's', lower=0.001, upper=0.01

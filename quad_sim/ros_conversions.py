@@ -41,16 +41,16 @@ _SIZES = (1e-3, 100.0)
 """Least and largest side of an obstacle [m]."""
 
 _MOST_MARKERS = 1000
-"""Largest number of markers in one message."""
+"""In one message."""
 
 _MOST_JOINTS = 1000
-"""Largest number of joints of a trajectory; which are missing is checked after it is read."""
+"""Of a trajectory; that none of them is missing or unknown is checked after it is read."""
 
 MOST_OBSTACLE_BYTES = 1_000_000
-"""Largest size of a message with obstacles [bytes]; a marker has some three hundred."""
+"""Of one message with obstacles; a marker has some three hundred."""
 
 _ROOM, _POINT_BYTES = 250_000, 450
-"""Sizes in a message with a trajectory: all names, a point of twelve joints [bytes]."""
+"""Of a message with a trajectory: for the names, and for all four numbers of twelve joints."""
 
 _EXACT = 1e-12
 """Variance of what is known exactly: zero would mean unknown."""

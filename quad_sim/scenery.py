@@ -15,6 +15,7 @@ from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_common.vision.camera import CameraModel
 from quad_common.vision.markers import Color, GoalMarker, RobotMarker
+from quad_sim.engines.registry import ENGINES, resolved
 from quad_sim.parameters import SimParameters
 from quad_sim.simulation import check_start
 from quad_sim.world.appearance import Appearance
@@ -30,13 +31,13 @@ _CLEARANCE = 0.5
 """Radius of the disc that finds a way through a room, or that of a larger robot's feet [m]."""
 
 _RESOLUTION = 0.05
-"""Resolution of a room's map [m]."""
+"""Of a room's map [m]."""
 
 _MARGIN = 1.0
-"""Distance by which uneven ground goes on beyond the map [m]."""
+"""By which uneven ground goes on beyond the map [m]."""
 
 _AROUND = 5.0
-"""Distance it goes from the start where there is no map [m]."""
+"""How far it goes from the start where there is no map [m]."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,11 @@ class Scenery:
     """Its map; None where nobody is told."""
     start: Pose2D
     goal: Pose2D | None
-    """Pose of the goal's marker at first; None: nowhere, or there is nothing to see."""
+    """Where the goal's marker lies at first; None: nowhere, or there is nothing to see."""
     bounds: tuple[float, float, float, float] | None = None
     """What its map or its room spans: x_min, y_min, x_max, y_max [m]; None without one."""
     height_map: HeightMap | None = None
-    """Height map of its ground; None where it is flat, or not published."""
+    """Of its ground; None where it is flat, or nobody is told."""
 
 
 def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
@@ -96,12 +97,13 @@ def _level_scenery(parameters: SimParameters, robot: Robot) -> Scenery:
             friction=p.friction,
         )
         grid = occupancy_of(room.world, _RESOLUTION, room.bounds)
-        goal = room.goal if p.backend == 'bullet' else None
+        has_pictures = ENGINES[resolved(p.backend)].has_pictures
+        goal = room.goal if has_pictures else None
         return Scenery(room.world, grid if p.publish_map else None, start, goal, room.bounds)
     if p.room_obstacles >= 0:
         raise ParameterError('room_obstacles', p.room_obstacles, "-1 without a 'room_seed'")
     walls = None if p.map_file == 'none' else load_map(p.map_file or sample_map())
-    if walls is not None and p.backend == 'bullet':
+    if walls is not None and ENGINES[resolved(p.backend)].has_world:
         check_start(robot, walls, start)
     world = world_from_map(walls, friction=p.friction)
     bounds = None if walls is None else walls.bounds()

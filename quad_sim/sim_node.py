@@ -24,6 +24,7 @@ from quad_common.robot.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
+from quad_sim.engines.registry import AUTO, resolved
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     MOST_OBSTACLE_BYTES,
@@ -59,6 +60,8 @@ class SimNode(QuadNode[SimParameters]):
         self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)
+        if p.backend == AUTO:
+            self.get_logger().info(f"backend '{AUTO}': simulating with {resolved(AUTO)}")
         self._session.observe(self._topics)
         self.update_status()
 

@@ -17,12 +17,13 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.status import Level, Status
 from quad_sim.engines.joint_failure import JointFailure
+from quad_sim.engines.registry import make_simulator
 from quad_sim.engines.simulator import Observation
 from quad_sim.pacing import Pacing
 from quad_sim.parameters import SimParameters
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
 from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
-from quad_sim.simulation import Simulation, make_simulator
+from quad_sim.simulation import Simulation
 from quad_sim.world.simulated_camera import Picture
 
 Array = NDArray[np.float64]

@@ -24,69 +24,18 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_sim.engines.joint_failure import JointFailure
-from quad_sim.engines.kinematic_simulator import KinematicSimulator
-from quad_sim.engines.simulator import Contact, Observation, Simulator, VisibleSimulator
-from quad_sim.world.appearance import Appearance
+from quad_sim.engines.registry import engines_with
+from quad_sim.engines.simulator import (
+    Contact,
+    Observation,
+    Simulator,
+    SolidSimulator,
+    VisibleSimulator,
+)
 from quad_sim.world.simulated_camera import Picture, SimulatedCamera
-from quad_sim.world.world import Obstacle, World, world_from_map
+from quad_sim.world.world import Obstacle
 
 Array = NDArray[np.float64]
-
-BACKENDS = ('bullet', 'kinematic')
-
-
-def make_simulator(
-    backend: str,
-    robot: Robot,
-    world: World | None,
-    time_step: float = 0.005,
-    gui: bool = False,
-    appearance: Appearance | None = None,
-) -> Simulator:
-    """
-    Make a simulator by the name of its backend.
-
-    Parameters
-    ----------
-    backend : str
-        One of :data:`BACKENDS`.
-    robot : Robot
-        The robot.
-    world : World or None
-        Ground and obstacles, an empty floor if None; the kinematic one has an empty floor in
-        any case.
-    time_step : float
-        Fixed step [s].
-    gui : bool
-        Show PyBullet's own window.
-    appearance : Appearance, optional
-        Of the world in pictures.
-
-    Returns
-    -------
-    Simulator
-        With the robot at the world's origin.
-
-    Raises
-    ------
-    ParameterError
-        If there is no such backend.
-    NotSimulated
-        If the ground is uneven and the backend has flat ground only.
-    MissingOptionalDependency
-        If the backend's package is not installed.
-    """
-    if backend == 'kinematic':
-        if world is not None and world.terrain is not None:
-            raise NotSimulated('uneven ground', 'bullet')
-        return KinematicSimulator(robot, time_step)
-    if backend == 'bullet':
-        # Imported here, so that the kinematic one works where PyBullet is not installed.
-        from quad_sim.engines.bullet_simulator import BulletSimulator
-
-        world = world_from_map(None) if world is None else world
-        return BulletSimulator(robot, world, time_step, gui, appearance)
-    raise ParameterError('backend', backend, f'one of {", ".join(BACKENDS)}')
 
 
 def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
@@ -175,7 +124,7 @@ class Simulation:
         self.has_fallen = False
         """Whether the robot has fallen since the last reset."""
         self.late_trajectories = 0
-        """Number that came after their first point was due, since the last reset."""
+        """How many came after their first point was due, since the last reset."""
         self.reset()
 
     @property
@@ -249,7 +198,7 @@ class Simulation:
         if failure is not None:
             self._robot.joint_index(failure.joint)
             if failure.kind not in self._simulator.failures:
-                raise NotSimulated(f'a {failure.kind} joint', 'bullet')
+                raise NotSimulated(f'a {failure.kind} joint', engines_with('has_world'))
         self._failure = failure
 
     def step(self) -> None:
@@ -267,6 +216,24 @@ class Simulation:
         self.has_fallen = self.has_fallen or observation.has_fallen
         return observation
 
+    def check_solid(self, what: str) -> SolidSimulator:
+        """
+        Return the simulator, if it has a world that the robot can touch.
+
+        Parameters
+        ----------
+        what : str
+            What that is wanted for, with its article.
+
+        Raises
+        ------
+        NotSimulated
+            If it has none.
+        """
+        if not isinstance(self._simulator, SolidSimulator):
+            raise NotSimulated(what, engines_with('has_world'))
+        return self._simulator
+
     def check_visible(self, what: str) -> VisibleSimulator:
         """
         Return the simulator, if it has a world to look at.
@@ -282,7 +249,7 @@ class Simulation:
             If it has none.
         """
         if not isinstance(self._simulator, VisibleSimulator):
-            raise NotSimulated(what, 'bullet')
+            raise NotSimulated(what, engines_with('has_pictures'))
         return self._simulator
 
     def change_obstacles(self, changes: Iterable[ObstacleChange], most: int | None = None) -> None:
@@ -306,7 +273,7 @@ class Simulation:
             If one would stand where the robot is.
         """
         changes = list(changes)
-        world = self.check_visible('an obstacle')
+        world = self.check_solid('an obstacle')
         count = _count_after(changes, world.obstacles)
         if most is not None and count > max(most, len(world.obstacles)):
             raise TooManyObstacles(count, most)
@@ -325,8 +292,8 @@ class Simulation:
                     world.remove_obstacle(name)
 
     def foot_forces(self) -> Array:
-        """Return the normal forces against the feet; see :class:`VisibleSimulator`."""
-        return self.check_visible('the forces on the feet').foot_forces()
+        """Return the normal forces against the feet; see :class:`SolidSimulator`."""
+        return self.check_solid('the forces on the feet').foot_forces()
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""

@@ -21,15 +21,13 @@ class NotSimulated(SimulatorError):
 
     what: str
     """What is asked for, with its article."""
-    backend: str
-    """Backend that has it."""
+    backends: tuple[str, ...]
+    """Backends that have it."""
 
     def sentence(self) -> str:
-        """Say which backend has it."""
-        return (
-            f"{self.what} cannot be had: this simulator has nothing to see but the robot's "
-            f"numbers; set 'backend' to '{self.backend}'"
-        )
+        """Say which backends have it."""
+        names = ' or '.join(repr(backend) for backend in self.backends)
+        return f"{self.what} cannot be had with this simulator; set 'backend' to {names}"
 
 
 @dataclass(eq=False, repr=False)

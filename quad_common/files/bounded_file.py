@@ -14,10 +14,10 @@ from pathlib import Path
 from quad_common.errors import FileUnusable
 
 LARGEST_TEXT = 2**18
-"""Size of the largest text file that is read [bytes]: shipped ones have less than 10 000."""
+"""Bytes of the largest text file that is read: shipped ones have less than 10 000."""
 
 LARGEST_IMAGE = 2**29
-"""Size of the largest file of an image that is read [bytes]."""
+"""Bytes of the largest file of an image that is read."""
 
 
 def user_path(path: str | Path, what: str = 'file') -> Path:

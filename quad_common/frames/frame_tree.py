@@ -17,13 +17,13 @@ _LARGEST_TILT = 0.2
 """A frame tilted more against the ground's plane is no frame of the plane [rad]."""
 
 _LONGEST_NAME = 200
-"""Longest name of a frame [characters]."""
+"""Of a frame, in characters."""
 
 MOST_FRAMES = 500
 """Most frames that are remembered."""
 
 IDENTITY = Pose2D(0.0, 0.0, 0.0)
-"""Transform of two frames that coincide."""
+"""Of two frames that coincide."""
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ class HeightMap:
     """
 
     heights: Array
-    """Heights of the cells' centers, shape (rows, columns), row 0 lowest; NaN: unknown [m]."""
+    """Of the cells' centers, shape (rows, columns), row 0 at the bottom; NaN: unknown [m]."""
     resolution: float
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]

@@ -112,7 +112,7 @@ _releases: list[Callable[[], object]] = []
 """What must be given back even if the process is ended by force."""
 
 _shields = 0
-"""Number of blocks that must not be interrupted now."""
+"""How many blocks must not be interrupted just now."""
 
 _waiting: list[int] = []
 """Signals that came meanwhile."""

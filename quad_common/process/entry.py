@@ -16,16 +16,16 @@ PARENT = 'QUADWALK_PARENT'
 """Environment variable: id of the process with which a node is to end."""
 
 _PATIENCE_MAKING = 1.0
-"""Time for a node to end after a signal that came while it was made [s]."""
+"""For a node to end after a signal that came while it was made [s]."""
 
 _PATIENCE = 2.5
-"""Time for a node that runs to end after a signal [s]."""
+"""For a node that runs to end after a signal [s]."""
 
 _LAST_WAIT = 1.0
-"""Time for its threads to come to an end, then [s]."""
+"""For its threads to come to an end, then [s]."""
 
 _PARENT_PERIOD = 0.3
-"""Time between two looks whether the parent is still there [s]."""
+"""Between two looks whether the parent is still there [s]."""
 
 
 class NodeEnd:

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 FOLDER = Path('/dev/shm')
-"""Folder of shared memory on Linux; elsewhere nothing is found, and nothing is done."""
+"""Where Linux keeps shared memory; elsewhere nothing is found, and nothing is done."""
 
 _LOCK = '_el'
 

@@ -44,7 +44,7 @@ class JointTrajectory:
     stamp: float
     """When it starts [s]; 0 means on arrival."""
     times: Array
-    """Times of the points, from the start, shape (m,) [s]."""
+    """Of the points, from the start, shape (m,) [s]."""
     positions: Array
     """Shape (m, n) [rad]."""
     velocities: Array

@@ -30,13 +30,13 @@ QUANTITIES = {
 """Ranges of a camera's numbers."""
 
 MOST_PIXELS = 2**26
-"""Largest number of pixels of a picture: 8192 x 8192."""
+"""Of a picture: 8192 x 8192."""
 
 _ROUNDS = 50
-"""Largest number of rounds of tracing light back through a lens."""
+"""Of tracing light back through a lens, at most."""
 
 _EXACT = 1e-6
-"""Error of light that is traced back [pixels]."""
+"""How exactly light is traced back [pixels]."""
 
 _SLOW = 0.5
 """A step that leaves so much of the error is made shorter, or longer, from then on."""
@@ -57,15 +57,15 @@ class CameraModel:
     """
 
     width: int
-    """Width of the picture [pixels]."""
+    """Of the picture [pixels]."""
     height: int
-    """Height of the picture [pixels]."""
+    """Of the picture [pixels]."""
     matrix: Array
     """Shape (3, 3): focal lengths and principal point, K of sensor_msgs/CameraInfo [pixels]."""
     rotation: Array
     """Shape (3, 3): from the camera's frame to the world."""
     position: Array
-    """Position of the camera in the world, shape (3,) [m]."""
+    """Of the camera in the world, shape (3,) [m]."""
     distortion: Array
     """k1, k2, p1, p2, k3, shape (5,)."""
 

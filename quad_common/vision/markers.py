@@ -17,13 +17,13 @@ Color = tuple[int, int, int]
 """Red, green and blue, each from 0 to 255."""
 
 _OVERHANG = 0.02
-"""Overhang of the plate over the body, at each end [m]."""
+"""Of the plate over the body, at each end [m]."""
 
 _ABOVE_BODY = 0.015
-"""Height of the plate above the top of the body [m]."""
+"""From the top of the body to that of the plate [m]."""
 
 _SHARE = 0.9
-"""Fraction of its room that a disc takes: the rest keeps discs and edges apart."""
+"""Of the room for it that a disc takes: the rest keeps discs and edges apart."""
 
 
 def check_color(name: str, color: Color) -> None:
@@ -44,15 +44,15 @@ class RobotMarker:
     """
 
     length: float = 0.50
-    """Length of the plate, along base_link's x axis [m]."""
+    """Of the plate, along base_link's x axis [m]."""
     width: float = 0.26
-    """Width of the plate [m]."""
+    """Of the plate [m]."""
     height: float = 0.10
-    """Height of the discs above base_link [m]."""
+    """Of the discs above base_link [m]."""
     disc_radius: float = 0.112
-    """Radius of the discs [m]."""
+    """[m]"""
     disc_distance: float = 0.25
-    """Distance between the centers of the discs; base_link is below the middle [m]."""
+    """Between the centers of the discs; base_link is below the middle [m]."""
     front_color: Color = (30, 80, 230)
     rear_color: Color = (250, 210, 0)
     plate_color: Color = (250, 250, 250)
@@ -111,13 +111,13 @@ class GoalMarker:
     """
 
     radius: float = 0.15
-    """Radius of the disc whose center is the goal [m]."""
+    """Of the disc whose center is the goal [m]."""
     heading_radius: float = 0.10
-    """Radius of the disc that shows the heading [m]."""
+    """Of the disc that shows the heading [m]."""
     heading_distance: float = 0.30
-    """Distance from the goal to the center of the disc that shows the heading [m]."""
+    """From the goal to the center of the disc that shows the heading [m]."""
     height: float = 0.005
-    """Height of both above the floor [m]."""
+    """Of both above the floor [m]."""
     color: Color = (20, 170, 60)
     heading_color: Color = (215, 40, 200)
 

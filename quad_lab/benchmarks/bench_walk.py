@@ -26,7 +26,7 @@ from quad_lab.topic_walk.walk_record import WalkRecord, WalkResult
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.planner import Planner
 from quad_planner.planner_setup import planner_for
-from quad_sim.simulation import make_simulator
+from quad_sim.engines.registry import make_simulator
 
 PAIRS = 30
 QUICK_PAIRS = 4

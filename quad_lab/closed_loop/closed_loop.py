@@ -23,8 +23,9 @@ from quad_gait.state.sensor_inputs import JointReadings
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.loop_record import Record
+from quad_sim.engines.registry import make_simulator
 from quad_sim.engines.simulator import Observation
-from quad_sim.simulation import Simulation, make_simulator
+from quad_sim.simulation import Simulation
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.world import World
 

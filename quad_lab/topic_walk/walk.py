@@ -22,6 +22,7 @@ from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 from quad_lab.topic_walk.recording import Recording
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
+from quad_sim.engines.registry import AUTO
 
 START_TIMEOUT = 90.0
 """For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
@@ -79,7 +80,7 @@ class WalkOptions:
     gait: str = 'crawl'
     turning: str = 'in_place'
     """How the plan is followed; see gait_node."""
-    backend: str = 'bullet'
+    backend: str = AUTO
     safety_distance: float | None = None
     """The planner's default if None [m]."""
     seed: int = 0

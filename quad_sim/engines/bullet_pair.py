@@ -33,10 +33,10 @@ _FORCE = 2e3
 """The most that a motor or a pin exerts [N or N m]."""
 
 _DAMPING = 0.2
-"""Damping of every joint [N m s]."""
+"""Of every joint [N m s]."""
 
 _RAMP = 0.5
-"""Time that motors take from where they start to what they hold in the end [s]."""
+"""How long motors take from where they start to what they hold in the end [s]."""
 
 _REST = 3e-4
 """Joint speed that counts as rest [rad/s and m/s]."""
@@ -52,11 +52,11 @@ class SettledPair:
     posture: PairPosture
     """As the joints of the simulation say it."""
     foot_error: float
-    """Error of the pins: the larger distance of a foot from its place [m]."""
+    """By how much the pins gave: the larger distance of a foot from its place [m]."""
     speed: float
     """Largest joint speed at the end [rad/s or m/s]."""
     time: float
-    """Simulated time that it took [s]."""
+    """How long it took, in simulated time [s]."""
 
 
 def settle(

@@ -37,7 +37,7 @@ _PLATE = 0.004
 """Thickness of the robot's marker, and how far its discs stand out [m]."""
 
 _SIDES = 48
-"""Number of sides of the prism in place of a cylinder."""
+"""Of the prism in place of a cylinder."""
 
 _LIGHT_FROM = (2.0, -1.0, 4.0)
 """Direction to the light, in the world. The shadows that it would cast are left out."""
@@ -49,7 +49,7 @@ _AMBIENT = 0.6
 _DIFFUSE = (1.0 - _AMBIENT) * float(np.linalg.norm(_LIGHT_FROM)) / _LIGHT_FROM[2]
 
 _SHADES = 8
-"""Number of shades of the floor's color, from the lowest ground to the highest."""
+"""Of the floor's color, from the lowest ground to the highest."""
 
 _DARKEST = 0.7
 """The highest ground, of the floor's color."""
@@ -58,7 +58,7 @@ _FACET = 0.05
 """Side of the squares that uneven ground is drawn with [m]."""
 
 _HALF_PIXEL = 0.5
-"""Offset by which the renderer draws everything too far right and up [pixels]."""
+"""By which the renderer draws everything too far to the right and too far up."""
 
 
 class BulletScene:

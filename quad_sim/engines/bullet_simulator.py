@@ -26,7 +26,7 @@ from quad_sim.engines.bullet_obstacles import BulletObstacles
 from quad_sim.engines.bullet_scene import BulletScene
 from quad_sim.engines.bullet_walls import build_walls
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
-from quad_sim.engines.simulator import TILT_OF_A_FALL, Contact, Observation, tilt_of
+from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation, tilt_of
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import standing_on
 from quad_sim.world.world import OF_WORLD, Obstacle, World
@@ -64,9 +64,6 @@ except ImportError as error:
     ) from error
 
 Array = NDArray[np.float64]
-
-GRAVITY = 9.80665
-"""Acceleration of gravity [m/s^2]."""
 
 _SOLVER_ITERATIONS = 25
 """Half of Bullet's own: a walking body tilts by 0.2 degrees, not 0.1; a step is a third faster."""

@@ -53,7 +53,7 @@ class Observation:
     joint_efforts: Array
     """Torques of the motors about the joints' axes in the last step, shape (12,) [N m]."""
     contacts: tuple[Contact, ...]
-    """Contacts of anything but feet with anything, and of feet with anything but the ground."""
+    """Of anything but feet with anything, and of feet with anything but the ground."""
     has_fallen: bool
     """The body lies on the ground or is tilted beyond recovery."""
 
@@ -67,7 +67,7 @@ class Simulator(Protocol):
     """One robot in one world, stepped with a fixed time step."""
 
     time_step: float
-    """Time of a step [s]."""
+    """[s]"""
     failures: tuple[str, ...]
     """Those of :data:`quad_sim.engines.joint_failure.FAILURES` that it can let happen."""
 
@@ -92,8 +92,8 @@ class Simulator(Protocol):
 
 
 @runtime_checkable
-class VisibleSimulator(Simulator, Protocol):
-    """One that also has a world to look at, in which obstacles come and go."""
+class SolidSimulator(Simulator, Protocol):
+    """One that also has a world to touch, in which obstacles come and go."""
 
     def foot_forces(self) -> Array:
         """Return the normal forces against the feet in the order of ``LEGS``, shape (4,) [N]."""
@@ -108,12 +108,20 @@ class VisibleSimulator(Simulator, Protocol):
     def remove_obstacle(self, name: Hashable) -> None:
         """Take an obstacle away, if it is there."""
 
+
+@runtime_checkable
+class VisibleSimulator(SolidSimulator, Protocol):
+    """One whose world can be looked at."""
+
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it."""
 
     def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
         """Draw a picture; see :class:`quad_sim.world.simulated_camera.Scene`."""
 
+
+GRAVITY = 9.80665
+"""Acceleration of free fall [m/s^2]."""
 
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""

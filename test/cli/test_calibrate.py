@@ -107,7 +107,7 @@ def test_without_physics_static_gaits_are_measured_alike(gait):
 
 
 def test_a_backend_that_is_none_is_refused():
-    with pytest.raises(ParameterError, match=r"'backend' is 'paper'; .* bullet, kinematic"):
+    with pytest.raises(ParameterError, match=r"'backend' is 'paper'; .* bullet, mujoco, kinematic"):
         measure_motion(CUHK, TROT, MOTIONS['forward'], 2, 'paper')
 
 

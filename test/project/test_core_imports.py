@@ -17,9 +17,10 @@ MOST_MODULES = 16
 """In one folder, without ``__init__``."""
 
 SHELLS = {
-    'ros_node', 'run_node', 'map_frame_listener', 'transform_publisher', 'bullet_simulator'
+    'ros_node', 'run_node', 'map_frame_listener', 'transform_publisher', 'bullet_simulator',
+    'mujoco_simulator', 'mujoco_model',
 }  # fmt: skip
-"""Modules whose work it is to talk to ROS or PyBullet, besides those of :data:`_SHELL_NAMES`."""
+"""Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 
 _SHELL_NAMES = ('_node', '_conversions', '_topics')
 
@@ -51,8 +52,9 @@ import importlib, sys
 class Blocker:
     def find_spec(self, name, path=None, target=None):
         top = name.partition('.')[0]
-        if top in {'rclpy', 'pybullet', 'pybullet_utils', 'pybullet_data', 'builtin_interfaces',
-                   'ament_index_python', 'rosidl_parser', 'launch', 'rosbags', 'tf2_ros',
+        if top in {'rclpy', 'mujoco', 'pybullet', 'pybullet_utils', 'pybullet_data',
+                   'builtin_interfaces', 'ament_index_python', 'rosidl_parser', 'launch',
+                   'rosbags', 'tf2_ros',
                    'std_srvs'} or top.endswith('_msgs'):
             raise ImportError(f'{name} is blocked')
 
@@ -176,6 +178,16 @@ def test_pybullet_is_imported_in_one_file_only():
         if any(name.partition('.')[0].startswith('pybullet') for name in imports(path))
     }
     assert users == {'quad_sim/engines/bullet_simulator.py'}
+
+
+def test_mujoco_is_imported_by_its_engine_only():
+    users = {
+        path.relative_to(ROOT).as_posix()
+        for path in SOURCES
+        if any(name.partition('.')[0] == 'mujoco' for name in imports(path))
+    }
+    engine = 'quad_sim/engines/mujoco_'
+    assert users == {f'{engine}simulator.py', f'{engine}model.py'}
 
 
 def test_ros_is_imported_by_shells_only():

@@ -29,6 +29,7 @@ LIBRARIES = {
     'matplotlib': ('python3-matplotlib', 'matplotlib'),
     'numba': ('python3-numba', 'numba'),
     'numpy': ('python3-numpy', 'numpy'),
+    'mujoco': ('python3-mujoco-pip', 'mujoco'),
     'pybullet': ('python3-pybullet-pip', 'pybullet'),
     'pybullet_data': ('python3-pybullet-pip', 'pybullet'),
     'pybullet_utils': ('python3-pybullet-pip', 'pybullet'),

@@ -11,6 +11,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import load_robot
 from quad_common.vision.camera import CameraModel
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
 from quad_sim.simulation import ObstacleChange, Simulation
 from quad_sim.world.simulated_camera import SimulatedCamera
 from quad_sim.world.world import Obstacle, World, occupancy_of, world_from_map
@@ -108,20 +109,17 @@ def test_a_true_map_without_cells_or_with_too_many_is_refused(resolution, bounds
         occupancy_of(World(NO_WALLS), resolution, bounds)
 
 
-@pytest.fixture
-def make():
+@pytest.fixture(params=engines_with('has_world'))
+def make(request):
     """Make physics simulators that are closed after the test."""
-    pytest.importorskip('pybullet')
-    from quad_sim.engines.bullet_simulator import BulletSimulator
-
+    pytest.importorskip(ENGINES[request.param].package)
     made = []
 
-    def make_simulator(*obstacles):
-        world = World(NO_WALLS, obstacles=obstacles)
-        made.append(BulletSimulator(ROBOT, world))
+    def make_one(*obstacles):
+        made.append(make_simulator(request.param, ROBOT, World(NO_WALLS, obstacles=obstacles)))
         return made[-1]
 
-    yield make_simulator
+    yield make_one
     for simulator in made:
         simulator.close()
 

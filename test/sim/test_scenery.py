@@ -40,7 +40,7 @@ def test_no_map_is_an_empty_floor():
 
 def test_a_seed_gives_its_room_its_map_and_a_goal():
     room = random_room(5, None, Pose2D(1.2, 1.2, 0.0))
-    scenery = scenery_from(parameters(room_seed=5), ROBOT)
+    scenery = scenery_from(parameters(room_seed=5, backend='bullet'), ROBOT)
     assert scenery.world.obstacles == room.world.obstacles
     assert (scenery.start, scenery.goal) == (room.start, room.goal)
     assert scenery.grid.bounds() == pytest.approx(room.bounds)
@@ -79,7 +79,7 @@ def test_every_number_of_the_ground_is_a_parameter():
 
 
 def test_a_room_is_level_around_its_goal_too():
-    scenery = scenery_from(parameters(terrain='boxes', room_seed=5), ROBOT)
+    scenery = scenery_from(parameters(terrain='boxes', room_seed=5, backend='bullet'), ROBOT)
     for pose in (scenery.start, scenery.goal):
         heights = scenery.height_map.highest_within([pose.x, pose.y], 0.75)
         assert heights == 0.0

@@ -12,8 +12,9 @@ from quad_common.robot.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.engines.registry import BACKENDS, make_simulator
 from quad_sim.engines.simulator import Contact
-from quad_sim.simulation import BACKENDS, Simulation, make_simulator
+from quad_sim.simulation import Simulation
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -139,7 +140,7 @@ def test_bullet_is_made_by_name():
 
 
 def test_an_unknown_backend_is_answered_with_those_that_there_are():
-    with pytest.raises(ParameterError, match="'backend' is 'gazebo'; it must be one of bullet, k"):
+    with pytest.raises(ParameterError, match="'backend' is 'gazebo'; it must be one of auto, b"):
         make_simulator('gazebo', ROBOT, None)
 
 

@@ -6,7 +6,8 @@ import pytest
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import available_robots, load_robot
 from quad_gait.state.foot_forces import foot_forces, weight_torques
-from quad_sim.simulation import Simulation, make_simulator
+from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
+from quad_sim.simulation import Simulation
 
 UP = np.array([0.0, 0.0, 1.0])
 GRAVITY = 9.80665
@@ -51,9 +52,11 @@ def test_a_stretched_leg_tells_nothing_and_the_others_do():
 
 
 @pytest.mark.parametrize('name', ['titan_viii', 'genibo'])
-def test_a_standing_robot_feels_its_weight(name):
+@pytest.mark.parametrize('backend', engines_with('has_world'))
+def test_a_standing_robot_feels_its_weight(name, backend):
+    pytest.importorskip(ENGINES[backend].package)
     robot = load_robot(name)
-    simulation = Simulation(make_simulator('bullet', robot, None), robot, Pose2D(0.0, 0.0, 0.0))
+    simulation = Simulation(make_simulator(backend, robot, None), robot, Pose2D(0.0, 0.0, 0.0))
     try:
         for _ in range(400):
             simulation.step()

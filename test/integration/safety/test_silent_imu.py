@@ -18,6 +18,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import load_robot
 from quad_common.ros.pose_conversions import time_from_seconds
 from quad_gait.gait_node import GaitNode
+from quad_sim.engines.registry import make_simulator
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
@@ -25,7 +26,7 @@ from quad_sim.ros_conversions import (
     odometry_message,
     trajectory_from_message,
 )
-from quad_sim.simulation import Simulation, make_simulator
+from quad_sim.simulation import Simulation
 
 pytestmark = pytest.mark.ros
 

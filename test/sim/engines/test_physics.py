@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 
-pytest.importorskip('pybullet')
-
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
@@ -21,8 +19,8 @@ from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
-from quad_sim.engines.bullet_simulator import GRAVITY, BulletSimulator
-from quad_sim.engines.simulator import Contact, tilt_of
+from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
+from quad_sim.engines.simulator import GRAVITY, Contact, tilt_of
 from quad_sim.simulation import Simulation
 from quad_sim.world.world import world_from_map
 
@@ -42,16 +40,18 @@ FIELDS = (
 )
 
 
-@pytest.fixture
-def make():
+@pytest.fixture(params=engines_with('has_world'))
+def make(request):
     """Make simulators that are closed after the test."""
+    pytest.importorskip(ENGINES[request.param].package)
     made = []
 
-    def make_simulator(grid=None, friction=0.8, **options):
-        made.append(BulletSimulator(ROBOT, world_from_map(grid, friction=friction), **options))
+    def make_one(grid=None, friction=0.8, **options):
+        world = world_from_map(grid, friction=friction)
+        made.append(make_simulator(request.param, ROBOT, world, **options))
         return made[-1]
 
-    yield make_simulator
+    yield make_one
     for simulator in made:
         simulator.close()
 

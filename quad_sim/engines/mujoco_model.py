@@ -1,0 +1,231 @@
+"""
+The model that MuJoCo simulates: the robot, the ground, walls and obstacles.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_common.robot.urdf import urdf_from_robot
+from quad_sim.engines.simulator import GRAVITY
+from quad_sim.world.terrain import Terrain
+from quad_sim.world.world import OF_WORLD, Obstacle, World
+
+Array = NDArray[np.float64]
+
+GROUND, OBSTACLE = 'ground', 'obstacle'
+"""What the names of geometries that stand fast begin with."""
+
+_AROUND = 100.0
+"""Width of the level ground around a height field [m]."""
+
+_DEEP = 1.0
+"""Depth to which the ground around a field, and blocks, reach down [m]."""
+
+_CONTACT_TIME = 2.0
+"""Time constant of contacts, in time steps: less is not stable."""
+
+_CONTACT_IMPEDANCE = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""Nearly rigid, with the millimetre of softness in which MuJoCo's solver converges."""
+
+_MOTOR_IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""Of the motors: the stiffer they are, the less a trotting body tilts."""
+
+_ITERATIONS, _LINE_SEARCHES = 100, 50
+"""Most of the solver's; with a fifth of them it may end in NaN after an impact."""
+
+_NO_SLIP_ITERATIONS = 10
+"""Without them a robot that stands on a slope of 0.15 rad creeps down by 4 mm/s; with 6 by 0.1,
+with 10 by 0.006."""
+
+
+class MujocoModel:
+    """
+    A robot and its world as a specification that can be compiled, and compiled again.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot; its motors are joints with dry friction, see `MujocoSimulator`.
+    world : World
+        Ground, walls and obstacles.
+    time_step : float
+        Fixed step [s].
+    """
+
+    def __init__(self, robot: Robot, world: World, time_step: float) -> None:
+        self._world = world
+        self._time_step = time_step
+        self._heights: Array | None = None
+        self._count: Counter[str] = Counter()
+        self._placed: dict[Hashable, tuple[Obstacle, Any]] = {}
+        self._spec: Any = mujoco.MjSpec.from_string(urdf_from_robot(robot))
+        # Feet are bodies of their own, so that contacts can be told apart.
+        self._spec.compiler.fusestatic = False
+        self._spec.body('base_link').add_freejoint()
+        self._set_options()
+        for body in self._spec.bodies:
+            for geom in body.geoms:
+                self._make_solid(geom, 1.0)
+        self._set_motors(robot)
+        self._lay_ground()
+        for outline in world.boxes:
+            self._add_wall(outline)
+        for index, obstacle in enumerate(world.obstacles):
+            self.put_obstacle((OF_WORLD, index), obstacle)
+
+    @property
+    def obstacles(self) -> dict[Hashable, Obstacle]:
+        """Those that stand there now, besides the walls."""
+        return {name: obstacle for name, (obstacle, _) in self._placed.items()}
+
+    def compile(self) -> tuple[Any, Any]:
+        """Return MuJoCo's model and data."""
+        model = self._spec.compile()
+        self._set_heights(model)
+        return model, mujoco.MjData(model)
+
+    def compile_again(self, model: Any, data: Any) -> tuple[Any, Any]:
+        """Return model and data after a change; the robot's state is kept."""
+        model, data = self._spec.recompile(model, data)
+        self._set_heights(model)
+        return model, data
+
+    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
+        """Put an obstacle, in the place of the one of that name if there is one."""
+        self.remove_obstacle(name)
+        bottom, top = self._world.span_of(obstacle)
+        half = (top - bottom) / 2.0
+        place = [obstacle.pose.x, obstacle.pose.y, bottom + half]
+        if obstacle.kind == 'box':
+            size = [obstacle.length / 2.0, obstacle.width / 2.0, half]
+            geom = self._add_box(OBSTACLE, size, place, obstacle.pose.yaw)
+        else:
+            geom = self._add(OBSTACLE, mujoco.mjtGeom.mjGEOM_CYLINDER, place)
+            geom.size = [obstacle.length / 2.0, half, 0.0]
+        self._placed[name] = obstacle, geom
+
+    def remove_obstacle(self, name: Hashable) -> None:
+        """Take an obstacle away, if it is there."""
+        if name in self._placed:
+            self._spec.delete(self._placed.pop(name)[1])
+
+    def _set_options(self) -> None:
+        option = self._spec.option
+        option.timestep = self._time_step
+        option.gravity = [0.0, 0.0, -GRAVITY]
+        option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        # Of all combinations that were tried only this one suits every robot's trot: elliptic cones
+        # and stiffer friction let the small robots rock by up to 2.9 degrees.
+        option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+        option.impratio = 1.0
+        option.noslip_iterations = _NO_SLIP_ITERATIONS
+        option.iterations, option.ls_iterations = _ITERATIONS, _LINE_SEARCHES
+
+    def _set_motors(self, robot: Robot) -> None:
+        for name, effort in zip(robot.joint_names, robot.effort.reshape(-1)):
+            joint = self._spec.joint(name)
+            # The command's limits are the gate's business; here a joint turns as it is driven.
+            joint.limited = False
+            joint.actfrclimited = False
+            joint.frictionloss = effort
+            joint.solref_friction = [_CONTACT_TIME * self._time_step, 1.0]
+            joint.solimp_friction = list(_MOTOR_IMPEDANCE)
+
+    def _lay_ground(self) -> None:
+        terrain = self._world.terrain
+        if terrain is None or terrain.is_level:
+            self._add(GROUND, mujoco.mjtGeom.mjGEOM_PLANE, [0.0, 0.0, 0.0]).size = [0.0, 0.0, 1.0]
+        else:
+            self._add_field(terrain)
+            self._add_surroundings(terrain)
+        if terrain is not None:
+            bottom = terrain.lowest - _DEEP
+            for block in terrain.blocks:
+                half = [block.length / 2.0, block.width / 2.0, (block.top - bottom) / 2.0]
+                place = [block.pose.x, block.pose.y, block.top - half[2]]
+                self._add_box(GROUND, half, place, block.pose.yaw)
+
+    def _add_field(self, terrain: Terrain) -> None:
+        """Add the height field, with one more cell each way so that it reaches its border."""
+        field = terrain.field
+        heights: Array = np.pad(field.heights, 1, mode='edge')
+        rows, columns = heights.shape
+        low, high = float(heights.min()), float(heights.max())
+        half = [(columns - 1) * field.resolution / 2.0, (rows - 1) * field.resolution / 2.0]
+        shape = self._spec.add_hfield(
+            name=GROUND, nrow=rows, ncol=columns, size=[*half, high - low, _DEEP]
+        )
+        shape.userdata = heights.ravel()
+        self._heights = ((heights - low) / (high - low)).ravel()
+        x_min, y_min, x_max, y_max = field.bounds
+        place = [(x_min + x_max) / 2.0, (y_min + y_max) / 2.0, low]
+        self._add(GROUND, mujoco.mjtGeom.mjGEOM_HFIELD, place).hfieldname = GROUND
+
+    def _add_surroundings(self, terrain: Terrain) -> None:
+        """Add four boxes around the field with their tops at z = 0."""
+        x_min, y_min, x_max, y_max = terrain.field.bounds
+        west, south, east, north = (
+            x_min - _AROUND,
+            y_min - _AROUND,
+            x_max + _AROUND,
+            y_max + _AROUND,
+        )
+        depth = _DEEP - terrain.lowest
+        for x0, y0, x1, y1 in (
+            (west, south, x_min, north),
+            (x_max, south, east, north),
+            (x_min, south, x_max, y_min),
+            (x_min, y_max, x_max, north),
+        ):
+            half = [(x1 - x0) / 2.0, (y1 - y0) / 2.0, depth / 2.0]
+            self._add_box(GROUND, half, [(x0 + x1) / 2.0, (y0 + y1) / 2.0, -depth / 2.0], 0.0)
+
+    def _add_wall(self, outline: Array) -> None:
+        bottom, top = self._world.span_of_wall(outline)
+        along, across = outline[1] - outline[0], outline[3] - outline[0]
+        half = [float(np.hypot(*along)) / 2.0, float(np.hypot(*across)) / 2.0, (top - bottom) / 2.0]
+        x, y = outline.mean(axis=0).tolist()
+        yaw = float(np.arctan2(along[1], along[0]))
+        self._add_box(OBSTACLE, half, [x, y, (top + bottom) / 2.0], yaw)
+
+    def _add_box(self, kind: str, half: list[float], place: list[float], yaw: float) -> Any:
+        geom = self._add(kind, mujoco.mjtGeom.mjGEOM_BOX, place)
+        geom.size = half
+        geom.quat = quaternion_of_yaw(yaw)
+        return geom
+
+    def _add(self, kind: str, shape: Any, place: list[float]) -> Any:
+        """Add a geometry that stands fast."""
+        self._count[kind] += 1
+        geom = self._spec.worldbody.add_geom(
+            name=f'{kind} {self._count[kind]}', type=shape, pos=place
+        )
+        # As in Bullet, where the frictions of two surfaces are multiplied and the robot's is 1.
+        self._make_solid(geom, self._world.friction if kind == GROUND else 0.5)
+        geom.priority = 1
+        return geom
+
+    def _make_solid(self, geom: Any, friction: float) -> None:
+        geom.condim = 3
+        geom.friction = [friction, 0.0, 0.0]
+        geom.solref = [_CONTACT_TIME * self._time_step, 1.0]
+        geom.solimp = list(_CONTACT_IMPEDANCE)
+
+    def _set_heights(self, model: Any) -> None:
+        """Put the heights back that the compiler stretches from 0 to 1 by itself."""
+        if self._heights is not None:
+            model.hfield_data[:] = self._heights
+
+
+def quaternion_of_yaw(yaw: float) -> list[float]:
+    """Return the quaternion wxyz of a heading [rad]."""
+    return [float(np.cos(yaw / 2.0)), 0.0, 0.0, float(np.sin(yaw / 2.0))]
