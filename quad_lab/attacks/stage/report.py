@@ -25,8 +25,10 @@ class Report:
     """Nodes that ended, with what was sent to them last."""
     slow: list[str] = field(default_factory=list)
     """Reactions slower than two seconds."""
+    first_growth: dict[str, float] = field(default_factory=dict)
+    """Growth of each node's memory in the first half of the attack, as a fraction."""
     memory_growth: dict[str, float] = field(default_factory=dict)
-    """Of each node, as a fraction."""
+    """Growth of each node's memory in the second half, as a fraction."""
     has_reached_goal: bool = False
     """Whether the next good goal was reached without a restart."""
     problem: str = ''
@@ -63,6 +65,7 @@ def bars_of(
     """
     grown = [value for report in reports for value in report.memory_growth.values()]
     largest = max(grown, default=None)
+    first = [value for report in reports for value in report.first_growth.values()]
     reached = sum(report.has_reached_goal for report in reports)
     return [
         figure('messages to each node', min((r.messages for r in reports), default=None), ''),
@@ -70,6 +73,7 @@ def bars_of(
         at_most('tracebacks', len(tracebacks), '', 0),
         at_most('reactions slower than 2 s', sum(len(r.slow) for r in reports), '', 0),
         *violation_bars(counts),
+        figure('largest growth of memory, first half', max(first, default=None), 'fraction'),
         figure('largest growth of memory', largest, 'fraction')
         if quick
         else at_most('largest growth of memory', largest, 'fraction', LARGEST_GROWTH),

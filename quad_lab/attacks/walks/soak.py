@@ -21,7 +21,7 @@ from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 DURATION = 6.0 * 3600.0
 """[s], simulated."""
 
-QUICK_DURATION = 20.0
+QUICK_DURATION = 8.0
 """Likewise."""
 
 _WARM_UP = 600.0
