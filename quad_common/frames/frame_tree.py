@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from quad_common.errors import InvalidTransform
 from quad_common.planar_pose import Pose2D
+from quad_common.rotations import tilt_from_quaternion, yaw_from_quaternion
 
 _FARTHEST = 1e6
 """No frame is farther from its parent [m]."""
@@ -65,8 +66,8 @@ class FrameTransform:
             raise InvalidTransform(
                 self.parent, self.child, f'its quaternion has length {length:.4g}; it must be 1'
             )
-        x, y, z, w = (part / length for part in self.rotation)
-        tilt = math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
+        unit = [part / length for part in self.rotation]
+        tilt = tilt_from_quaternion(unit)
         if tilt > _LARGEST_TILT:
             raise InvalidTransform(
                 self.parent,
@@ -74,8 +75,7 @@ class FrameTransform:
                 f'it is tilted by {math.degrees(tilt):.1f} degrees; '
                 f'{math.degrees(_LARGEST_TILT):.1f} are the most for a frame of the plane',
             )
-        yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-        return Pose2D(self.translation[0], self.translation[1], yaw)
+        return Pose2D(self.translation[0], self.translation[1], yaw_from_quaternion(unit))
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from quad_common.errors.quoting import quoted
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import LONGEST_PLAN, Plan
 from quad_common.planar_pose import Pose2D
+from quad_common.rotations import yaw_from_quaternion
 from quad_common.vision.camera import CameraModel
 
 LARGEST_COORDINATE = 1e6
@@ -134,9 +135,7 @@ def pose_from_message(message: Pose, what: str = 'pose') -> Pose2D:
         rotation.
     """
     x, y, _ = position_from_message(message.position, what)
-    qx, qy, qz, qw = unit_quaternion(message.orientation, what)
-    yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy**2 + qz**2))
-    return Pose2D(x, y, yaw)
+    return Pose2D(x, y, yaw_from_quaternion(unit_quaternion(message.orientation, what)))
 
 
 def checked_name(name: str, what: str) -> str:

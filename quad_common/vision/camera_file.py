@@ -31,6 +31,7 @@ from quad_common.errors import (
 from quad_common.files.bounded_file import user_path, write_text
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
 from quad_common.quantity import number_from
+from quad_common.rotations import matrix_from_quaternion, quaternion_from_matrix
 from quad_common.vision.camera import CameraModel
 
 KEYS = (
@@ -134,59 +135,6 @@ def save_camera(camera: CameraModel, path: str | Path, name: str = 'ceiling_came
         write_text(user_path(path, _WHAT), comment + text, _WHAT)
     except FileUnusable as error:
         raise error.of_kind(CameraFileUnusable) from error
-
-
-def matrix_from_quaternion(quaternion: Array) -> Array:
-    """
-    Convert a rotation.
-
-    Parameters
-    ----------
-    quaternion : ndarray, shape (4,)
-        x, y, z, w; of any length but zero.
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        The same rotation.
-    """
-    x, y, z, w = quaternion / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
-
-
-def quaternion_from_matrix(rotation: Array) -> Array:
-    """
-    Convert a rotation.
-
-    Parameters
-    ----------
-    rotation : ndarray, shape (3, 3)
-        A rotation matrix.
-
-    Returns
-    -------
-    ndarray, shape (4,)
-        x, y, z, w, of length 1, with w >= 0.
-    """
-    ((r00, r01, r02), (r10, r11, r12), (r20, r21, r22)) = rotation
-    # 4 q q^T, of which the longest column is taken: no division by little.
-    products = np.array(
-        [
-            [1.0 + r00 - r11 - r22, r10 + r01, r20 + r02, r21 - r12],
-            [r10 + r01, 1.0 - r00 + r11 - r22, r21 + r12, r02 - r20],
-            [r20 + r02, r21 + r12, 1.0 - r00 - r11 + r22, r10 - r01],
-            [r21 - r12, r02 - r20, r10 - r01, 1.0 + r00 + r11 + r22],
-        ]
-    )
-    column = products[:, int(np.argmax(np.diag(products)))]
-    quaternion: Array = column / np.linalg.norm(column)
-    return quaternion if quaternion[3] >= 0.0 else -quaternion
 
 
 def _camera(document: Mapping[str, Any], needs_pose: bool) -> CameraModel:

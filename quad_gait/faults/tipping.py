@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
+from quad_common.rotations import matrix_from_angles
 from quad_gait.cycle.stability import stability_margin
-from quad_gait.state.body_placement import rotation_of
 from quad_gait.state.stance import Stance
 
 Array = NDArray[np.float64]
@@ -75,4 +75,4 @@ def tilt_of_body(now: Stance) -> float:
 def level_axes(up: Array) -> Array:
     """Return the rotation from the body's axes to level ones with the body's heading."""
     roll, pitch = np.arctan2(up[1], up[2]), -np.arcsin(np.clip(up[0], -1.0, 1.0))
-    return rotation_of(np.array([roll, pitch, 0.0]))
+    return matrix_from_angles(np.array([roll, pitch, 0.0]))

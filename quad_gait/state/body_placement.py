@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import wrap_angle
 from quad_common.robot.robot import Robot
+from quad_common.rotations import matrix_from_angles
 
 Array = NDArray[np.float64]
 
@@ -31,56 +32,12 @@ class BodyPose:
     @property
     def rotation(self) -> Array:
         """From the body's axes to the frame's, shape (3, 3)."""
-        return rotation_of(np.array([self.roll, self.pitch, self.yaw]))
+        return matrix_from_angles(np.array([self.roll, self.pitch, self.yaw]))
 
     def transform(self, points: Array) -> Array:
         """Bring points (..., 3) from the body's frame into this one [m]."""
         moved: Array = self.position + points @ self.rotation.T
         return moved
-
-
-def rotation_of(angles: Array) -> Array:
-    """
-    Turn roll, pitch and yaw into rotations Rz Ry Rx.
-
-    Parameters
-    ----------
-    angles : ndarray, shape (..., 3)
-        [rad]
-
-    Returns
-    -------
-    ndarray, shape (..., 3, 3)
-        From the body's axes to the frame's.
-    """
-    (cr, cp, cy), (sr, sp, sy) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
-    rows = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def angles_of(orientation: Array) -> tuple[float, float, float]:
-    """
-    Return roll, pitch and yaw of an orientation.
-
-    Parameters
-    ----------
-    orientation : ndarray, shape (4,)
-        Unit quaternion xyzw.
-
-    Returns
-    -------
-    tuple of float
-        [rad]
-    """
-    x, y, z, w = (float(value) for value in orientation)
-    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return float(roll), float(pitch), float(yaw)
 
 
 def heading_over(robot: Robot, feet: Array) -> float:
@@ -129,7 +86,7 @@ def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float)
     ahead = np.cos(yaw) * slope[0] + np.sin(yaw) * slope[1]
     aside = np.cos(yaw) * slope[1] - np.sin(yaw) * slope[0]
     roll, pitch = share * float(np.arctan(aside)), -share * float(np.arctan(ahead))
-    rotation = rotation_of(np.array([roll, pitch, yaw]))
+    rotation = matrix_from_angles(np.array([roll, pitch, yaw]))
     position = (feet - robot.neutral_feet @ rotation.T).mean(axis=0)
     return BodyPose(position, roll, pitch, wrap_angle(yaw))
 

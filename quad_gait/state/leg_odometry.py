@@ -18,6 +18,7 @@ from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
+from quad_common.rotations import matrix_from_unit_quaternion
 
 Array = NDArray[np.float64]
 
@@ -320,15 +321,8 @@ def _tilt_and_heading(quaternion: Array) -> tuple[Array, float]:
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     # Turned back by its yaw, which is the first of the three rotations.
     c, s = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
-    x, y, z, w = c * x + s * y, c * y - s * x, c * z - s * w, c * w + s * z
-    tilt = np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
-    return tilt, yaw
+    turned_back = (c * x + s * y, c * y - s * x, c * z - s * w, c * w + s * z)
+    return matrix_from_unit_quaternion(turned_back), yaw
 
 
 def _turned(points: Array, angle: float) -> Array:

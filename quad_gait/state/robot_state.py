@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
+from quad_common.rotations import angles_from_quaternion, matrix_from_angles
 from quad_gait.cycle.stability import stability_margin, support_polygon
-from quad_gait.state.body_placement import angles_of, rotation_of
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.rest_check import RestCheck
 from quad_gait.state.stance import Stance
@@ -88,8 +88,8 @@ class RobotState(Measurement):
         feet = self.robot.foot_positions(self.joints)
         center = self.robot.center_of_mass(self.joints)
         if self.orientation is not None:
-            roll, pitch, _ = angles_of(self.orientation)
-            rotation = rotation_of(np.array([roll, pitch, 0.0]))
+            roll, pitch, _ = angles_from_quaternion(self.orientation)
+            rotation = matrix_from_angles(np.array([roll, pitch, 0.0]))
             feet, center = feet @ rotation.T, center @ rotation.T
         return feet[:, :2], center[:2]
 

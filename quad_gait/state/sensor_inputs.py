@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
+from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.series_check import SeriesCheck, Taken
@@ -221,7 +222,9 @@ class SensorInputs:
         return Measurement(
             time=time,
             pose=pose,
-            tilt=max(tilt_of(orientation), 0.0 if imu is None else tilt_of(imu)),
+            tilt=max(
+                tilt_from_quaternion(orientation), 0.0 if imu is None else tilt_from_quaternion(imu)
+            ),
             joint_positions=None if joints is None else joints.positions,
             joint_velocities=None if joints is None else joints.velocities,
             orientation=orientation if imu is None else imu,
@@ -302,12 +305,6 @@ class SensorInputs:
             f'{self._limits.joint_names[joint]} would have turned by {step[joint]:.3f} rad '
             f'in {dt:.3f} s; its largest speed is {self._limits.velocity[joint]:.3g} rad/s'
         )
-
-
-def tilt_of(orientation: Array) -> float:
-    """Return the angle between the body's z axis and the vertical [rad], from a quaternion xyzw."""
-    x, y = float(orientation[0]), float(orientation[1])
-    return math.acos(max(-1.0, min(1.0, 1.0 - 2.0 * (x * x + y * y))))
 
 
 def _attitude_step(before: Array, after: Array, dt: float) -> str:

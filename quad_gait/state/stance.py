@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_gait.state.body_placement import BodyPose, angles_of
+from quad_common.rotations import angles_from_quaternion
+from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.foot_forces import foot_forces
 
 Array = NDArray[np.float64]
@@ -69,7 +70,7 @@ class Stance:
         -------
         Stance
         """
-        roll, pitch, _ = angles_of(orientation)
+        roll, pitch, _ = angles_from_quaternion(orientation)
         body = BodyPose(np.array([pose.x, pose.y, 0.0]), roll, pitch, pose.yaw)
         joints = joint_positions.reshape(4, 3)
 

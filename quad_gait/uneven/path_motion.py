@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
 from quad_common.robot.robot import Robot
+from quad_common.rotations import matrix_from_angles
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.cycle.part_check import check_nearing_parts
-from quad_gait.state.body_placement import BodyPose, rotation_of
+from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.uneven_options import UnevenOptions
@@ -77,7 +78,7 @@ def motion_along(
     position = start.position + progress[:, None] * (end.position - start.position)
     turns = np.array([end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)])
     angles = np.array([start.roll, start.pitch, start.yaw]) + progress[:, None] * turns
-    arms = np.einsum('nji,nkj->nki', rotation_of(angles), feet - position[:, None])
+    arms = np.einsum('nji,nkj->nki', matrix_from_angles(angles), feet - position[:, None])
     needed = len(times) if paths.sure is None else min(paths.sure, len(times))
     joints = robot.joint_angles(arms[:needed])
     while needed < len(times):

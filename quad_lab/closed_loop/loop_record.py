@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
+from quad_common.rotations import matrix_from_unit_quaternion, tilt_from_quaternion
 from quad_gait.cycle.stability import stability_margin
-from quad_sim.engines.simulator import Observation, tilt_of
+from quad_sim.engines.simulator import Observation
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -72,12 +73,12 @@ class Record:
             Which feet are to be in stance.
         """
         joints = seen.joint_positions.reshape(4, 3)
-        rotation = _matrix(seen.orientation)
+        rotation = matrix_from_unit_quaternion(seen.orientation)
         feet = robot.foot_positions(joints) @ rotation.T + seen.position
         center = robot.center_of_mass(joints) @ rotation.T + seen.position
         self.times.append(seen.time)
         self.poses.append(seen.pose)
-        self.tilts.append(tilt_of(seen.orientation))
+        self.tilts.append(tilt_from_quaternion(seen.orientation))
         self.margins.append(float(stability_margin(center[:2], feet[:, :2], in_contact)))
         slip = 0.0
         if self.feet is not None:
@@ -91,15 +92,3 @@ class Record:
         self.power.append(float(np.maximum(power, 0.0).sum()))
         self.joints.append(seen.joint_positions)
         self.has_fallen = self.has_fallen or seen.has_fallen
-
-
-def _matrix(orientation: Array) -> Array:
-    """Rotation matrix of a unit quaternion xyzw."""
-    x, y, z, w = orientation
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -19,14 +19,14 @@ from quad_common.errors import MissingOptionalDependency, ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
-from quad_common.vision.camera_file import quaternion_from_matrix
+from quad_common.rotations import quaternion_from_matrix, tilt_from_quaternion
 from quad_sim.engines.bullet_body import load_body
 from quad_sim.engines.bullet_ground import lay_ground
 from quad_sim.engines.bullet_obstacles import BulletObstacles
 from quad_sim.engines.bullet_scene import BulletScene
 from quad_sim.engines.bullet_walls import build_walls
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
-from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation, tilt_of
+from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import standing_on
 from quad_sim.world.world import OF_WORLD, Obstacle, World
@@ -224,7 +224,7 @@ class BulletSimulator:
         efforts = np.array([state[3] for state in states])
         # What Bullet's motor gives there is the gear's friction.
         efforts[self._free] = 0.0
-        tilted = tilt_of(np.array(orientation)) > TILT_OF_A_FALL
+        tilted = tilt_from_quaternion(np.array(orientation)) > TILT_OF_A_FALL
         return Observation(
             time=self.time,
             position=center - to_center,

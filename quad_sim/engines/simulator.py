@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
+from quad_common.rotations import yaw_from_quaternion
 from quad_sim.world.world import Obstacle
 
 Array = NDArray[np.float64]
@@ -60,7 +61,9 @@ class Observation:
     @property
     def pose(self) -> Pose2D:
         """Position and heading in the plane."""
-        return Pose2D(float(self.position[0]), float(self.position[1]), yaw_of(self.orientation))
+        return Pose2D(
+            float(self.position[0]), float(self.position[1]), yaw_from_quaternion(self.orientation)
+        )
 
 
 class Simulator(Protocol):
@@ -125,39 +128,3 @@ GRAVITY = 9.80665
 
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""
-
-
-def yaw_of(orientation: Array) -> float:
-    """
-    Heading of an orientation.
-
-    Parameters
-    ----------
-    orientation : ndarray, shape (4,)
-        Unit quaternion xyzw.
-
-    Returns
-    -------
-    float
-        Yaw [rad].
-    """
-    x, y, z, w = orientation
-    return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
-
-
-def tilt_of(orientation: Array) -> float:
-    """
-    Angle between the body's z axis and the vertical.
-
-    Parameters
-    ----------
-    orientation : ndarray, shape (4,)
-        Unit quaternion xyzw.
-
-    Returns
-    -------
-    float
-        Tilt, from 0 to pi [rad].
-    """
-    x, y, _, _ = orientation
-    return float(np.arccos(np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0)))

@@ -34,13 +34,13 @@ from quad_common.ros.pose_conversions import (
     pose_from_message,
     pose_message,
 )
+from quad_common.rotations import tilt_from_quaternion
 from quad_common.vision.camera import CameraModel
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.ros_conversions import joints_from_message, trajectory_message
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
-from quad_sim.engines.simulator import tilt_of
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
@@ -96,7 +96,7 @@ def test_without_noise_odometry_is_the_truth():
     assert message.pose.pose.position.z == pytest.approx(ROBOT.standing_height)
     assert (message.header.frame_id, message.child_frame_id) == ('odom', 'base_link')
     assert message.header.stamp == STAMP
-    assert tilt_of(orientation_from_odometry(message)) == pytest.approx(0.0, abs=1e-7)
+    assert tilt_from_quaternion(orientation_from_odometry(message)) == pytest.approx(0.0, abs=1e-7)
 
 
 @pytest.mark.parametrize('tilted', [False, True])

@@ -7,13 +7,9 @@ import pytest
 import yaml
 
 from quad_common.errors import CameraError
+from quad_common.rotations import matrix_from_quaternion, quaternion_from_matrix
 from quad_common.vision.camera import CameraModel
-from quad_common.vision.camera_file import (
-    load_camera,
-    matrix_from_quaternion,
-    quaternion_from_matrix,
-    save_camera,
-)
+from quad_common.vision.camera_file import load_camera, save_camera
 
 CAMERA = CameraModel.looking_down(
     (1.0, 2.0, 6.0), 0.7, 1.3, (640, 480), (-0.1, 0.02, 0.001, -0.002, 0.0)

@@ -11,6 +11,7 @@ from told_supervisor import ToldSupervisor
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline, wrap_angle
 from quad_common.robot.robot_file import load_robot
+from quad_common.rotations import tilt_from_quaternion
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
@@ -22,7 +23,6 @@ from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import NO_SLIP, Calibration, SlipCompensation
 from quad_gait.state.measurement import Measurement
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
-from quad_sim.engines.simulator import tilt_of
 from quad_sim.simulation import Simulation
 
 ROBOT = load_robot('titan_viii')
@@ -54,7 +54,7 @@ def standing(time, pose=ORIGIN, **changes):
 
 def measured(simulation):
     seen = simulation.observe()
-    tilt = tilt_of(seen.orientation)
+    tilt = tilt_from_quaternion(seen.orientation)
     return Measurement(seen.time, seen.pose, tilt, seen.joint_positions, seen.joint_velocities)
 
 

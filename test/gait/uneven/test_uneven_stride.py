@@ -12,6 +12,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_build import LEGS
 from quad_common.robot.robot_file import load_robot
+from quad_common.rotations import tilt_from_quaternion
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
@@ -24,7 +25,6 @@ from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
-from quad_sim.engines.simulator import tilt_of
 from quad_sim.simulation import Simulation
 from quad_sim.world.terrain import Block, Terrain
 from quad_sim.world.world import world_from_map
@@ -274,7 +274,7 @@ def test_the_measured_margin_counts_the_tilt():
     judge = StateEstimator(TITAN).judge
     margins = [judge(now).stability_margin(standing) for now in (level, tilted)]
     assert margins[0] > margins[1] + 0.02
-    assert tilt_of(tilted.orientation) == pytest.approx(2.0 * half)
+    assert tilt_from_quaternion(tilted.orientation) == pytest.approx(2.0 * half)
     polygon = judge(level).support_polygon(standing)
     assert polygon == pytest.approx(TITAN.neutral_feet[[0, 2, 3, 1], :2], abs=1e-9)
 

@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import orientation_from_odometry
-from quad_sim.engines.simulator import tilt_of
+from quad_common.rotations import tilt_from_quaternion
 
 pytestmark = pytest.mark.ros
 
@@ -47,7 +47,7 @@ def test_it_climbs_a_kerb_with_its_body_level(bench: Bench, sees: bool):
     bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL, simulated_timeout=120.0)
     assert bench.odometry.pose.pose.position.z == pytest.approx(lowest + 0.04, abs=0.01)
-    tilts = [tilt_of(orientation_from_odometry(message)) for message in heard]
+    tilts = [tilt_from_quaternion(orientation_from_odometry(message)) for message in heard]
     assert max(tilts) < math.radians(6.0)
 
 

@@ -8,11 +8,11 @@ import pytest
 
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot_file import load_robot
+from quad_common.rotations import tilt_from_quaternion, yaw_from_quaternion
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import CycleOptions, generate_cycle
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
-from quad_sim.engines.simulator import tilt_of, yaw_of
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -69,7 +69,7 @@ def test_the_body_keeps_its_height_and_stays_level(motion):
     simulator, cycle, feet = run(motion)
     seen = simulator.observe()
     assert seen.position[2] == pytest.approx(ROBOT.standing_height, abs=1e-9)
-    assert tilt_of(seen.orientation) == 0.0
+    assert tilt_from_quaternion(seen.orientation) == 0.0
     assert feet[..., 2].min() == pytest.approx(ROBOT.foot_radius, abs=1e-9)
     assert feet[..., 2][cycle.in_contact] == pytest.approx(ROBOT.foot_radius, abs=1e-9)
     assert (seen.contacts, seen.has_fallen) == ((), False)
@@ -145,5 +145,5 @@ def test_yaw_of_a_quaternion_is_its_heading_and_tilt_the_angle_of_its_z_axis(yaw
                 math.cos(half_y) * math.cos(half_t),
             ]
         )
-        assert yaw_of(quaternion) == pytest.approx(yaw)
-        assert tilt_of(quaternion) == pytest.approx(tilt, abs=1e-7)
+        assert yaw_from_quaternion(quaternion) == pytest.approx(yaw)
+        assert tilt_from_quaternion(quaternion) == pytest.approx(tilt, abs=1e-7)

@@ -10,6 +10,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot.robot_build import LEGS
 from quad_common.robot.robot_file import load_robot
+from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
@@ -20,7 +21,7 @@ from quad_gait.state.measurement import Measurement
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
-from quad_sim.engines.simulator import GRAVITY, Contact, tilt_of
+from quad_sim.engines.simulator import GRAVITY, Contact
 from quad_sim.simulation import Simulation
 from quad_sim.world.world import world_from_map
 
@@ -142,7 +143,7 @@ def test_a_standing_robot_stays_where_it_is_and_level(make):
     assert seen.pose.distance_to(start) < 2e-3
     assert seen.position[2] == pytest.approx(ROBOT.standing_height, abs=2e-3)
     assert seen.pose.yaw == pytest.approx(0.7, abs=2e-3)
-    assert tilt_of(seen.orientation) < 1e-3
+    assert tilt_from_quaternion(seen.orientation) < 1e-3
     assert seen.joint_positions == pytest.approx(POSTURE, abs=2e-3)
     assert (seen.contacts, seen.has_fallen) == ((), False)
 
@@ -231,7 +232,7 @@ def test_the_velocity_of_the_base_is_the_derivative_of_its_position(make):
     c, s = math.cos(yaw), math.sin(yaw)
     level = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ rate
     # The body is almost level: what tilt there is accounts for the difference.
-    tolerance = 1e-3 + 2.0 * tilt_of(seen.orientation) * np.linalg.norm(rate)
+    tolerance = 1e-3 + 2.0 * tilt_from_quaternion(seen.orientation) * np.linalg.norm(rate)
     assert seen.linear_velocity_base_in_base == pytest.approx(level, abs=tolerance)
 
 
@@ -242,7 +243,7 @@ def test_a_robot_that_is_pushed_over_has_fallen(make):
     joints[[1, 3]] = [0.0, -1.4, 0.5]
     seen = step(simulator, 3.0, joints.reshape(-1))
     assert seen.has_fallen
-    assert tilt_of(seen.orientation) > math.radians(45.0)
+    assert tilt_from_quaternion(seen.orientation) > math.radians(45.0)
     assert any(contact.other == 'ground' for contact in seen.contacts)
 
 
@@ -309,7 +310,7 @@ def test_a_cycle_advances_about_as_far_as_commanded(make, name, motion):
     assert moved.y == pytest.approx(0.0, abs=0.01)
     assert moved.yaw == pytest.approx(motion.turn, abs=max(0.1 * abs(motion.turn), 0.02))
     assert (simulation.contacts_seen, simulation.has_fallen) == (set(), False)
-    assert tilt_of(last.orientation) < math.radians(1.0)
+    assert tilt_from_quaternion(last.orientation) < math.radians(1.0)
 
 
 def test_a_turn_to_the_right_mirrors_a_turn_to_the_left(make):
@@ -333,7 +334,7 @@ def test_a_short_walk_round_a_corner_arrives(make):
             measurement = Measurement(
                 seen.time,
                 seen.pose,
-                tilt_of(seen.orientation),
+                tilt_from_quaternion(seen.orientation),
                 seen.joint_positions,
                 seen.joint_velocities,
             )
@@ -374,4 +375,4 @@ def test_a_failed_joint_gives_no_torque_or_holds_its_angle_until_a_reset(make, k
         simulator.step(squat, np.zeros(12))
     seen = simulator.observe()
     assert seen.joint_positions == pytest.approx(squat, abs=0.02)
-    assert tilt_of(seen.orientation) < 0.01
+    assert tilt_from_quaternion(seen.orientation) < 0.01
