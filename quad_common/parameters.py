@@ -25,9 +25,13 @@ class Parameter:
     """One parameter of a node."""
 
     name: str
+    """Name of the parameter."""
     default: Value
+    """Value if none is set."""
     description: str
+    """Sentence that says what it does."""
     unit: str = ''
+    """Unit of its value; empty for none."""
     lower: float | None = None
     """Least valid value, inclusive."""
     upper: float | None = None

@@ -31,9 +31,9 @@ class Plan:
     """
 
     poses: tuple[Pose2D, ...]
-    """In the world; pose k faces along segment k, the last has the goal's heading."""
+    """Poses in the world; pose k faces along segment k, the last has the goal's heading."""
     remark: str = field(default='', compare=False)
-    """What is to be said of how it was found; empty if there is nothing."""
+    """Remark on how it was found; empty if there is none."""
 
     @classmethod
     def through(cls, points: ArrayLike, goal_yaw: float) -> Plan:

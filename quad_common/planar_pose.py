@@ -39,9 +39,9 @@ class Pose2D:
     """Position and heading in the plane."""
 
     x: float
-    """[m]"""
+    """Coordinate x [m]."""
     y: float
-    """[m]"""
+    """Coordinate y [m]."""
     yaw: float
     """Heading, counter-clockwise from the x axis [rad]."""
 
@@ -97,11 +97,11 @@ class Twist2D:
     """Velocity of a body in the plane, along its own axes."""
 
     forward: float = 0.0
-    """[m/s]"""
+    """Velocity along the x axis of the body [m/s]."""
     left: float = 0.0
-    """[m/s]"""
+    """Velocity along the y axis of the body [m/s]."""
     turn: float = 0.0
-    """Counter-clockwise [rad/s]."""
+    """Angular velocity, counter-clockwise [rad/s]."""
 
     def __bool__(self) -> bool:
         """Return whether there is any movement."""

@@ -51,7 +51,7 @@ class PairUndetermined(ActivePairError):
     index: Index
     """Index of the first of several postures that fails; None where there is one only."""
     why: str
-    """What coincides, as a clause."""
+    """Points that coincide, as a clause."""
 
     def sentence(self) -> str:
         """Say what coincides."""

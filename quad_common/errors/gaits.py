@@ -42,7 +42,7 @@ class SingularPosture(GaitError):
     leg: str
     """Name of the leg, for example ``lf``."""
     why: str
-    """What is singular, as a clause."""
+    """Reason, as a clause."""
 
     def sentence(self) -> str:
         """Say what is singular."""
@@ -154,9 +154,9 @@ class CannotFollow(GaitError):
     """The gait can do nothing at all of what the path asks for."""
 
     what: str
-    """What the path asks for, as the end of the sentence "the gait cannot ..."."""
+    """Motion that the path asks for, as the end of the sentence "the gait cannot ..."."""
     reason: str
-    """What forbids it."""
+    """Reason."""
 
     def sentence(self) -> str:
         """Say what the gait cannot do, and why."""
@@ -227,7 +227,7 @@ class RobotIsLame(GaitError):
     """A joint does not answer, so that the robot stays as it is."""
 
     fault: str
-    """What is wrong with the joint."""
+    """Fault of the joint."""
 
     def sentence(self) -> str:
         """Say which joint it is."""

@@ -16,7 +16,7 @@ class InvalidMessage(QuadError):
     what: str
     """Name of the message, for example ``joint state``."""
     reason: str
-    """What is wrong with it, as a clause."""
+    """Reason, as a clause."""
 
     def sentence(self) -> str:
         """Say what is wrong with the message."""
@@ -32,7 +32,7 @@ class InvalidTransform(QuadError):
     child: str
     """Name of the frame that it places."""
     reason: str
-    """What is wrong with it, as a clause."""
+    """Reason, as a clause."""
 
     def sentence(self) -> str:
         """Say what is wrong with the transform."""

@@ -211,7 +211,7 @@ class PictureUnusable(PerceptionError):
     """A picture shows nothing."""
 
     reason: str
-    """What is wrong with it, as the end of the sentence "the picture ..."."""
+    """Reason, as the end of the sentence "the picture ..."."""
 
     def sentence(self) -> str:
         """Say what is wrong with the picture."""
@@ -223,7 +223,7 @@ class MarkerNotSeen(PerceptionError):
     """There is nothing of a marker in the picture."""
 
     what: str
-    """What carries the marker, for example ``robot``."""
+    """Carrier of the marker, for example ``robot``."""
     colors: Iterable[str]
     """Names of the ranges of colors that were looked for."""
 
@@ -240,13 +240,13 @@ class MarkerHidden(PerceptionError):
     """A part of a marker is seen, and not enough of it for a pose."""
 
     what: str
-    """What carries the marker."""
+    """Carrier of the marker."""
     color: str
     """Name of the range of colors of the disc that lacks."""
     seen: float
     """Fraction of the disc that is seen, 0 to 1."""
     why: str
-    """What hides it, or that it is not known."""
+    """Reason, as a clause."""
 
     def sentence(self) -> str:
         """Say how much of the disc is seen."""
@@ -261,7 +261,7 @@ class SeveralMarkers(PerceptionError):
     """A marker is seen more than once."""
 
     what: str
-    """What carries the marker."""
+    """Carrier of the marker."""
     places: Sequence[Sequence[float]]
     """Coordinates x and y of each [m]."""
 

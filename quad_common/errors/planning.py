@@ -71,7 +71,7 @@ class InvalidPose(PlannerError):
     what: str
     """Name of the pose, for example ``goal``."""
     reason: str
-    """What is wrong with it, as a clause."""
+    """Reason, as a clause."""
 
     def sentence(self) -> str:
         """Say what is wrong with the pose."""
@@ -190,7 +190,7 @@ class NoPathFound(PlannerError):
     goal: Sequence[float]
     """Coordinates x and y of the goal [m]."""
     why: str
-    """What stands between them, as a clause."""
+    """Reason, as a clause."""
 
     def sentence(self) -> str:
         """Say what is not connected, and why."""
@@ -205,7 +205,7 @@ class DescentStuck(NoPathFound):
     """The descent of a potential came to rest elsewhere than at the goal."""
 
     why: str = field(init=False)
-    """What the descent came to, as a clause."""
+    """Reason, as a clause."""
     place: Sequence[float]
     """Coordinates x and y of the place where it came to rest [m]."""
     kind: str

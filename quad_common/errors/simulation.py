@@ -20,7 +20,7 @@ class NotSimulated(SimulatorError):
     """The simulator's backend leaves out what is asked for."""
 
     what: str
-    """What is asked for, with its article."""
+    """Capability that is asked for, with its article."""
     backends: tuple[str, ...]
     """Backends that have it."""
 

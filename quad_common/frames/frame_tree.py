@@ -83,8 +83,11 @@ class _Edge:
     """What was heard last of a frame."""
 
     parent: str
+    """Name of the frame in which it is given."""
     pose: Pose2D
+    """Pose of the frame in its parent."""
     is_static: bool
+    """Whether it does not move."""
     number: int
     """Count of transforms when it came."""
 

@@ -53,7 +53,9 @@ class HeightMap:
     """
 
     heights: Array
-    """Of the cells' centers, shape (rows, columns), row 0 at the bottom; NaN: unknown [m]."""
+    """
+    Heights of the cells' centers, shape (rows, columns), row 0 at the bottom; NaN: unknown [m].
+    """
     resolution: float
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]

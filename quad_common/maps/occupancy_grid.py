@@ -48,7 +48,9 @@ class OccupancyGrid:
     """
 
     cells: NDArray[np.int8]
-    """Shape (height, width), row 0 at the bottom: 0 (free) to 100 (occupied), -1 unknown."""
+    """
+    Occupancies, shape (height, width), row 0 at the bottom: 0 (free) to 100 (occupied), -1 unknown.
+    """
     resolution: float
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: Pose2D

@@ -44,9 +44,9 @@ class SagittalPose(NamedTuple):
     theta: Array
     """Angle of the body's line; the body's pitch is -theta [rad]."""
     hip_i: Points
-    """[m]"""
+    """Place of the hip of leg i [m]."""
     hip_j: Points
-    """[m]"""
+    """Place of the hip of leg j [m]."""
 
 
 def body_over_feet(
@@ -162,7 +162,7 @@ class FreeJointPose(NamedTuple):
     """Where a pair comes to stand on planted feet when one of its joints gives way."""
 
     posture: PairPosture | None
-    """None if the stance does not close any more."""
+    """Posture; None if the stance does not close any more."""
     why: str
     """Why it does not; empty if it does."""
 

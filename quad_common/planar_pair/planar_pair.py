@@ -44,9 +44,9 @@ class PlanarLeg:
     """The links of a leg."""
 
     upper: float
-    """From hip to knee, b [m]."""
+    """Length from hip to knee, b [m]."""
     lower: float
-    """From knee to foot, a [m]."""
+    """Length from knee to foot, a [m]."""
 
     def __post_init__(self) -> None:
         for name in ('upper', 'lower'):
@@ -71,7 +71,9 @@ class ActivePair:
     """
 
     leg_i: PlanarLeg
+    """Leg i of the pair."""
     leg_j: PlanarLeg
+    """Leg j of the pair."""
     lambda_i: float
     """Place of hip i on the body's line, from the body's origin [m]."""
     lambda_j: float
@@ -132,11 +134,17 @@ class PairPoints(NamedTuple):
     """Where the joints and feet of a pair are, x + j z [m]."""
 
     hip_i: Points
+    """Place of the hip of leg i, x + iz [m]."""
     knee_i: Points
+    """Place of the knee of leg i [m]."""
     foot_i: Points
+    """Place of the foot of leg i [m]."""
     hip_j: Points
+    """Place of the hip of leg j [m]."""
     knee_j: Points
+    """Place of the knee of leg j [m]."""
     foot_j: Points
+    """Place of the foot of leg j [m]."""
 
 
 def posture_of(

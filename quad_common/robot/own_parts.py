@@ -31,6 +31,7 @@ class Approach:
     """Two parts at the sample at which they are nearest to each other."""
 
     pair: PartPair
+    """Parts that come near."""
     clearance: float
     """Distance between their surfaces, negative if they reach into each other [m]."""
     least: float

@@ -40,7 +40,9 @@ class PartPair:
     """Two parts of the robot, by their links' names in the URDF."""
 
     first: str
+    """Name of the first link."""
     second: str
+    """Name of the second link."""
 
     def __str__(self) -> str:
         return f'{self.first} and {self.second}'

@@ -66,7 +66,7 @@ class WalkingTimeModel:
     bend: float = math.radians(12.0)
     """Smaller changes of heading are made while walking, without a turn [rad]."""
     heading_tolerance: float = math.radians(2.0)
-    """The robot is content with the goal's heading when it is this near [rad]."""
+    """Angle within which the robot has the goal's heading [rad]."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""

@@ -51,7 +51,7 @@ class SecuritySettingUnknown(QuadError):
     value: str
     """Value that it has."""
     valid: str
-    """What would be valid, as the end of the sentence "it must be ..."."""
+    """Valid values, as the end of the sentence "it must be ..."."""
 
     def sentence(self) -> str:
         """Say what would be valid."""

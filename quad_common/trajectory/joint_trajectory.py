@@ -42,13 +42,13 @@ class JointTrajectory:
     joint_names: tuple[str, ...]
     """n joints."""
     stamp: float
-    """When it starts [s]; 0 means on arrival."""
+    """Time at which it starts [s]; 0 means on arrival."""
     times: Array
-    """Of the points, from the start, shape (m,) [s]."""
+    """Times of the points, from the start, shape (m,) [s]."""
     positions: Array
-    """Shape (m, n) [rad]."""
+    """Joint angles at the points, shape (m, n) [rad]."""
     velocities: Array
-    """Shape (m, n) [rad/s]."""
+    """Joint speeds at the points, shape (m, n) [rad/s]."""
 
     def __post_init__(self) -> None:
         points, joints = len(self.times), len(self.joint_names)

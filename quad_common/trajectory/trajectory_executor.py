@@ -51,7 +51,7 @@ class _Fading:
     duration: float
     """Time until nothing is left of it [s]."""
     offset: Array
-    """Shape (n,) [rad]."""
+    """Offsets of the joints at its start, shape (n,) [rad]."""
 
     @property
     def end(self) -> float:

@@ -57,15 +57,15 @@ class CameraModel:
     """
 
     width: int
-    """Of the picture [pixels]."""
+    """Width of the picture [pixels]."""
     height: int
-    """Of the picture [pixels]."""
+    """Height of the picture [pixels]."""
     matrix: Array
-    """Shape (3, 3): focal lengths and principal point, K of sensor_msgs/CameraInfo [pixels]."""
+    """Focal lengths and principal point, K of sensor_msgs/CameraInfo, shape (3, 3) [pixels]."""
     rotation: Array
-    """Shape (3, 3): from the camera's frame to the world."""
+    """Rotation from the camera's frame to the world, shape (3, 3)."""
     position: Array
-    """Of the camera in the world, shape (3,) [m]."""
+    """Position of the camera in the world, shape (3,) [m]."""
     distortion: Array
     """k1, k2, p1, p2, k3, shape (5,)."""
 

@@ -44,18 +44,21 @@ class RobotMarker:
     """
 
     length: float = 0.50
-    """Of the plate, along base_link's x axis [m]."""
+    """Length of the plate, along base_link's x axis [m]."""
     width: float = 0.26
-    """Of the plate [m]."""
+    """Width of the plate [m]."""
     height: float = 0.10
-    """Of the discs above base_link [m]."""
+    """Height of the discs above base_link [m]."""
     disc_radius: float = 0.112
-    """[m]"""
+    """Radius of the discs [m]."""
     disc_distance: float = 0.25
-    """Between the centers of the discs; base_link is below the middle [m]."""
+    """Distance between the centers of the discs; base_link is below the middle [m]."""
     front_color: Color = (30, 80, 230)
+    """Color of the disc in front."""
     rear_color: Color = (250, 210, 0)
+    """Color of the disc behind."""
     plate_color: Color = (250, 250, 250)
+    """Color of the plate."""
 
     def __post_init__(self) -> None:
         """Check the colors."""
@@ -111,15 +114,17 @@ class GoalMarker:
     """
 
     radius: float = 0.15
-    """Of the disc whose center is the goal [m]."""
+    """Radius of the disc whose center is the goal [m]."""
     heading_radius: float = 0.10
-    """Of the disc that shows the heading [m]."""
+    """Radius of the disc that shows the heading [m]."""
     heading_distance: float = 0.30
-    """From the goal to the center of the disc that shows the heading [m]."""
+    """Distance from the goal to the center of the disc that shows the heading [m]."""
     height: float = 0.005
-    """Of both above the floor [m]."""
+    """Height of both discs above the floor [m]."""
     color: Color = (20, 170, 60)
+    """Color of the disc at the goal."""
     heading_color: Color = (215, 40, 200)
+    """Color of the disc that shows the heading."""
 
     def __post_init__(self) -> None:
         """Check the colors."""

@@ -28,11 +28,11 @@ class BodyMotion:
     """
 
     forward: float = 0.0
-    """Along the body's own x axis [m]."""
+    """Distance along the body's own x axis [m]."""
     left: float = 0.0
-    """Along the body's own y axis [m]."""
+    """Distance along the body's own y axis [m]."""
     turn: float = 0.0
-    """Counter-clockwise [rad]."""
+    """Angle, counter-clockwise [rad]."""
 
     def pose_at(self, share: Array) -> Array:
         """

@@ -39,7 +39,9 @@ class Cycle:
     """One planned cycle, sampled; n samples, ground frame as in ``body_motion``."""
 
     gait: Gait
+    """Gait of the cycle."""
     motion: BodyMotion
+    """Motion of the body in the cycle."""
     entry: Twist2D
     """Velocity of the body at the start, on average over a cycle at that pace."""
     exit: Twist2D

@@ -55,12 +55,13 @@ class Gait:
     """One cycle of a gait, in which every foot swings once."""
 
     name: str
+    """Name of the gait."""
     cycle_period: float
-    """[s]"""
+    """Duration of a cycle [s]."""
     swings: tuple[Swing, ...]
-    """In order of liftoff."""
+    """Swings in order of liftoff."""
     swing_height: float
-    """How high a foot is lifted [m]."""
+    """Height to which a foot is lifted [m]."""
     body_progress: tuple[tuple[float, float], ...] | None = None
     """Knots (time [s], share of the cycle's body motion), with rests before and after;
     None for a body that moves on steadily from cycle to cycle."""
@@ -69,14 +70,16 @@ class Gait:
     swing_path: str = 'smooth'
     """One of :data:`SWING_PATHS`."""
     support_depth: float = 0.0
-    """How far feet push down in mid-stance, as a share of the swing height; S2's rho."""
+    """Depth by which feet push down in mid-stance, as a fraction of the swing height; S2's rho."""
     sway_start: float = 0.0
-    """When the body begins to move towards the first support triangle [s]."""
+    """Time at which the body begins to move towards the first support triangle [s]."""
     sway_weight: tuple[float, float] = (0.0, 0.0)
     """Share of the way to a support triangle's centroid, forward and left; S4's mu."""
     pendulum_rate: float = 0.0
-    """Of the inverted pendulum that a body on two feet is, sqrt(g / h) [1/s]; set by
-    :meth:`fitted` for gaits that are not static."""
+    """
+    Rate of the inverted pendulum that a body on two feet is, sqrt(g / h) [1/s]; set by
+    :meth:`fitted` for gaits that are not static.
+    """
     is_static: bool = True
     """Whether the robot could stop at any time without falling: three feet always down."""
 

@@ -36,11 +36,11 @@ class MotionReport:
     direction: str
     """A key of :data:`DIRECTIONS`."""
     largest: BodyMotion
-    """Of one cycle."""
+    """Largest motion of one cycle."""
     limit: str
-    """What forbids more."""
+    """Reason why more is not possible."""
     least_margin: float
-    """Of that cycle, static [m]."""
+    """Least static stability margin of that cycle [m]."""
     order: tuple[str, ...]
     """Legs in the order of liftoff."""
     nearest_parts: tuple[str, str]
@@ -48,7 +48,7 @@ class MotionReport:
     clearance: float
     """Distance between them [m]."""
     nearest_at: float
-    """When they are nearest, as a fraction of the cycle."""
+    """Time at which they are nearest, as a fraction of the cycle."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,7 @@ class GaitReport:
     """What a gait does on a robot, and what is wrong with it."""
 
     motions: tuple[MotionReport, ...]
+    """Reports of the motions that were tried."""
     problems: tuple[str, ...]
     """Sentences; empty if nothing is wrong."""
 

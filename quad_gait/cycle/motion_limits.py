@@ -289,9 +289,9 @@ class _Limit:
     """Of motions in one direction."""
 
     size: float
-    """How far the outermost foot may be carried [m]."""
+    """Distance by which the outermost foot may be carried [m]."""
     reason: str
-    """What forbids more."""
+    """Reason why more is not possible."""
 
 
 def _remembered(

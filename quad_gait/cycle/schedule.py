@@ -32,37 +32,37 @@ class Schedule:
     """The curves of a gait, sampled at n times; each rate is a derivative by time."""
 
     times: Array
-    """Shape (n,), evenly spaced from 0 to the cycle period [s]."""
+    """Times, evenly spaced from 0 to the cycle period, shape (n,) [s]."""
     in_contact: NDArray[np.bool_]
-    """Shape (n, 4)."""
+    """Whether a foot is on the ground, shape (n, 4)."""
     progress: Array
     """Share of the body's motion, shape (n,)."""
     progress_rate: Array
-    """Shape (n,) [1/s]."""
+    """Rate of the progress, shape (n,) [1/s]."""
     entry: Array
     """Displacement for a speed that differs from the progress' at the start, (n,) [s]."""
     entry_rate: Array
-    """Shape (n,)."""
+    """Rate of the entry, shape (n,)."""
     exit: Array
     """Displacement for a speed that differs from the progress' at the end, (n,) [s]."""
     exit_rate: Array
-    """Shape (n,)."""
+    """Rate of the exit, shape (n,)."""
     sway: Array
     """Share of each of the body's five sideways moves, shape (n, 5)."""
     sway_rate: Array
-    """Shape (n, 5) [1/s]."""
+    """Rate of the sway, shape (n, 5) [1/s]."""
     body_lift: Array
     """Height of the body above its standing height, shape (n,) [m]."""
     body_lift_rate: Array
-    """Shape (n,) [m/s]."""
+    """Rate of the body lift, shape (n,) [m/s]."""
     step: Array
     """Share of each foot's step, shape (n, 4)."""
     step_rate: Array
-    """Shape (n, 4) [1/s]."""
+    """Rate of the steps, shape (n, 4) [1/s]."""
     lift: Array
     """Height of each foot above the ground, shape (n, 4) [m]."""
     lift_rate: Array
-    """Shape (n, 4) [m/s]."""
+    """Rate of the lift, shape (n, 4) [m/s]."""
     stride: int = 1
     """Every so-many-th sample of the full schedule is here."""
 

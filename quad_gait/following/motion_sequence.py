@@ -25,10 +25,11 @@ class ScheduledCycle:
     """A cycle with its place in time and in the plane."""
 
     cycle: Cycle
+    """Cycle that is given out."""
     start: float
-    """[s]"""
+    """Time at which it starts [s]."""
     pose: Pose2D
-    """Of the body at its start: the cycle's ground frame."""
+    """Pose of the body at its start: the cycle's ground frame."""
 
     @property
     def end(self) -> float:

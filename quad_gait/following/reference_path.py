@@ -25,9 +25,9 @@ class Piece:
     """A straight line, or an arc of a circle."""
 
     start: Pose2D
-    """Where it begins, heading along it."""
+    """Pose at which it begins, heading along it."""
     length: float
-    """[m]"""
+    """Length along it [m]."""
     curvature: float = 0.0
     """1 / radius, positive to the left [1/m]."""
     ends_in_stop: bool = False

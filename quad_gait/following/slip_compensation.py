@@ -50,11 +50,11 @@ class Calibration:
     gait: str
     """Name of the gait."""
     cycle_period: float
-    """[s]"""
+    """Duration of a cycle [s]."""
     wanted: BodyMotion
-    """What one cycle is to do."""
+    """Motion that one cycle is to do."""
     asked: BodyMotion
-    """What must be asked of the gait for it."""
+    """Motion that must be asked of the gait for it."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,7 @@ class SlipCompensation:
     """What is known of a robot's slip."""
 
     calibrations: tuple[Calibration, ...] = ()
+    """Calibrations of the gaits."""
 
     def compensated(self, gait: Gait, motion: BodyMotion) -> BodyMotion:
         """

@@ -22,9 +22,9 @@ class Steered:
     """What steering leads to."""
 
     step: Step | None
-    """None: to stay, or to come to rest."""
+    """Step to do next; None: to stay, or to come to rest."""
     limit: str = ''
-    """What keeps the robot from doing all that was asked for."""
+    """Reason why the robot does not do all that was asked for."""
     reason: str = ''
     """Why it is to stay."""
 

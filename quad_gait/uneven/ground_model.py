@@ -37,8 +37,9 @@ class GroundModel:
     slope: Array
     """Rise of the plane along x and y, shape (2,)."""
     height_map: HeightMap | None = None
+    """Height map of the ground; None if there is none."""
     shift: float = 0.0
-    """What is added to the map's heights [m]."""
+    """Height that is added to the map's heights [m]."""
 
     @classmethod
     def through(cls, points: Array, height_map: HeightMap | None = None) -> GroundModel:
@@ -175,16 +176,18 @@ class FootholdChoice:
     """Where a foot may stand."""
 
     reach: float
-    """How far from where it would stand on flat ground [m]."""
+    """Distance from where it would stand on flat ground, at most [m]."""
     radius: float
-    """So much around it counts [m]."""
+    """Radius of the ground around it that counts [m]."""
     largest_step: float
     """Heights around it may differ by so much [m]."""
     largest_offset: float
-    """From the plane through the feet [m]."""
+    """Distance from the plane through the feet, at most [m]."""
     shin: Array = field(default_factory=lambda: np.empty((0, 3)))
-    """Where the middle of foot and shin is while the foot stands, in all postures, from the
-    point below the foot, shape (n, 3) [m]."""
+    """
+    Points on the middle of foot and shin while the foot stands, in all postures, from the point
+    below the foot, shape (n, 3) [m].
+    """
     shin_radius: float = 0.0
     """Ground so near to it must not be higher than it is [m]."""
 

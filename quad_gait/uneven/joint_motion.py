@@ -32,21 +32,21 @@ class JointMotion:
     joint_names: tuple[str, ...]
     """12 joints, leg by leg."""
     times: Array
-    """From 0 on, shape (n,) [s]."""
+    """Times of the samples, from 0 on, shape (n,) [s]."""
     positions: Array
-    """Shape (n, 4, 3) [rad]."""
+    """Joint angles, shape (n, 4, 3) [rad]."""
     velocities: Array
-    """Shape (n, 4, 3) [rad/s]."""
+    """Joint speeds, shape (n, 4, 3) [rad/s]."""
     fastest: Array
     """Largest speeds of the joints, shape (12,) [rad/s]."""
     start: float
-    """When its first sample is reached, if it is heard of at once [s]."""
+    """Time at which its first sample is reached, if it is received at once [s]."""
     given: int
     """Samples up to this one have been given out."""
     since: int = 0
-    """What was given out last begins with this sample."""
+    """Sample with which what was given out last begins."""
     done: int = 0
-    """Up to this one the joints have got, as far as is known."""
+    """Sample that the joints have reached, as far as is known."""
 
     @property
     def end(self) -> float:

@@ -35,9 +35,12 @@ class BitMask:
     """A mask, n words of 64 cells to a row."""
 
     words: Bits
-    """Shape (height, n): bit x of row y is cell (x, y); beyond the width anything may be."""
+    """
+    Words of 64 cells, shape (height, n): bit x of row y is cell (x, y); beyond the width anything
+    may be.
+    """
     width: int
-    """Of the mask [cells]."""
+    """Width of the mask [cells]."""
 
     @classmethod
     def of(cls, mask: Mask) -> BitMask:
@@ -101,13 +104,13 @@ class BitGrid:
     """
 
     width: int
-    """Of the map [cells]."""
+    """Width of the map [cells]."""
     height: int
-    """Of the map [cells]."""
+    """Height of the map [cells]."""
     rows: Bits
-    """Shape (height + 2, n)."""
+    """Free cells by rows, shape (height + 2, n)."""
     columns: Bits
-    """Shape (width + 2, n)."""
+    """Free cells by columns, shape (width + 2, n)."""
 
     @classmethod
     def of(cls, free: Mask) -> BitGrid:

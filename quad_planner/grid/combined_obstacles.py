@@ -20,7 +20,10 @@ class CombinedObstacles:
     count: int
     """Number of combined obstacles."""
     labels: NDArray[np.int32]
-    """Shape (height, width): 1 to `count` in a combined obstacle, 0 in the allowed zone."""
+    """
+    Numbers of the obstacles, shape (height, width): 1 to `count` in a combined obstacle, 0 in the
+    allowed zone.
+    """
     outlines: tuple[Points, ...]
     """
     Closed lines, each of shape (n, 2), in the world [m], through the centers of the

@@ -44,7 +44,10 @@ class GroundLimits:
     step_length: float
     """A rise within this length is a step, > 0 [m]."""
     largest_slope: float
-    """Of the ground, averaged over `slope_length`; from 0 to :data:`STEEPEST`, not 0 [rad]."""
+    """
+    Largest slope of the ground, averaged over `slope_length`; from 0 to :data:`STEEPEST`, not 0
+    [rad].
+    """
     slope_length: float
     """Side of the square over which slopes are averaged, > 0 [m]."""
 

@@ -51,9 +51,9 @@ class InflatedMap:
     clearance_radius: float
     """Distance that the robot's center keeps from every obstacle [m]."""
     blocked_bits: BitMask
-    """Where the obstacles are."""
+    """Cells of the obstacles."""
     forbidden_bits: BitMask
-    """Where the robot's center must not be."""
+    """Cells where the robot's center must not be."""
 
     @classmethod
     def of(

@@ -33,9 +33,9 @@ class Ground:
     """The ground, and what of it a robot cannot walk on."""
 
     heights: HeightMap
-    """How high it is."""
+    """Heights of the ground."""
     limits: GroundLimits
-    """What the robot can do."""
+    """Limits of what the robot can walk on."""
     obstacles: Mask = field(init=False)
     """Cells of the height map with steps that are too high, or slopes too steep."""
 

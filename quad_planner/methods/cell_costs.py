@@ -44,6 +44,7 @@ class UnknownCost:
     """
 
     factor: float
+    """Factor by which a path through unknown cells costs more."""
 
     def __post_init__(self) -> None:
         """Check the factor."""

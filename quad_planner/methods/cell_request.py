@@ -26,13 +26,13 @@ class CellRequest:
     safety: InflatedMap
     """The map."""
     start: Pose2D
-    """In the world [m, m, rad]."""
+    """Pose of the start in the world [m, m, rad]."""
     goal: Pose2D
-    """In the world [m, m, rad]."""
+    """Pose of the goal in the world [m, m, rad]."""
     s: Points
-    """Where the start is [cells]."""
+    """Place of the start [cells]."""
     g: Points
-    """Where the goal is [cells]."""
+    """Place of the goal [cells]."""
     leave_at: float
     """The clearance to keep on leaving the start [cells]."""
     check: Callable[[], None]

@@ -69,9 +69,9 @@ class PreparedMesh(InflatedMap):
     spacing: float
     """Width of the mesh [cells]."""
     candidates: Mask
-    """Shape (n, m): the crossings that the robot may stand on, by row and column."""
+    """Crossings that the robot may stand on, by row and column, shape (n, m)."""
     exits: bytes
-    """For each crossing, row after row: bit k is set if move k of the eight is free."""
+    """Free moves of each crossing, row after row: bit k is set if move k of the eight is free."""
 
     @cached_property
     def moves(self) -> tuple[tuple[tuple[int, int, int], ...], ...]:

@@ -34,13 +34,15 @@ class PlannerOptions:
     clearance_radius: float
     """Distance that the robot's center keeps from every obstacle, > 0 [m]."""
     start_tolerance: float = 0.10
-    """How far the start may be inside the safety boundary, for a robot that strayed [m]."""
+    """
+    Distance by which the start may be inside the safety boundary, for a robot that strayed [m].
+    """
     occupied_threshold: int = OCCUPIED_THRESHOLD
     """Cells of at least this value are obstacles."""
     unknown_is_free: bool = False
     """Whether cells of which nothing is known are free."""
     time_limit: float | None = None
-    """How long a search may take; needs a clock [s]."""
+    """Time that a search may take; needs a clock [s]."""
     clock: Callable[[], float] | None = None
     """Returns the time, for example `time.monotonic` [s]."""
 

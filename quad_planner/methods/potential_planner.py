@@ -55,9 +55,9 @@ class PreparedPotential(InflatedMap):
     """A map made ready for any number of descents; `PotentialPlanner.prepare` makes it."""
 
     distances: Floats
-    """Of each cell from the safety boundary, shape (height, width) [m]."""
+    """Distances of the cells from the safety boundary, shape (height, width) [m]."""
     costs: Floats | None = None
-    """How many times slower a way through each cell is; None if no cell is."""
+    """Factors by which a path through each cell is slower; None if no cell is."""
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,11 @@ class PotentialPlanner(PlannerOptions):
     potential: str = 'either'
     """The paper's, a navigation function, or that where the paper's descent sticks."""
     path_deviation: float = 0.05
-    """How far the plan may be from the way down, >= 0 [m]."""
+    """Distance by which the plan may be off the descent, >= 0 [m]."""
     influence: float = Gains().influence
-    """Farther from the safety boundary obstacles neither repel nor slow down, Q* [m]."""
+    """
+    Distance from the safety boundary beyond which obstacles neither repel nor slow down, Q* [m].
+    """
     repulsion: float = Gains().repulsion
     """eta, of the paper's potential."""
     attraction: float = Gains().attraction

@@ -31,7 +31,7 @@ class QuickestPlanner(ShortestPlanner):
     """Plan the way that takes the least time; prepares maps as `ShortestPlanner` does."""
 
     pace: WalkingTimeModel
-    """How far the cycles of the robot's gait go."""
+    """Distances and turns of the gait's cycles."""
 
     knows_costs: ClassVar[bool] = False
 

@@ -37,9 +37,9 @@ class PreparedCells(InflatedMap):
     """A map made ready for any number of searches; `ShortestPlanner.prepare` makes it."""
 
     search: JumpPointSearch
-    """Over the allowed cells."""
+    """Search over the allowed cells."""
     costs: Floats | None = None
-    """How many times dearer a way through each cell is; None if no cell is dearer."""
+    """Factors by which a path through each cell costs more; None if no cell does."""
 
     @cached_property
     def corners(self) -> Points:

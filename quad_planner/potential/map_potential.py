@@ -52,9 +52,9 @@ class Gains(NamedTuple):
     attraction: float = 1.0
     """zeta"""
     influence: float = 1.5
-    """Farther from the safety boundary nothing repels, Q* [m]."""
+    """Distance from the safety boundary beyond which nothing repels, Q* [m]."""
     goal_distance: float = 10.0
-    """Farther from the goal the attraction does not grow, d*_goal [m]."""
+    """Distance from the goal beyond which the attraction does not grow, d*_goal [m]."""
 
     def check(self) -> None:
         """Raise `ParameterError` if one is not positive and finite."""
@@ -139,14 +139,15 @@ class MapPotential:
     """U = U_att + U_rep on a map (S1 eqs. 2 to 7), with the nearest obstacle alone."""
 
     forbidden: BitMask
-    """Where the robot's center must not be."""
+    """Cells where the robot's center must not be."""
     distances: Floats
-    """From :func:`boundary_distances` [m]."""
+    """Distances from :func:`boundary_distances` [m]."""
     resolution: float
     """Side of a cell [m]."""
     goal: Points
-    """Shape (2,) [cells]."""
+    """Place of the goal, shape (2,) [cells]."""
     gains: Gains = field(default_factory=Gains)
+    """Gains of attraction and repulsion."""
 
     @cached_property
     def _arguments(self) -> tuple[Floats, float, float, float, Gains]:

@@ -25,11 +25,11 @@ class RoundObstacle:
     """A disc on the floor."""
 
     x: float
-    """[m]"""
+    """Coordinate x of the center [m]."""
     y: float
-    """[m]"""
+    """Coordinate y of the center [m]."""
     radius: float
-    """[m]"""
+    """Radius [m]."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,9 @@ class PotentialField:
     """
 
     goal: tuple[float, float]
+    """Coordinates of the goal [m]."""
     obstacles: Sequence[RoundObstacle]
+    """Obstacles that repel."""
     repulsion: float = 0.1
     """eta"""
     attraction: float = 1.0
@@ -54,7 +56,7 @@ class PotentialField:
     influence: float = 1.5
     """Obstacles farther away do not repel, Q* [m]."""
     goal_distance: float = 10.0
-    """Farther from the goal the attraction does not grow, d*_goal [m]."""
+    """Distance from the goal beyond which the attraction does not grow, d*_goal [m]."""
 
     def __post_init__(self) -> None:
         for name in ('repulsion', 'attraction', 'influence', 'goal_distance'):

@@ -19,9 +19,11 @@ class CellPath:
     """A shortest path."""
 
     cells: Cells
-    """Where it begins, turns and ends: x and y, shape (n, 2)."""
+    """Cells where it begins, turns and ends: x and y, shape (n, 2)."""
     straight_steps: int
+    """Number of straight steps."""
     diagonal_steps: int
+    """Number of diagonal steps."""
 
     @property
     def length(self) -> float:

@@ -51,26 +51,32 @@ class _Edges(NamedTuple):
     """Which points see which: of point v, the edges from firsts[v] to firsts[v + 1]."""
 
     firsts: Indices
+    """Number of the first edge of each point."""
     ends: Indices
-    """Where each edge leads."""
+    """Point to which each edge leads."""
     starts: Indices
-    """Where each edge comes from."""
+    """Point from which each edge comes."""
     strides: Floats
     """Length of each edge, in strides."""
     angles: Floats
     """Its direction [rad]."""
     left: Floats
-    """Of each point, the shortest way to the goal, in strides."""
+    """Length of the shortest path from each point to the goal, in strides."""
 
 
 class _Cycles(NamedTuple):
     """The numbers of a pace."""
 
     turn: float
+    """Turn of one cycle [rad]."""
     stopping: float
+    """Cycles that a stop costs."""
     bend: float
+    """Turn that costs no stop [rad]."""
     goal_yaw: float
+    """Heading at the goal [rad]."""
     heading_tolerance: float
+    """Angle within which the robot has that heading [rad]."""
 
 
 def quickest_corners(

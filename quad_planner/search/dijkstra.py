@@ -28,9 +28,9 @@ class DijkstraResult(Generic[V, Cost]):
     """A cheapest path and how it was found."""
 
     path: tuple[V, ...]
-    """From the source to the goal."""
+    """Nodes from the source to the goal."""
     cost: Cost
-    """Of the path, in the unit of the edges."""
+    """Cost of the path, in the unit of the edges."""
     visited: tuple[V, ...]
     """The vertices in the order in which their cost became final: S0's V."""
 

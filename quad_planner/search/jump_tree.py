@@ -44,13 +44,16 @@ class Tree(NamedTuple):
     """
 
     nodes: Records
-    """Of `_NODE`."""
+    """Records of `_NODE`."""
     slots: NDArray[np.int32]
-    """Where a cell's hash points, or behind: the number of its node plus one, or 0; 2^k."""
+    """
+    Slots by cells' hashes, 2^k: the number of a cell's node plus one, or 0; a cell's slot is where
+    its hash points, or behind.
+    """
     heap: Records
-    """Of `_OPEN`: nodes and the least length of a path through them, the least first."""
+    """Records of `_OPEN`: nodes and the least length of a path through them, the least first."""
     counts: NDArray[np.int64]
-    """How many nodes there are, and how many entries of the heap, shape (2,)."""
+    """Numbers of nodes and of entries of the heap, shape (2,)."""
 
 
 def tree_of(start: tuple[int, int]) -> Tree:

@@ -51,23 +51,25 @@ class Costs(NamedTuple):
     """What steps, cycles and turns cost, in whole numbers."""
 
     straight: int
-    """Of a step to a cell beside."""
+    """Cost of a step to a cell beside."""
     diagonal: int
-    """Of a diagonal step."""
+    """Cost of a diagonal step."""
     cycle: int
-    """Of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
+    """Cost of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
     bucket: int
     """States wait together whose costs, with the bound on what is left, are so near."""
     longest: int
     """A path must cost less."""
     turns: Numbers
-    """Shape (8, 8): of a turn and the pause of the stretch that follows it."""
+    """Costs of a turn and the pause of the stretch that follows it, shape (8, 8)."""
     first_turns: Numbers
-    """Shape (8,): from the start's heading to each of the eight, likewise."""
+    """
+    Costs of the turns from the start's heading to each of the eight, with the pause, shape (8,).
+    """
     last_turns: Numbers
-    """Shape (8,): from each to the goal's heading."""
+    """Costs of the turns from each to the goal's heading, shape (8,)."""
     least_turns: Numbers
-    """Shape (8, 17), see :func:`least_turns_of`."""
+    """Least costs of turns, shape (8, 17), see :func:`least_turns_of`."""
 
 
 def costs_of(terms: WalkTerms) -> Costs:

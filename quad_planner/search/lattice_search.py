@@ -68,11 +68,11 @@ class LatticePath:
     """A quickest path."""
 
     cells: Cells
-    """Where it begins, turns and ends: x and y, shape (n, 2)."""
+    """Cells where it begins, turns and ends: x and y, shape (n, 2)."""
     cycles: int
     """Gait cycles, of walking and turning."""
     expansions: int
-    """How many states were looked at."""
+    """Number of states that were looked at."""
 
 
 class _Reached(NamedTuple):
@@ -81,7 +81,7 @@ class _Reached(NamedTuple):
     cost: NDArray[np.int32]
     """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
     by: NDArray[np.uint8]
-    """From where, and whether the search went on from there."""
+    """State from which each was reached, and whether the search went on from there."""
     best: NDArray[np.int64]
     """The least cost at the goal and the heading in which it is reached; expansions."""
 
