@@ -61,6 +61,7 @@ from numpy.typing import ArrayLike
 from quad_common.errors import PairCannotClose
 from quad_common.planar_pair.planar_pair import ActivePair, Array, Branch, PairPosture, Points
 from quad_common.planar_pair.planar_triangles import (
+    TriangleWords,
     argument,
     bent_leg,
     first_of,
@@ -127,8 +128,11 @@ def with_knee_held(
         squared_length(G_j - R_i),
         sign_of(branch, 'branch') * np.sign(pair.span),
         _before(previous, 'u2_j'),
-        ('hip i and foot j', 'body and leg j with its knee as held reach'),
-        'foot j is at hip i or at hip j',
+        TriangleWords(
+            'hip i and foot j',
+            'body and leg j with its knee as held reach',
+            'foot j is at hip i or at hip j',
+        ),
     )
     return _pair_on_leg_j(pair, R_i, G_i, G_j, AB, u1, u2, knee_i, previous)
 
@@ -188,8 +192,11 @@ def with_hip_held(
         squared_length(G_j - R_i),
         sign_of(branch, 'branch') * np.sign(pair.span),
         _before(previous, 'u1_j'),
-        ('hip i and foot j', 'body and leg j with its hip as held reach'),
-        'foot j or knee j is at hip i',
+        TriangleWords(
+            'hip i and foot j',
+            'body and leg j with its hip as held reach',
+            'foot j or knee j is at hip i',
+        ),
     )
     AB = pair.leg_j.upper * upper + lower
     return _pair_on_leg_j(pair, R_i, G_i, G_j, AB, u1, u2, knee_i, previous)
@@ -308,34 +315,36 @@ def with_hip_joints_held(
     upper_i, upper_j = along * unit(hip_angle_i), along * unit(hip_angle_j)
     C_i = G_i - pair.leg_i.upper * upper_i
     C_j = G_j - pair.span * along - pair.leg_j.upper * upper_j
+    back = _back_to_hip_i(pair, C_i - C_j, branch, previous)
+    R_i = C_i + back
+    R_j = R_i + pair.span * along
+    u1_i = argument(-back * upper_i.conj())
+    u1_j = argument((C_j - R_i) * upper_j.conj())
+    wrapped_i, wrapped_j = argument(unit(hip_angle_i)), argument(unit(hip_angle_j))
+    return PairPosture(argument(along), R_i, R_j, u1_i, wrapped_i, u1_j, wrapped_j)
+
+
+def _back_to_hip_i(
+    pair: ActivePair, base: Points, branch: Branch, previous: PairPosture | None
+) -> Points:
+    """Return the way from C^i to hip i, against lower link i; base is C^i - C^j."""
     before = None
     if previous is not None:
         before = previous.theta + previous.u2_i + previous.u1_i + np.pi
-    base = C_i - C_j
-    # From C^i to hip i: against the direction of lower link i.
     back, _ = turned_link(
         base,
         np.asarray(pair.leg_i.lower + 0j),
         pair.leg_j.lower**2,
         sign_of(branch, 'branch') * np.where(base.real < 0.0, -1.0, 1.0),
         before,
-        ('the feet, less body and upper links,', 'the lower links reach'),
-        'both lower links may turn in parallel',
-        is_third_side=True,
+        TriangleWords(
+            'the feet, less body and upper links,',
+            'the lower links reach',
+            'both lower links may turn in parallel',
+            is_third_side=True,
+        ),
     )
-    R_i = C_i + back
-    R_j = R_i + pair.span * along
-    u1_i = argument(-back * upper_i.conj())
-    u1_j = argument((C_j - R_i) * upper_j.conj())
-    return PairPosture(
-        argument(along),
-        R_i,
-        R_j,
-        u1_i,
-        argument(unit(hip_angle_i)),
-        u1_j,
-        argument(unit(hip_angle_j)),
-    )
+    return back
 
 
 def _pair_on_leg_j(

@@ -22,6 +22,7 @@ from quad_common.errors import (
 )
 from quad_common.planar_pair.planar_pair import ActivePair, Array, PairPosture, Points, posture_of
 from quad_common.planar_pair.planar_triangles import (
+    TriangleWords,
     argument,
     first_of,
     squared_length,
@@ -240,8 +241,7 @@ def _on_free_leg_j(
         abs(G_j - G_i) ** 2,
         1.0,
         np.asarray(u1_j if knee_is_free else u2_j),
-        ('the feet', 'the legs, as held, reach'),
-        'both feet may be in one place',
+        TriangleWords('the feet', 'the legs, as held, reach', 'both feet may be in one place'),
     )
     chain = base + j.upper * upper + turned if knee_is_free else base + turned
     theta = np.angle((G_j - G_i) / chain)

@@ -6,6 +6,8 @@ Points are complex numbers, angles counter-clockwise [rad]; see `planar_pair`.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,15 +80,26 @@ def bent_leg(
     return wrapped(np.arctan2(sine, cosine)), argument(foot * W.conj())
 
 
+class TriangleWords(NamedTuple):
+    """What is said of a triangle that does not exist."""
+
+    ends: str
+    """Two ends that do not come together."""
+    links: str
+    """Links that are to reach."""
+    undetermined: str
+    """Remark on what is wrong where a side has no length."""
+    is_third_side: bool = False
+    """Whether link and third side are to span the base, and not base and link the third side."""
+
+
 def turned_link(
     base: float | Points,
     link: Points,
     third_squared: float | Array,
     sign: Signs,
     before: Array | None,
-    names: tuple[str, str],
-    undetermined: str,
-    is_third_side: bool = False,
+    words: TriangleWords,
 ) -> tuple[Points, Array]:
     """
     Solve | base + e^(j u) link | = third for u, on one side of base.
@@ -103,13 +116,8 @@ def turned_link(
         +1 for the solution counter-clockwise from base, -1 for the other.
     before : float, shape of a sample, optional
         u just before the first sample [rad]: it takes the sign's place.
-    names : tuple of str
-        Of the two ends that do not come together, and of what is to reach.
-    undetermined : str
-        What is wrong where a side has no length.
-    is_third_side : bool
-        Whether link and third side are to span the base, and not base and link the third
-        side: for the error only.
+    words : TriangleWords
+        What errors say.
 
     Returns
     -------
@@ -130,16 +138,11 @@ def turned_link(
     along = g2 - p2 - q2
     within = (np.abs(along) <= 2.0 * p * q + _EDGE * (p2 + q2)) & np.isfinite(along)
     if not within.all():
-        index, where = first_of(~within)
-        sides = (p, np.sqrt(g2)) if is_third_side else (np.sqrt(g2), p)
-        distance, one, other = (
-            float(np.broadcast_to(side, within.shape)[where]) for side in (*sides, q)
-        )
-        raise PairCannotClose(index, *names, distance, (abs(one - other), one + other))
+        raise _cannot_close(within, p, q, np.sqrt(g2), words)
     least = (_COINCIDENT * (p + q)) ** 2
     no_side = (p2 <= least) | (q2 <= least) | (g2 <= least)
     if no_side.any():
-        raise PairUndetermined(first_of(no_side)[0], undetermined)
+        raise PairUndetermined(first_of(no_side)[0], words.undetermined)
     x = along / (2.0 * p)
     y = np.sqrt(np.maximum((q - x) * (q + x), 0.0))
     if before is not None:
@@ -148,6 +151,20 @@ def turned_link(
     turned.real, turned.imag = x, sign * y
     turned *= base / p
     return turned, argument(turned * link.conj())
+
+
+def _cannot_close(
+    within: NDArray[np.bool_], p: Array, q: Array, g: Array, words: TriangleWords
+) -> PairCannotClose:
+    """Return the error of the first triangle of sides p, q and g that does not exist."""
+    index, where = first_of(~within)
+    sides = (p, g) if words.is_third_side else (g, p)
+    distance, one, other = (
+        float(np.broadcast_to(side, within.shape)[where]) for side in (*sides, q)
+    )
+    return PairCannotClose(
+        index, words.ends, words.links, distance, (abs(one - other), one + other)
+    )
 
 
 def nearest_signs(middle: Array, half: Array, before: Array, kept: Signs) -> Array:

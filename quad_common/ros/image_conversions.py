@@ -159,6 +159,23 @@ def camera_model_from_info(
     ParameterError
         If a number is not valid.
     """
+    _check_info(message)
+    matrix = np.reshape(message.k, (3, 3)).astype(float)
+    matrix[:2, 2] += _CENTER
+    distortion = np.zeros(5)
+    distortion[: len(message.d)] = message.d
+    return CameraModel(
+        int(message.width),
+        int(message.height),
+        matrix,
+        np.asarray(rotation, dtype=float),
+        np.asarray(position, dtype=float),
+        distortion,
+    )
+
+
+def _check_info(message: CameraInfo) -> None:
+    """Raise InvalidMessage unless a lens is one that can be computed."""
     what = 'camera_info'
     if message.k[0] == 0.0:
         raise InvalidMessage(what, 'its matrix K is 0: the camera is not calibrated')
@@ -189,15 +206,3 @@ def camera_model_from_info(
             f'a number of its matrix K or of its lens D is not from {-_LARGEST_CAMERA_NUMBER:g} '
             f'to {_LARGEST_CAMERA_NUMBER:g}',
         )
-    matrix = np.reshape(message.k, (3, 3)).astype(float)
-    matrix[:2, 2] += _CENTER
-    distortion = np.zeros(5)
-    distortion[:numbers] = message.d
-    return CameraModel(
-        int(message.width),
-        int(message.height),
-        matrix,
-        np.asarray(rotation, dtype=float),
-        np.asarray(position, dtype=float),
-        distortion,
-    )

@@ -128,19 +128,7 @@ class TrajectoryExecutor:
         TrajectoryError
             If it leaves out a joint, or has ended already.
         """
-        for name in trajectory.joint_names:
-            if name not in self._joint_names:
-                raise JointNotFound(name, self._joint_names)
-        missing = [name for name in self._joint_names if name not in trajectory.joint_names]
-        if missing:
-            raise JointsLeftOut(tuple(missing))
-        start = trajectory.stamp if trajectory.stamp > 0.0 else now
-        times = start + trajectory.times
-        if times[-1] <= now:
-            raise TrajectoryOver(float(times[-1]), now)
-        order = [trajectory.joint_names.index(name) for name in self._joint_names]
-        positions = trajectory.positions[:, order]
-        velocities = trajectory.velocities[:, order]
+        times, positions, velocities = self._in_order(trajectory, now)
         position, velocity = self.command(now)
         fading, followed = self._fading, self._followed(now)[0]
         is_ahead = bool(times[0] > now)
@@ -176,6 +164,21 @@ class TrajectoryExecutor:
         duration = _fading_time(position - after, _fastest(times, positions, velocities), limits)
         self._fading = _Fading(now, duration, position - after)
         return False
+
+    def _in_order(self, trajectory: JointTrajectory, now: float) -> tuple[Array, Array, Array]:
+        """Return times, positions and velocities of the joints in order; raise as `accept`."""
+        for name in trajectory.joint_names:
+            if name not in self._joint_names:
+                raise JointNotFound(name, self._joint_names)
+        missing = [name for name in self._joint_names if name not in trajectory.joint_names]
+        if missing:
+            raise JointsLeftOut(tuple(missing))
+        start = trajectory.stamp if trajectory.stamp > 0.0 else now
+        times = start + trajectory.times
+        if times[-1] <= now:
+            raise TrajectoryOver(float(times[-1]), now)
+        order = [trajectory.joint_names.index(name) for name in self._joint_names]
+        return times, trajectory.positions[:, order], trajectory.velocities[:, order]
 
     def command(self, time: float) -> tuple[Array, Array]:
         """

@@ -76,8 +76,7 @@ def generate_cycle(
     motion : BodyMotion
         Where the body is to be at the end, and along which arc it goes there.
     ends : CycleEnds
-        Feet at the start, and the body's velocity at the start and at the end. A body
-        that ends at rest has its feet in the initial posture.
+        Feet and velocity at the start, and velocity at the end.
     options : CycleOptions
         Samples, least margin, and how foot paths become joint motion.
 
@@ -97,10 +96,9 @@ def generate_cycle(
     """
     schedule = schedule_of(gait, options.sample_period)
     to_ground = np.array([0.0, 0.0, robot.standing_height])
-    footholds = Footholds(
-        (robot.neutral_feet if ends.start_feet is None else ends.start_feet) + to_ground,
-        next_footholds(robot, gait, motion, ends) + to_ground,
-    )
+    start_feet = robot.neutral_feet if ends.start_feet is None else ends.start_feet
+    target = next_footholds(robot, gait, motion, ends)
+    footholds = Footholds(start_feet + to_ground, target + to_ground)
     course = body_course(gait, legs_in_order(gait), schedule, motion, ends, footholds)
     rolling = rolling_of(robot, schedule, footholds, course)
     feet = foot_paths(schedule, robot.standing_height, footholds, course, rolling)
@@ -111,11 +109,15 @@ def generate_cycle(
     check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
 
     center_of_mass = _center_of_mass(robot, chain, course.pose)
-    cycle = Cycle(
-        gait=gait,
-        motion=motion,
-        entry=ends.entry,
-        exit=ends.exit,
+    margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
+    least = float(np.min(margin))
+    if least < options.least_margin:
+        raise UnstableCycle(least, options.least_margin)
+    return Cycle(
+        gait,
+        motion,
+        ends.entry,
+        ends.exit,
         times=schedule.times,
         body=course.pose,
         feet=feet.in_ground,
@@ -124,11 +126,8 @@ def generate_cycle(
         joint_velocities=velocities,
         end_feet=feet.in_body[-1],
         center_of_mass=center_of_mass,
-        margin=stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact),
+        margin=margin,
     )
-    if cycle.least_margin < options.least_margin:
-        raise UnstableCycle(cycle.least_margin, options.least_margin)
-    return cycle
 
 
 def generate_steady_cycle(

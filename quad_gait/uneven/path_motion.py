@@ -79,16 +79,8 @@ def motion_along(
     turns = np.array([end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)])
     angles = np.array([start.roll, start.pitch, start.yaw]) + progress[:, None] * turns
     arms = np.einsum('nji,nkj->nki', matrix_from_angles(angles), feet - position[:, None])
-    needed = len(times) if paths.sure is None else min(paths.sure, len(times))
-    joints = robot.joint_angles(arms[:needed])
-    while needed < len(times):
-        # Beyond what is sure the foot goes only as deep as the leg reaches.
-        try:
-            joints = np.concatenate([joints, robot.joint_angles(arms[needed : needed + 1])])
-        except GaitError:
-            break
-        needed += 1
-    times = times[:needed]
+    joints = _reached_joints(robot, arms, len(times) if paths.sure is None else paths.sure)
+    times = times[: len(joints)]
     commanded = now.joint_positions if commanded is None else commanded
     blend = minimum_jerk(0.0, min(options.shift_time, float(times[-1])), times)[0]
     joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
@@ -106,6 +98,20 @@ def motion_along(
         start=now.time + options.reaction_time,
         given=last if paths.given is None else min(paths.given, last),
     )
+
+
+def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:
+    """Find the joints for feet in the body frame (n, 4, 3); beyond what is sure while reached."""
+    needed = min(sure, len(feet))
+    joints = robot.joint_angles(feet[:needed])
+    while needed < len(feet):
+        # Beyond what is sure the foot goes only as deep as the leg reaches.
+        try:
+            joints = np.concatenate([joints, robot.joint_angles(feet[needed : needed + 1])])
+        except GaitError:
+            break
+        needed += 1
+    return joints
 
 
 def turned_by(start: BodyPose, end: BodyPose) -> float:

@@ -14,9 +14,10 @@ every turn on the spot costs gait cycles.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -243,29 +244,8 @@ class MeshPlanner(PlannerOptions):
         direct = np.linalg.norm(g - s) <= reach and mesh.fits(s, g, leave_at)
 
         heading, final = (_bearing(p.yaw - grid.origin.yaw) for p in (start, goal))
-        moves, exits = mesh.moves, mesh.exits
-
-        def leg(a: Points, b: Points, arrived: int) -> _State:
-            """Return the cost of a segment off the mesh, and the bearing along it."""
-            cost = _cost(float(np.linalg.norm(b - a)) * grid.resolution)
-            if cost == 0:
-                return 0, arrived
-            bearing = _bearing(math.atan2(b[1] - a[1], b[0] - a[0]))
-            return cost + (bearing != arrived) * _TURN, bearing
-
-        def neighbours(state: _State) -> Iterator[tuple[_State, int]]:
-            u, arrived = state
-            if u == _START:
-                for v, point in starts.items():
-                    cost, bearing = leg(s, point, arrived)
-                    yield (v, bearing), cost
-            else:
-                for step, bearing, cost in moves[exits[u]]:
-                    yield (u + step, bearing), cost + (bearing != arrived) * _TURN
-            if u in goals or (u == _START and direct):
-                cost, bearing = leg(s if u == _START else goals[u], g, arrived)
-                yield (_GOAL, 0), cost + (bearing != final) * _TURN
-
+        ends = _Ends(s, g, starts, goals, bool(direct), final)
+        neighbours = _neighbours(mesh, ends)
         found = shortest_path(neighbours, (_START, heading), (_GOAL, 0), request.check)
         if found is None:
             why = self._why_not(mesh, s, g, bool(starts), bool(goals))
@@ -332,3 +312,50 @@ def _lay(
             exits[r_[free], c_[free]] |= 1 << k
             exits[r_[free] + dr, c_[free] + dc] |= 1 << (k + 4)
     return candidates, exits
+
+
+class _Ends(NamedTuple):
+    """Start and goal of a search, and how they join the mesh."""
+
+    s: Points
+    """Place of the start [cells]."""
+    g: Points
+    """Place of the goal [cells]."""
+    starts: dict[int, Points]
+    """Candidates straight ahead of the start, and their places."""
+    goals: dict[int, Points]
+    """Candidates from which the goal is straight ahead, and their places."""
+    direct: bool
+    """Whether the goal is straight ahead of the start."""
+    final: int
+    """Bearing of the goal's heading."""
+
+
+def _neighbours(
+    mesh: PreparedMesh, ends: _Ends
+) -> Callable[[_State], Iterator[tuple[_State, int]]]:
+    """Return what lists the states after a state, and what they cost."""
+    moves, exits = mesh.moves, mesh.exits
+
+    def leg(a: Points, b: Points, arrived: int) -> _State:
+        """Return the cost of a segment off the mesh, and the bearing along it."""
+        cost = _cost(float(np.linalg.norm(b - a)) * mesh.grid.resolution)
+        if cost == 0:
+            return 0, arrived
+        bearing = _bearing(math.atan2(b[1] - a[1], b[0] - a[0]))
+        return cost + (bearing != arrived) * _TURN, bearing
+
+    def neighbours(state: _State) -> Iterator[tuple[_State, int]]:
+        u, arrived = state
+        if u == _START:
+            for v, point in ends.starts.items():
+                cost, bearing = leg(ends.s, point, arrived)
+                yield (v, bearing), cost
+        else:
+            for step, bearing, cost in moves[exits[u]]:
+                yield (u + step, bearing), cost + (bearing != arrived) * _TURN
+        if u in ends.goals or (u == _START and ends.direct):
+            cost, bearing = leg(ends.s if u == _START else ends.goals[u], ends.g, arrived)
+            yield (_GOAL, 0), cost + (bearing != ends.final) * _TURN
+
+    return neighbours
