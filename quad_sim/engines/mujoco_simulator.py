@@ -13,9 +13,9 @@ from quad_common.errors import MissingOptionalDependency, ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
-from quad_common.vision.camera_file import quaternion_from_matrix
+from quad_common.rotations import quaternion_from_matrix, tilt_from_quaternion
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
-from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation, tilt_of
+from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import standing_on
 from quad_sim.world.world import Obstacle, World
@@ -184,7 +184,7 @@ class MujocoSimulator:
         efforts = self._efforts.copy()
         # What is left there is the gear's friction.
         efforts[self._free] = 0.0
-        tilted = tilt_of(orientation) > TILT_OF_A_FALL
+        tilted = tilt_from_quaternion(orientation) > TILT_OF_A_FALL
         return Observation(
             time=self.time,
             position=data.qpos[:3].copy(),

@@ -7,12 +7,12 @@ import pytest
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import load_robot
+from quad_common.rotations import tilt_from_quaternion
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_lab.closed_loop.calibration import measure_motion
 from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
-from quad_sim.engines.simulator import tilt_of
 from quad_sim.world.terrain_spec import make_terrain, specs_from_text
 from quad_sim.world.world import World
 
@@ -45,8 +45,8 @@ def test_a_robot_stands_alike_on_uneven_ground(name, ground):
     world = World(np.empty((0, 4, 2)), terrain=terrain)
     (bullet, _), (mujoco, forces) = (stood(backend, robot, world) for backend in BACKENDS)
     assert mujoco.position == pytest.approx(bullet.position, abs=0.015 * robot.relative_size)
-    assert tilt_of(mujoco.orientation) == pytest.approx(
-        tilt_of(bullet.orientation), abs=math.radians(1.5)
+    assert tilt_from_quaternion(mujoco.orientation) == pytest.approx(
+        tilt_from_quaternion(bullet.orientation), abs=math.radians(1.5)
     )
     assert forces.sum() == pytest.approx(robot.mass * 9.81, rel=0.05)
 
