@@ -54,15 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--map', type=map_argument, default=None, help='Nav2 map file or sample map (room)'
     )
-    parser.add_argument(
-        '--start', type=pose_argument, default=Pose2D(1.2, 1.2, 0.0), help='x,y,yaw [m, m, rad]'
-    )
-    parser.add_argument(
-        '--goal',
-        type=pose_argument,
-        default=Pose2D(6.8, 4.8, math.pi / 2),
-        help='x,y,yaw [m, m, rad]',
-    )
+    _add_pose_arguments(parser)
     parser.add_argument('--seed', type=seed_argument, default=0, help="seed of the sensors' noise")
     parser.add_argument(
         '--robot', default='titan_viii', help='name of a robot, or path of a data file'
@@ -110,6 +102,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--no-recording', action='store_true', help='do not record the topics')
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
+
+
+def _add_pose_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--start', type=pose_argument, default=Pose2D(1.2, 1.2, 0.0), help='x,y,yaw [m, m, rad]'
+    )
+    parser.add_argument(
+        '--goal',
+        type=pose_argument,
+        default=Pose2D(6.8, 4.8, math.pi / 2),
+        help='x,y,yaw [m, m, rad]',
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -180,23 +184,21 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:
     # Imported late: matplotlib takes its time, and the robot should walk meanwhile.
-    from quad_cli.picture import draw_walk
+    from quad_cli.picture import Scene, draw_walk
 
     robot = load_robot(options.robot)
     safety = options.safety_distance
     if safety is None:
         safety = PlannerParameters().safety_distance
-    draw_walk(
-        picture,
+    scene = Scene(
         load_map(options.map_file),
         robot,
         robot.footprint_radius + safety,
-        record.plans[-1] if record.plans else None,
         options.start,
         options.goal,
-        record,
-        title=f'{options.robot} on {options.map_file.stem}',
+        record.height_map,
     )
+    draw_walk(picture, scene, record, f'{options.robot} on {options.map_file.stem}')
 
 
 def _recording(output: Path, console: Console) -> Path | None:

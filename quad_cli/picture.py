@@ -4,7 +4,8 @@ Draws walks and plans: map, safety boundary, mesh, plan, walked track and footho
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 
@@ -28,17 +29,27 @@ _MARGIN = 1.0
 """Around what is of interest [m]."""
 
 
-def draw_walk(
-    path: Path,
-    grid: OccupancyGrid,
-    robot: Robot,
-    clearance_radius: float,
-    plan: Plan | None,
-    start: Pose2D,
-    goal: Pose2D,
-    record: WalkRecord,
-    title: str = '',
-) -> None:
+@dataclass(frozen=True)
+class Scene:
+    """What a picture shows a plan or a walk on."""
+
+    grid: OccupancyGrid
+    """Map."""
+    robot: Robot
+    """Robot."""
+    clearance_radius: float
+    """Distance from obstacles that the planner keeps the robot's center at [m]."""
+    start: Pose2D
+    """Start in the map."""
+    goal: Pose2D
+    """Goal in the map."""
+    heights: HeightMap | None = None
+    """Ground, if it is uneven."""
+    level_grid: OccupancyGrid | None = None
+    """Map without the obstacles of the ground; the same as the map if not given."""
+
+
+def draw_walk(path: Path, scene: Scene, record: WalkRecord, title: str = '') -> None:
     """
     Draw a walk.
 
@@ -46,29 +57,15 @@ def draw_walk(
     ----------
     path : Path
         Where the picture goes; its ending says in which format.
-    grid : OccupancyGrid
-        The map.
-    robot : Robot
-        The robot.
-    clearance_radius : float
-        How far the planner keeps the robot's center from obstacles [m].
-    plan : Plan or None
-        The plan in force at the end.
-    start, goal : Pose2D
-        In the map.
+    scene : Scene
+        Where the robot walked.
     record : WalkRecord
         What happened.
     title : str
         Over the picture.
     """
-    corners = _corners(grid)
-    figure = Figure(layout='constrained')
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    if record.height_map is not None:
-        _draw_heights(figure, axes, record.height_map)
-    _draw_map(axes, grid, clearance_radius, None if record.height_map is None else grid)
-    _draw_mesh(axes, grid, robot.mesh_size)
+    figure, axes = _begin(scene)
+    _draw_mesh(axes, scene.grid, scene.robot.mesh_size)
     if record.footholds:
         feet = np.concatenate(record.footholds)
         axes.plot(feet[:, 0], feet[:, 1], '.', color='#2a9d2a', markersize=2, label='footholds')
@@ -78,56 +75,48 @@ def draw_walk(
         points = earlier.corners
         label = None if k else 'earlier plans'
         axes.plot(points[:, 0], points[:, 1], color='#a8b8f0', linewidth=0.6, label=label)
-    if plan is not None:
+    for plan in record.plans[-1:]:
         _draw_plan(axes, plan, _COLORS[0], 'plan with turning points')
-    _draw_ends(axes, robot, start, goal)
-    interest = [(start.x, start.y), (goal.x, goal.y)]
-    if plan is not None:
-        interest += [tuple(corner) for corner in plan.corners]
     if title:
         axes.set_title(title, fontsize=9)
-    _finish(figure, axes, np.array(interest), corners, path)
+    _finish(figure, axes, scene, record.plans[-1:], path)
 
 
 _COLORS = ('#1f4fd8', '#d62728', '#2a9d2a', '#9467bd', '#ff8c00')
 
 
-def draw_plans(
-    path: Path,
-    grid: OccupancyGrid,
-    robot: Robot,
-    clearance_radius: float,
-    plans: Mapping[str, Plan],
-    start: Pose2D,
-    goal: Pose2D,
-    ground: tuple[HeightMap, OccupancyGrid] | None = None,
-) -> None:
+def draw_plans(path: Path, scene: Scene, plans: Mapping[str, Plan]) -> None:
     """
     Draw plans of several methods over one map.
 
     Parameters
     ----------
+    path : Path
+        Where the picture goes; its ending says in which format.
+    scene : Scene
+        What they were made on.
     plans : mapping of str to Plan
         By the names that are to stand beside them.
-    ground : (HeightMap, OccupancyGrid), optional
-        The ground, and the map without the obstacles of the ground.
-    path, grid, robot, clearance_radius, start, goal
-        As for :func:`draw_walk`.
     """
+    figure, axes = _begin(scene)
+    if 'mesh' in plans:
+        _draw_mesh(axes, scene.grid, scene.robot.mesh_size)
+    for (name, plan), color in zip(plans.items(), cycle(_COLORS)):
+        _draw_plan(axes, plan, color, name if len(plans) > 1 else 'plan with turning points')
+    _finish(figure, axes, scene, plans.values(), path)
+
+
+def _begin(scene: Scene) -> tuple[Figure, Axes]:
+    """Draw the map, over the ground if that is uneven."""
     figure = Figure(layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    if ground is not None:
-        _draw_heights(figure, axes, ground[0])
-    _draw_map(axes, grid, clearance_radius, None if ground is None else ground[1])
-    if 'mesh' in plans:
-        _draw_mesh(axes, grid, robot.mesh_size)
-    interest = [(start.x, start.y), (goal.x, goal.y)]
-    for (name, plan), color in zip(plans.items(), cycle(_COLORS)):
-        _draw_plan(axes, plan, color, name if len(plans) > 1 else 'plan with turning points')
-        interest += [tuple(corner) for corner in plan.corners]
-    _draw_ends(axes, robot, start, goal)
-    _finish(figure, axes, np.array(interest), _corners(grid), path)
+    of_map = None
+    if scene.heights is not None:
+        _draw_heights(figure, axes, scene.heights)
+        of_map = scene.level_grid or scene.grid
+    _draw_map(axes, scene.grid, scene.clearance_radius, of_map)
+    return figure, axes
 
 
 def _draw_plan(axes: Axes, plan: Plan, color: str, label: str) -> None:
@@ -137,20 +126,16 @@ def _draw_plan(axes: Axes, plan: Plan, color: str, label: str) -> None:
     )
 
 
-def _draw_ends(axes: Axes, robot: Robot, start: Pose2D, goal: Pose2D) -> None:
-    for pose, color, label in ((start, '#000000', 'start'), (goal, '#ff8c00', 'goal')):
-        _draw_pose(axes, robot, pose, color, label)
-
-
-def _finish(
-    figure: Figure,
-    axes: Axes,
-    interest: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    path: Path,
-) -> None:
-    """Show what is of interest, say what is what, and write the picture."""
-    _frame(figure, axes, interest, corners)
+def _finish(figure: Figure, axes: Axes, scene: Scene, plans: Iterable[Plan], path: Path) -> None:
+    """Show start, goal and what is of interest, say what is what, and write the picture."""
+    for pose, color, label in (
+        (scene.start, '#000000', 'start'),
+        (scene.goal, '#ff8c00', 'goal'),
+    ):
+        _draw_pose(axes, scene.robot, pose, color, label)
+    interest = [(pose.x, pose.y) for pose in (scene.start, scene.goal)]
+    interest += [tuple(corner) for plan in plans for corner in plan.corners]
+    _frame(figure, axes, np.array(interest), _corners(scene.grid))
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
     axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)

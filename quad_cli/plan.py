@@ -12,7 +12,7 @@ import math
 import sys
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from quad_cli.arguments import (
@@ -85,6 +85,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--start', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
     parser.add_argument('--goal', type=pose_argument, required=True, help='x,y,yaw [m, m, rad]')
+    _add_method_arguments(parser)
+    parser.add_argument(
+        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
+    parser.add_argument(
+        '--gait',
+        default=PlannerParameters().gait,
+        help='gait whose cycles are counted: crawl, wave, trot',
+    )
+    parser.add_argument(
+        '--safety-distance',
+        type=parameter_argument(PlannerParameters, 'safety_distance'),
+        default=PlannerParameters().safety_distance,
+        help='distance kept free around the feet [m]',
+    )
+    parser.add_argument(
+        '--picture', type=drawing_argument, default=None, help='picture of the plans to write'
+    )
+    parser.add_argument('--json', action='store_true', help='print one JSON object only')
+
+
+def _add_method_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--method',
         choices=sorted(METHODS),
@@ -109,24 +131,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=PlannerParameters().path_deviation,
         help="how far a path of 'potential' may be from the descent [m]",
     )
-    parser.add_argument(
-        '--robot', default='titan_viii', help='name of a robot, or path of a data file'
-    )
-    parser.add_argument(
-        '--gait',
-        default=PlannerParameters().gait,
-        help='gait whose cycles are counted: crawl, wave, trot',
-    )
-    parser.add_argument(
-        '--safety-distance',
-        type=parameter_argument(PlannerParameters, 'safety_distance'),
-        default=PlannerParameters().safety_distance,
-        help='distance kept free around the feet [m]',
-    )
-    parser.add_argument(
-        '--picture', type=drawing_argument, default=None, help='picture of the plans to write'
-    )
-    parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
 @dataclass(frozen=True)
@@ -177,19 +181,13 @@ def run(arguments: argparse.Namespace) -> int:
         _print_comparison(outcomes, arguments.start, pace)
     if arguments.picture is not None:
         # Imported late: matplotlib is slow to import.
-        from quad_cli.picture import draw_plans
+        from quad_cli.picture import Scene, draw_plans
 
         plans = {outcome.method: outcome.plan for outcome in outcomes if outcome.plan is not None}
-        draw_plans(
-            arguments.picture,
-            grid,
-            robot,
-            clearance,
-            plans,
-            arguments.start,
-            arguments.goal,
-            None if ground is None else (ground.heights, of_map),
-        )
+        scene = Scene(grid, robot, clearance, arguments.start, arguments.goal)
+        if ground is not None:
+            scene = replace(scene, heights=ground.heights, level_grid=of_map)
+        draw_plans(arguments.picture, scene, plans)
     return 1 if any(outcome.plan is None for outcome in outcomes) else 0
 
 

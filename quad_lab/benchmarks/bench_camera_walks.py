@@ -134,13 +134,16 @@ def walk_bars(
         ),
         figure('fused pose while walking, rms', rms, 'm'),
     ]
-    for outcome in outcomes[len(usual) :]:
-        name = f'pictures {outcome.latency:.1f} s late: fused pose'
-        bars += [
-            at_most(f'{name}, largest error', outcome.largest_error, 'm', 0.03),
-            figure(f'{name}, rms', outcome.rms_error, 'm'),
-        ]
+    bars += [bar for outcome in outcomes[len(usual) :] for bar in _late_bars(outcome)]
     return bars, [asdict(outcome) for outcome in outcomes]
+
+
+def _late_bars(outcome: _CameraWalkOutcome) -> list[Criterion]:
+    name = f'pictures {outcome.latency:.1f} s late: fused pose'
+    return [
+        at_most(f'{name}, largest error', outcome.largest_error, 'm', 0.03),
+        figure(f'{name}, rms', outcome.rms_error, 'm'),
+    ]
 
 
 def _walk(job: _Job) -> _CameraWalkOutcome:

@@ -191,26 +191,12 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
     -------
     FailureOutcome
     """
-    robot = load_robot(case.robot)
-    gait = load_gait(case.gait, robot)
-    scale = robot.relative_size
-    is_uneven = case.ground != 'flat'
-    options = SupervisorOptions(least_margin=0.01 * scale)
-    if is_uneven:
-        options = for_uneven_ground(options)
-    controller = controller_for(robot, gait, options)
-    if is_uneven:
-        course = make_course(robot, case.ground, case.seed)
-        controller.set_height_map(course.height_map)
-        walk = ClosedLoop(robot, controller, world=course.world, start=course.start)
-    else:
-        walk = ClosedLoop(robot, controller)
+    walk, is_uneven = _begun(case), case.ground != 'flat'
+    robot, controller = walk.robot, walk.controller
     name = robot.joint_names[case.joint]
     walk.simulation.plan_failure(JointFailure(name, case.kind, case.time))
     seen: list[Observation] = []
     walk.on_observation.append(seen.append)
-    if is_uneven:
-        controller.set_plan(course.plan)
     speed = _SPEED[case.gait] * robot.largest_stride
 
     # Over uneven ground a cycle lasts as long as its feet need: new footholds tell of the next.
@@ -236,12 +222,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
         walk.close()
     after = [observation for observation in seen if observation.time >= case.time]
     tilts = np.array(walk.record.tilts[-len(after) :])
-    places = np.array([observation.position for observation in after])
-    moves = (np.linalg.norm(places - places[-1], axis=1) > scale * _PLACE) | (
-        np.abs(tilts - tilts[-1]) > _TILT
-    )
-    last = int(np.flatnonzero(moves).max(initial=-1))
-    still = after[last + 1].time - case.time if is_noticed and last + 1 < len(after) else math.inf
+    still = _still_after(after, tilts, robot.relative_size) - case.time if is_noticed else math.inf
     return FailureOutcome(
         case,
         bool(tilts.max() > _LARGEST_TILT) or controller.activity is Activity.FALLEN,
@@ -250,6 +231,32 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
         name in controller.reason,
         noticed,
         float(still),
-        float(np.median(np.diff(begun))) if is_uneven and len(begun) > 1 else gait.cycle_period,
+        float(np.median(np.diff(begun)))
+        if is_uneven and len(begun) > 1
+        else controller.gait.cycle_period,
         controller.reason,
     )
+
+
+def _begun(case: FailureCase) -> ClosedLoop:
+    """Put the robot on its ground, where that is uneven with a plan over it."""
+    robot = load_robot(case.robot)
+    gait = load_gait(case.gait, robot)
+    options = SupervisorOptions(least_margin=0.01 * robot.relative_size)
+    if case.ground == 'flat':
+        return ClosedLoop(robot, controller_for(robot, gait, options))
+    course = make_course(robot, case.ground, case.seed)
+    controller = controller_for(robot, gait, for_uneven_ground(options))
+    controller.set_height_map(course.height_map)
+    controller.set_plan(course.plan)
+    return ClosedLoop(robot, controller, world=course.world, start=course.start)
+
+
+def _still_after(seen: list[Observation], tilts: Array, scale: float) -> float:
+    """Return when the body has come to rest for good [s]; infinite if it has not."""
+    places = np.array([observation.position for observation in seen])
+    moves = (np.linalg.norm(places - places[-1], axis=1) > scale * _PLACE) | (
+        np.abs(tilts - tilts[-1]) > _TILT
+    )
+    last = int(np.flatnonzero(moves).max(initial=-1))
+    return seen[last + 1].time if last + 1 < len(seen) else math.inf

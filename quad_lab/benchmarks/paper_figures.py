@@ -23,6 +23,7 @@ from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.slip_compensation import SlipCompensation
 from quad_lab.closed_loop.calibration import calibrate_motion, measure_motion
 from quad_lab.closed_loop.gait_measures import (
+    Circle,
     CircleWalk,
     circle_walk,
     plan_walk,
@@ -156,12 +157,12 @@ def circles_of_s2(
         wanted = BodyMotion(forward=radius * angle, turn=angle)
         calibration, _, _ = calibrate_motion(robot, gait, wanted)
         compensation = SlipCompensation((calibration,))
-        laps = 1.0 if quick else 3.0
+        circle = Circle(radius, angle, 1.0 if quick else 3.0)
         walks: dict[str, CircleWalk] = {
-            'closed': circle_walk(robot, gait, radius, angle, True, compensation, laps),
-            'open': circle_walk(robot, gait, radius, angle, False, compensation, laps),
-            'closed, raw': circle_walk(robot, gait, radius, angle, True, laps=laps),
-            'open, raw': circle_walk(robot, gait, radius, angle, False, laps=laps),
+            'closed': circle_walk(robot, gait, circle, True, compensation),
+            'open': circle_walk(robot, gait, circle, False, compensation),
+            'closed, raw': circle_walk(robot, gait, circle, True),
+            'open, raw': circle_walk(robot, gait, circle, False),
         }
         for loop, walk in walks.items():
             steps = 360.0 / degrees

@@ -147,6 +147,18 @@ def _steady_walk(
 
 
 @dataclass(frozen=True)
+class Circle:
+    """A circle to the left that is to be walked."""
+
+    radius: float
+    """Radius [m]."""
+    angle: float
+    """Angle of one cycle, twice the delta of its source [rad]."""
+    laps: float = 2.0
+    """Laps after the first few cycles."""
+
+
+@dataclass(frozen=True)
 class CircleWalk:
     """A circle, as S2's table IV has it."""
 
@@ -160,11 +172,9 @@ class CircleWalk:
 def circle_walk(
     robot: Robot,
     gait: Gait,
-    radius: float,
-    angle: float,
+    circle: Circle,
     closed_loop: bool,
     compensation: SlipCompensation = NO_SLIP,
-    laps: float = 2.0,
 ) -> CircleWalk:
     """
     Walk on a circle to the left.
@@ -173,24 +183,20 @@ def circle_walk(
     ----------
     robot, gait
         The robot, and a gait fitted to it.
-    radius : float
-        [m]
-    angle : float
-        Of one cycle, S2's 2 delta [rad].
+    circle : Circle
+        To be walked.
     closed_loop : bool
         Follow the circle; otherwise steer as if there were no slip, and do not look.
     compensation : SlipCompensation
         For the open loop.
-    laps : float
-        How far round, after the first few cycles.
 
     Returns
     -------
     CircleWalk
         What came of it.
     """
-    period = gait.cycle_period
-    speed = radius * angle / period
+    period, radius, laps = gait.cycle_period, circle.radius, circle.laps
+    speed = radius * circle.angle / period
     options = FollowerOptions(largest_speed=speed)
     controller = measuring_controller(
         robot, gait, hold_course=False, compensation=compensation, follower=options
@@ -203,13 +209,13 @@ def circle_walk(
             pieces = circle_pieces(start, radius, 2.0 * math.pi * (laps + 1.0))
             controller.set_plan(Plan((start, pieces[-1].end)), pieces)
         else:
-            controller.set_twist(Twist2D(speed, 0.0, angle / period))
+            controller.set_twist(Twist2D(speed, 0.0, circle.angle / period))
         walk.run(0.5)
         ends = [walk.next_cycle_end() for _ in range(5)]
         first = len(walk.record.times)
         heading = [ends[-1].yaw]
         while abs(heading[-1] - heading[0]) < 2.0 * math.pi * laps:
-            if walk.record.has_fallen or len(heading) > 10.0 * laps / angle:
+            if walk.record.has_fallen or len(heading) > 10.0 * laps / circle.angle:
                 break
             yaw = walk.next_cycle_end().yaw
             heading.append(heading[-1] + math.remainder(yaw - heading[-1], 2.0 * math.pi))

@@ -68,8 +68,6 @@ class LocalisedWalk:
         How odometry drifts and is corrected.
     backend : str
         ``bullet`` or ``kinematic``.
-    time_constant : float
-        Of the filter of corrections [s].
     """
 
     def __init__(
@@ -80,12 +78,11 @@ class LocalisedWalk:
         goal: Pose2D,
         localisation: LocalisationOptions,
         backend: str = 'bullet',
-        time_constant: float = PlannerParameters().correction_time_constant,
     ) -> None:
         grid = load_map(map_file)
         self._goal = goal
         self._localisation = SimulatedLocalisation(localisation)
-        self._frame = MapFrame('map', time_constant)
+        self._frame = MapFrame('map', PlannerParameters().correction_time_constant)
         self._controller = measuring_controller(robot, load_gait('crawl', robot))
         world = world_from_map(grid)
         self._walk = ClosedLoop(robot, self._controller, backend, world, start)

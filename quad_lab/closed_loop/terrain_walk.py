@@ -25,7 +25,7 @@ from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import planner_for
 from quad_sim.engines.simulator import Observation
 from quad_sim.world.terrain import Block, Terrain
-from quad_sim.world.terrain_shapes import boxes
+from quad_sim.world.terrain_shapes import Scatter, boxes
 from quad_sim.world.terrain_spec import TerrainSpec, make_terrain, specs_from_text
 from quad_sim.world.world import Obstacle, World, occupancy_of, world_from_map
 
@@ -186,7 +186,8 @@ def _box_field(robot: Robot, seed: int) -> Course:
             Block(pose, 0.4 * scale, 0.3 * scale, scale * _PLATFORM) for pose in large[_PILLARS:]
         )
         places = tuple((pose.x, pose.y) for pose in (start, goal, *large))
-        low = boxes(level, rng, scale * _LOW, 0.35 * scale, 0.3, places, clear=0.45 * scale)
+        scatter = Scatter(0.35 * scale, 0.3, places, clear=0.45 * scale)
+        low = boxes(level, rng, scale * _LOW, scatter)
         world = replace(world_from_map(None), obstacles=pillars)
         try:
             plan = _planned(robot, _with_blocks(world, level, platforms), bounds, start, goal)
@@ -287,7 +288,13 @@ def walk_course(
         walk.run(_TIMEOUT, lambda: controller.activity.is_terminal)
     finally:
         walk.close()
-    record = walk.record
+    return _outcome(walk, course, contacts, touched[0])
+
+
+def _outcome(
+    walk: ClosedLoop, course: Course, contacts: set[str], touches_large: bool
+) -> TerrainOutcome:
+    controller, record = walk.controller, walk.record
     since = int(np.searchsorted(record.times, _STANDING))
     tilts = np.array(record.tilts[since:])
     arrived = controller.activity is Activity.ARRIVED
@@ -301,7 +308,7 @@ def walk_course(
         largest_tilt=float(tilts.max()),
         least_margin=min(record.margins[since:]),
         contacts=tuple(sorted(contacts)),
-        touches_large=touched[0],
+        touches_large=touches_large,
         off_plan=max(
             distance_to_polyline((pose.x, pose.y), corners) for pose in record.poses[since:]
         ),

@@ -14,6 +14,7 @@ rays from N.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import cv2
 import numpy as np
@@ -68,14 +69,7 @@ class FloorView:
         bounds: Box | None = None,
         largest_height: float = 1.2,
     ) -> None:
-        if not (math.isfinite(resolution) and resolution > 0.0):
-            raise ParameterError('resolution', resolution, 'above 0')
-        if not camera.position[2] > 0.0:
-            raise ParameterError('position', camera.position.tolist(), 'above the floor')
-        if not 0.0 < largest_height < camera.position[2]:
-            raise ParameterError(
-                'largest_height', largest_height, f'between 0 and {camera.position[2]:g}'
-            )
+        _check(camera, resolution, largest_height)
         self.camera = camera
         self.resolution = resolution
         self.largest_height = largest_height
@@ -113,7 +107,15 @@ class FloorView:
         """Distance between points of the plan [m]."""
         self.corner = plan_first * resolution
         """Lower left corner of the plan in the world, shape (2,) [m]."""
+        self.nadir: Array = (camera.position[:2] - self.corner) / self.step
+        """The floor point below the camera: column and row on the plan, shape (2,)."""
         columns, rows = (plan_last - plan_first) * self.parts
+        self.seen, self._table = self._looked_up(int(columns), int(rows))
+        """Points of the plan that are in the picture, shape (rows, columns)."""
+
+    def _looked_up(self, columns: int, rows: int) -> tuple[NDArray[np.bool_], tuple[Any, Any]]:
+        """Find which points of the plan are in the picture, and where; a table for OpenCV."""
+        camera = self.camera
         at = np.indices((rows, columns)).reshape(2, -1)[::-1].T + 0.5
         places = at * self.step + self.corner
         pixels = camera.project(np.column_stack((places, np.zeros(len(places)))))
@@ -127,12 +129,9 @@ class FloorView:
         back = camera.on_plane(pixels[inside])
         inside[inside] = np.linalg.norm(back - places[inside], axis=1) < self.step
         pixels[~inside] = -9.0
-        self.seen = inside.reshape(rows, columns)
-        """Points of the plan that are in the picture, shape (rows, columns)."""
         table = (pixels - 0.5).astype(np.float32).reshape(rows, columns, 2)
-        self._table = cv2.convertMaps(table, None, cv2.CV_16SC2)
-        self.nadir: Array = (camera.position[:2] - self.corner) / self.step
-        """The floor point below the camera: column and row on the plan, shape (2,)."""
+        first, second = cv2.convertMaps(table, None, cv2.CV_16SC2)
+        return inside.reshape(rows, columns), (first, second)
 
     def straighten(self, *layers: Mask) -> tuple[Mask, ...]:
         """
@@ -179,6 +178,18 @@ class FloorView:
             interpolation=cv2.INTER_AREA,
         )
         return fractions / np.float32(255.0)
+
+
+def _check(camera: CameraModel, resolution: float, largest_height: float) -> None:
+    """Raise ParameterError if a camera cannot be used, or a number is not valid."""
+    if not (math.isfinite(resolution) and resolution > 0.0):
+        raise ParameterError('resolution', resolution, 'above 0')
+    if not camera.position[2] > 0.0:
+        raise ParameterError('position', camera.position.tolist(), 'above the floor')
+    if not 0.0 < largest_height < camera.position[2]:
+        raise ParameterError(
+            'largest_height', largest_height, f'between 0 and {camera.position[2]:g}'
+        )
 
 
 def _checked(bounds: Box) -> Box:

@@ -91,57 +91,25 @@ def settle(
     ParameterError
         If something else than :data:`JOINTS` is to be held.
     """
-    for name in held:
-        if name not in JOINTS:
-            raise ParameterError('held', name, f'one of {", ".join(JOINTS)}')
-    client.resetSimulation()
-    client.setGravity(0.0, 0.0, -_GRAVITY)
-    client.setPhysicsEngineParameter(fixedTimeStep=_TIME_STEP, numSolverIterations=_ITERATIONS)
-    with temporary_folder() as folder:
-        path = folder / 'pair.urdf'
-        path.write_text(_urdf(pair), encoding='utf-8')
-        body = client.loadURDF(
-            str(path), useFixedBase=True, flags=client.URDF_USE_INERTIA_FROM_FILE
-        )
-    first = {
-        'hip_x': float(start.hip_i.real),
-        'hip_z': float(start.hip_i.imag),
-        **{name: float(getattr(start, name)) for name in JOINTS[2:]},
-    }
-    number = {
-        client.getJointInfo(body, index)[1].decode(): index
-        for index in range(client.getNumJoints(body))
-    }
+    for name in held.keys() - set(JOINTS):
+        raise ParameterError('held', name, f'one of {", ".join(JOINTS)}')
+    body, number = _loaded(client, pair)
+    first = _joints_in(start)
     for name, value in first.items():
         client.resetJointState(body, number[name], value)
         # Every joint has a motor at first, which holds still: none is left.
         client.setJointMotorControl2(body, number[name], client.VELOCITY_CONTROL, force=0.0)
     points = points_of(pair, start)
-    pins = {'u1_i': (pair.leg_i, points.foot_i), 'u1_j': (pair.leg_j, points.foot_j)}
-    for knee, (leg, foot) in pins.items():
-        # Places in a link count from its center of mass.
-        place = (leg.lower / 2.0, 0.0, 0.0)
-        world = (float(foot.real), 0.0, float(foot.imag))
-        kind = client.JOINT_POINT2POINT
-        pin = client.createConstraint(
-            body, number[knee], -1, -1, kind, (0.0, 0.0, 0.0), place, world
-        )
-        client.changeConstraint(pin, maxForce=_FORCE)
+    _pin(client, body, (number['u1_i'], pair.leg_i.lower), complex(points.foot_i))
+    _pin(client, body, (number['u1_j'], pair.leg_j.lower), complex(points.foot_j))
     ways = {
-        name: (first[name], _way(name, first[name], float(value))) for name, value in held.items()
+        number[name]: (first[name], _way(name, first[name], float(value)))
+        for name, value in held.items()
     }
     speed, steps = np.inf, 0
     while steps * _TIME_STEP < _LONGEST and (steps * _TIME_STEP < _RAMP or speed > _REST):
         steps += 1
-        share = min(steps * _TIME_STEP / _RAMP, 1.0)
-        for name, (begin, way) in ways.items():
-            client.setJointMotorControl2(
-                body,
-                number[name],
-                client.POSITION_CONTROL,
-                targetPosition=begin + way * share * share * (3.0 - 2.0 * share),
-                force=_FORCE,
-            )
+        _drive(client, body, ways, min(steps * _TIME_STEP / _RAMP, 1.0))
         client.stepSimulation()
         states = {name: client.getJointState(body, number[name])[:2] for name in JOINTS}
         speed = max(abs(state[1]) for state in states.values())
@@ -151,6 +119,50 @@ def settle(
     off = max(abs(ends.foot_i - points.foot_i), abs(ends.foot_j - points.foot_j))
     client.resetSimulation()
     return SettledPair(posture, float(off), float(speed), steps * _TIME_STEP)
+
+
+def _joints_in(posture: PairPosture) -> dict[str, float]:
+    """Return the joints' places in a posture by their names [m or rad]."""
+    hip = {'hip_x': float(posture.hip_i.real), 'hip_z': float(posture.hip_i.imag)}
+    return {**hip, **{name: float(getattr(posture, name)) for name in JOINTS[2:]}}
+
+
+def _loaded(client: Any, pair: ActivePair) -> tuple[int, dict[str, int]]:
+    """Put a pair into an empty world; return its body and the numbers of its joints."""
+    client.resetSimulation()
+    client.setGravity(0.0, 0.0, -_GRAVITY)
+    client.setPhysicsEngineParameter(fixedTimeStep=_TIME_STEP, numSolverIterations=_ITERATIONS)
+    with temporary_folder() as folder:
+        path = folder / 'pair.urdf'
+        path.write_text(_urdf(pair), encoding='utf-8')
+        body: int = client.loadURDF(
+            str(path), useFixedBase=True, flags=client.URDF_USE_INERTIA_FROM_FILE
+        )
+    count = client.getNumJoints(body)
+    return body, {client.getJointInfo(body, k)[1].decode(): k for k in range(count)}
+
+
+def _pin(client: Any, body: int, shank: tuple[int, float], foot: complex) -> None:
+    """Pin the end of a shank, given by its number and its length [m], to where a foot is [m]."""
+    number, length = shank
+    # Places in a link count from its center of mass.
+    place = (length / 2.0, 0.0, 0.0)
+    world = (float(foot.real), 0.0, float(foot.imag))
+    kind = client.JOINT_POINT2POINT
+    pin = client.createConstraint(body, number, -1, -1, kind, (0.0, 0.0, 0.0), place, world)
+    client.changeConstraint(pin, maxForce=_FORCE)
+
+
+def _drive(client: Any, body: int, ways: dict[int, tuple[float, float]], part: float) -> None:
+    """Have motors bring joints, by their numbers, along a part of where they are to go."""
+    for number, (begin, way) in ways.items():
+        client.setJointMotorControl2(
+            body,
+            number,
+            client.POSITION_CONTROL,
+            targetPosition=begin + way * part * part * (3.0 - 2.0 * part),
+            force=_FORCE,
+        )
 
 
 def difference(pair: ActivePair, one: PairPosture, other: PairPosture) -> tuple[float, float]:

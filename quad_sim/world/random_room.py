@@ -93,24 +93,14 @@ def random_room(
     """
     rng = np.random.default_rng(seed)
     number = int(rng.integers(FEWEST, MOST + 1)) if count is None else count
-    if number < 0:
-        raise ParameterError('count', number, 'at least 0')
     keep = clearance + 0.1
-    if start is not None and not (
-        keep <= min(start.x, start.y) <= max(start.x, start.y) <= size - keep
-    ):
-        raise ParameterError(
-            'start_pose', [start.x, start.y], f'from {keep:.2f} to {size - keep:.2f} m in x and y'
-        )
+    _check(number, start, size, keep)
     narrowest = 2.0 * clearance + 0.1
     drawn = rng.uniform(narrowest, narrowest + _WIDEST_GAP)
     for attempt in range(_TRIES):
         gap = narrowest + (drawn - narrowest) * (1.0 - attempt / (_TRIES - 1))
         begin = _free_pose(rng, size, keep) if start is None else start
-        goal = _free_pose(rng, size, keep)
-        if begin.distance_to(goal) < 0.5 * size:
-            # Nearer to each other they would make a short walk.
-            goal = _farthest_corner(begin, size, keep, rng)
+        goal = _goal_for(begin, size, keep, rng)
         obstacles = _furnish(rng, number, size, gap, clearance, (begin, goal))
         if obstacles is not None:
             world = World(np.empty((0, 4, 2)), friction=friction, obstacles=obstacles)
@@ -118,9 +108,26 @@ def random_room(
     raise ParameterError(
         'count',
         number,
-        f'smaller: so many obstacles with gaps of {narrowest:.2f} m do not fit into a room of '
-        f'{size:g} m',
+        f'smaller: they do not fit into a room of {size:g} m with gaps of {narrowest:.2f} m',
     )
+
+
+def _check(number: int, start: Pose2D | None, size: float, keep: float) -> None:
+    if number < 0:
+        raise ParameterError('count', number, 'at least 0')
+    if start is None or keep <= min(start.x, start.y) <= max(start.x, start.y) <= size - keep:
+        return
+    raise ParameterError(
+        'start_pose', [start.x, start.y], f'from {keep:.2f} to {size - keep:.2f} m in x and y'
+    )
+
+
+def _goal_for(start: Pose2D, size: float, keep: float, rng: np.random.Generator) -> Pose2D:
+    goal = _free_pose(rng, size, keep)
+    if start.distance_to(goal) < 0.5 * size:
+        # Nearer to each other they would make a short walk.
+        return _farthest_corner(start, size, keep, rng)
+    return goal
 
 
 def _free_pose(rng: np.random.Generator, size: float, keep: float) -> Pose2D:

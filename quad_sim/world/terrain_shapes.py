@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,15 +39,23 @@ _SPREAD = 0.5
 """Standard deviation of the bell with which noise is smoothed, of its length."""
 
 
-def bumps(
-    cells: HeightMap,
-    rng: np.random.Generator,
-    height: float,
-    size: float = 0.4,
-    cover: float = 0.5,
-    level_at: Places = (),
-    clear: float = 0.8,
-) -> HeightMap:
+@dataclass(frozen=True)
+class Scatter:
+    """How things are scattered over the ground."""
+
+    size: float = 0.4
+    """Mean of their diameters, which are from 0.6 to 1.4 of it [m]."""
+    cover: float = 0.25
+    """Part of the ground that they cover at most."""
+    level_at: Places = ()
+    """Places where there are none."""
+    clear: float = 0.8
+    """Radius around those places [m]."""
+    gap: float = 0.05
+    """Least distance between any two of them [m]."""
+
+
+def bumps(cells: HeightMap, rng: np.random.Generator, height: float, scatter: Scatter) -> HeightMap:
     """
     Scatter smooth round bumps.
 
@@ -58,15 +67,8 @@ def bumps(
         Draws places, sizes and heights.
     height : float
         Height of the highest bumps; the lowest have 0.4 of it [m].
-    size : float
-        Diameter of the bumps on the average, from 0.6 to 1.4 of it [m].
-    cover : float
-        Part of the ground that bumps cover at most; they do not overlap, so that about half is
-        what there is place for.
-    level_at : tuple of (float, float)
-        Points around which there are none [m].
-    clear : float
-        Radius around those places [m].
+    scatter : Scatter
+        How they lie. They do not overlap: about half of the ground is what there is place for.
 
     Returns
     -------
@@ -74,7 +76,7 @@ def bumps(
         Heights (1 - (d / radius)^2)^2 at the distance d from a bump's middle; 0 between them.
     """
     heights = np.zeros_like(cells.heights)
-    for x, y, radius, part in _scatter(cells, rng, size, cover, level_at, clear, 0.0, _disc_area):
+    for x, y, radius, part in _places(cells, rng, scatter, _disc_area):
         window, squared = _around(cells, x, y, radius)
         profile = np.maximum(1.0 - squared / radius**2, 0.0) ** 2
         heights[window] += height * part * profile
@@ -204,14 +206,7 @@ def kerb(
 
 
 def boxes(
-    cells: HeightMap,
-    rng: np.random.Generator,
-    height: float,
-    size: float = 0.4,
-    cover: float = 0.25,
-    level_at: Places = (),
-    clear: float = 0.8,
-    gap: float = 0.05,
+    cells: HeightMap, rng: np.random.Generator, height: float, scatter: Scatter
 ) -> tuple[Block, ...]:
     """
     Scatter low boxes.
@@ -224,16 +219,8 @@ def boxes(
         Draws places, headings, sizes and heights.
     height : float
         Height of the highest boxes above the ground at their middle; the lowest have 0.4 of it [m].
-    size : float
-        Diagonal of the boxes on the average, from 0.6 to 1.4 of it [m].
-    cover : float
-        Part of the ground that boxes cover at most.
-    level_at : tuple of (float, float)
-        Points around which there are none [m].
-    clear : float
-        Radius around those places [m].
-    gap : float
-        Least distance between any two boxes [m].
+    scatter : Scatter
+        How they stand; their diagonals are its diameters.
 
     Returns
     -------
@@ -241,7 +228,7 @@ def boxes(
         Boxes with upright sides and level tops.
     """
     placed = []
-    for x, y, radius, part in _scatter(cells, rng, size, cover, level_at, clear, gap, _box_area):
+    for x, y, radius, part in _places(cells, rng, scatter, _box_area):
         yaw, half = rng.uniform(-math.pi, math.pi), rng.uniform(0.5, 0.9)
         top = float(cells.height_at([x, y])) + height * part
         length, width = 2.0 * radius * math.cos(half), 2.0 * radius * math.sin(half)
@@ -258,14 +245,10 @@ def _box_area(radius: float) -> float:
     return 2.0 * radius**2
 
 
-def _scatter(
+def _places(
     cells: HeightMap,
     rng: np.random.Generator,
-    size: float,
-    cover: float,
-    level_at: Places,
-    clear: float,
-    gap: float,
+    scatter: Scatter,
     area: Callable[[float], float],
 ) -> list[tuple[float, float, float, float]]:
     """
@@ -277,20 +260,20 @@ def _scatter(
         x, y and radius [m], and a part of the height, from 0.4 to 1.
     """
     x_min, y_min, x_max, y_max = cells.bounds
-    wanted = cover * (x_max - x_min) * (y_max - y_min)
-    tries = _TRIES * math.ceil(wanted / area(size / 2.0))
-    kept = np.array([(x, y, clear) for x, y in level_at]).reshape(-1, 3)
+    wanted = scatter.cover * (x_max - x_min) * (y_max - y_min)
+    tries = _TRIES * math.ceil(wanted / area(scatter.size / 2.0))
+    kept = np.array([(x, y, scatter.clear) for x, y in scatter.level_at]).reshape(-1, 3)
     found: list[tuple[float, float, float, float]] = []
     taken = np.empty((tries + len(kept), 3))
     taken[: len(kept)] = kept
     count, covered = len(kept), 0.0
     for u, v, s, h in rng.random((tries, 4)):
-        radius = 0.5 * size * (_SIZES[0] + s * (_SIZES[1] - _SIZES[0]))
+        radius = 0.5 * scatter.size * (_SIZES[0] + s * (_SIZES[1] - _SIZES[0]))
         x, y = x_min + u * (x_max - x_min), y_min + v * (y_max - y_min)
         others = taken[:count]
         apart = np.hypot(others[:, 0] - x, others[:, 1] - y) - others[:, 2] - radius
         inside = radius <= min(x - x_min, x_max - x, y - y_min, y_max - y)
-        if covered + area(radius) <= wanted and inside and (apart >= gap).all():
+        if covered + area(radius) <= wanted and inside and (apart >= scatter.gap).all():
             taken[count] = x, y, radius
             count, covered = count + 1, covered + area(radius)
             found.append((float(x), float(y), float(radius), float(_LEAST + h * (1.0 - _LEAST))))

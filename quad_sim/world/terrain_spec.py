@@ -174,14 +174,8 @@ def make_terrain(
         if spec.kind == 'kerb':
             blocks.append(shapes.kerb(level, start, spec.height, spec.length, spec.clear))
         elif spec.kind == 'boxes':
-            blocks += shapes.boxes(
-                field,
-                _rng(spec),
-                spec.height,
-                spec.size,
-                level_at=level_at,
-                clear=spec.clear,
-            )
+            scatter = shapes.Scatter(spec.size, level_at=level_at, clear=spec.clear)
+            blocks += shapes.boxes(field, _rng(spec), spec.height, scatter)
     return Terrain(field, tuple(blocks))
 
 
@@ -190,9 +184,8 @@ def _field(
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     """Return the heights that a part adds to the field, shape (rows, columns) [m]."""
     if spec.kind == 'bumps':
-        made = shapes.bumps(
-            level, _rng(spec), spec.height, spec.size, level_at=level_at, clear=spec.clear
-        )
+        scatter = shapes.Scatter(spec.size, 0.5, level_at, spec.clear, gap=0.0)
+        made = shapes.bumps(level, _rng(spec), spec.height, scatter)
     elif spec.kind == 'noise':
         made = shapes.noise(level, _rng(spec), spec.height, spec.size, level_at, spec.clear)
     elif spec.kind == 'slope':

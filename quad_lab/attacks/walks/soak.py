@@ -60,44 +60,39 @@ def soak(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dic
     """
     duration = QUICK_DURATION if quick else DURATION
     goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed)
-    missed: list[str] = []
-    reached = 0
+    reached, missed = 0, list[str]()
     memory: list[tuple[float, dict[str, float]]] = []
     said_at = time.monotonic()
     with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
-        # Without physics: it is the nodes that are soaked, and they know no difference. As fast as
-        # possible, a message is on its way for a good part of a simulated second.
+        # As fast as possible, a message is on its way for a good part of a simulated second.
         start_nodes(stage, 'kinematic', rate=0.0, lead_time=2.0)
         while (stage.listener.time < duration or reached < _FEWEST) and len(missed) < _MOST_MISSED:
             goal = goals.draw(stage.pose or START, 0.3, 0.6 if quick else 5.0)
             try:
                 stage.walk_to(goal, 900.0)
                 reached += 1
-            except NotSeen as error:
+            except (NotSeen, NodeDied) as error:
                 missed.append(str(error))
-            except NodeDied as error:
-                missed.append(str(error))
-                break
+                if isinstance(error, NodeDied):
+                    break
             memory.append((stage.listener.time, stage.memory()))
             if time.monotonic() - said_at > _LINE_EVERY:
                 said_at = time.monotonic()
                 hours = stage.listener.time / 3600.0
-                console.print(
-                    f'{hours:.2f} h simulated, {reached} goals, {memory[-1][1]}', highlight=False
-                )
-        counts, simulated = dict(stage.listener.counts), stage.listener.time
-        examples = dict(stage.listener.examples)
+                line = f'{hours:.2f} h simulated, {reached} goals, {memory[-1][1]}'
+                console.print(line, highlight=False)
+        simulated = stage.listener.time
+        counts, examples = dict(stage.listener.counts), dict(stage.listener.examples)
         tracebacks = stage.tracebacks()
     # Nodes that have just begun still load what they need.
     grown = growth_since(memory, 0.0 if quick else _WARM_UP)
-    largest = max(grown.values(), default=None)
+    what, largest = 'largest growth of memory', max(grown.values(), default=None)
     bars = [
         figure('simulated', simulated / 3600.0, 'h'),
         *bars_of(reached, len(missed), counts, len(tracebacks)),
-        figure('largest growth of memory', largest, 'fraction')
-        if quick
-        else at_most('largest growth of memory', largest, 'fraction', LARGEST_GROWTH),
-    ]
+        figure(what, largest, 'fraction') if quick
+        else at_most(what, largest, 'fraction', LARGEST_GROWTH),
+    ]  # fmt: skip
     return bars, {
         'growth': grown,
         'memory': memory,

@@ -88,16 +88,7 @@ def walking_bars(
         name: np.array([float(pace.cycles(r.start, r.plans[name])) for r in requests])
         for name in _METHODS
     }
-    table = Table('method', 'mean length [m]', 'mean walking time [s]', 'saved over mesh [%]')
-    for name in _METHODS:
-        lengths = [request.plans[name].length for request in requests]
-        table.add_row(
-            name,
-            f'{np.mean(lengths):.1f}',
-            f'{pace.cycle_period * cycles[name].mean():.0f}',
-            f'{100.0 * _saved(cycles["mesh"], cycles[name]).mean():.1f}',
-        )
-    console.print(table)
+    console.print(_table(requests, cycles, pace.cycle_period))
     jobs = [(name, request) for request in requests for name in _WALKED]
     with worker_pool() as pool:
         walked = list(pool.map(_walk, *zip(*((r.start, r.plans[name]) for name, r in jobs))))
@@ -120,6 +111,19 @@ def walking_bars(
         ],
     }
     return bars, details
+
+
+def _table(requests: list[_Request], cycles: dict[str, Array], cycle_period: float) -> Table:
+    table = Table('method', 'mean length [m]', 'mean walking time [s]', 'saved over mesh [%]')
+    for name in _METHODS:
+        lengths = [request.plans[name].length for request in requests]
+        table.add_row(
+            name,
+            f'{np.mean(lengths):.1f}',
+            f'{cycle_period * cycles[name].mean():.0f}',
+            f'{100.0 * _saved(cycles["mesh"], cycles[name]).mean():.1f}',
+        )
+    return table
 
 
 def _bars(

@@ -151,7 +151,7 @@ def test_nothing_is_higher_than_was_asked_for_and_something_nearly_is(kind, heig
 
 def test_bumps_are_smooth_round_and_apart():
     level = HeightMap.level(BOUNDS, 0.02)
-    made = shapes.bumps(level, np.random.default_rng(0), 0.04, 0.4)
+    made = shapes.bumps(level, np.random.default_rng(0), 0.04, shapes.Scatter(0.4, 0.5, gap=0.0))
     # (1 - u^2)^2 over a radius of 0.12 m is steepest at u^2 = 1/3: 8 / (3 sqrt 3) h / r.
     slopes = np.hypot(*np.moveaxis(made.slope_at(points_in(BOUNDS)), -1, 0))
     assert slopes.max() < 1.54 * 0.04 / 0.12
