@@ -228,7 +228,11 @@ def _watch(
 
 def _wait_until_ready(observer: WalkObserver, nodes: NodeProcesses) -> None:
     deadline = time.monotonic() + START_TIMEOUT
-    while not (observer.planner_is_ready() and observer.activity is Activity.STANDING):
+    while not (
+        observer.planner_is_ready()
+        and observer.has_found_gait()
+        and observer.activity is Activity.STANDING
+    ):
         observer.listen(0.05)
         nodes.check()
         if time.monotonic() > deadline:

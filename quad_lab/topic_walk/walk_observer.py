@@ -122,6 +122,10 @@ class WalkObserver:
         message = self.statuses.get('planner_node', (b'', '', {}))[1]
         return message.startswith(('ready', 'plan')) and self._goals.get_subscription_count() > 0
 
+    def has_found_gait(self) -> bool:
+        """Return whether the gait node's footholds are received, from the first ones on."""
+        return self._node.count_publishers('footholds') > 0
+
     def give_goal(self) -> None:
         """Publish the goal, and take notes from now on."""
         message = PoseStamped(pose=pose_message(self.record.goal))
