@@ -124,7 +124,7 @@ class WalkObserver:
 
     def has_found_gait(self) -> bool:
         """Return whether the gait node's footholds are received, from the first ones on."""
-        return self._node.count_publishers('footholds') > 0
+        return bool(self._node.count_publishers('footholds'))
 
     def give_goal(self) -> None:
         """Publish the goal, and take notes from now on."""
