@@ -26,7 +26,7 @@ GUARDS = (
     GuardRow(
         Frozen,
         'the emergency stop is on, or was released and the robot not asked to stand',
-        frozenset({Activity.EMERGENCY_STOP, Activity.STOPPED}),
+        frozenset({Activity.EMERGENCY_STOP, Activity.STOPPED, Activity.STANDING}),
     ),
     GuardRow(
         Lame,

@@ -56,7 +56,9 @@ class Frozen(Guard):
         if isinstance(wish, Stand):
             if self._is_on:
                 raise EmergencyStopOn()
-            self._waits_for_stand = False
+            if self._waits_for_stand:
+                self._waits_for_stand = False
+                self._report.say(Activity.STANDING, self._guidance.why_standing)
         elif isinstance(wish, Sit) and self._waits_for_stand:
             raise RobotStaysStill(self.refusal)
         return ''

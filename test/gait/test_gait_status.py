@@ -1,0 +1,153 @@
+"""What gait_node reports, and whether it misses its planner."""
+
+import pytest
+from told_supervisor import ToldSupervisor, measurement
+
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot_file import load_robot
+from quad_common.status import Level
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.options import SupervisorOptions
+from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.gait_status import GaitStatus
+from quad_gait.parameters import GaitParameters
+from quad_gait.planner_watch import PlannerWatch
+from quad_gait.supervisor import Supervisor
+
+ROBOT = load_robot('titan_viii')
+ORIGIN = Pose2D(0.0, 0.0, 0.0)
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+# The planner
+
+
+def test_a_planner_without_a_heartbeat_is_not_missed(clock):
+    watch = PlannerWatch(3.0, clock)
+    clock.now = 100.0
+    assert watch.problem == ''
+
+
+def test_a_planner_is_missed_until_it_lives_again_or_another_plan_comes(clock):
+    watch = PlannerWatch(3.0, clock)
+    watch.take_heartbeat()
+    clock.now = 3.0
+    assert watch.problem == ''
+    clock.now = 3.1
+    assert 'no heartbeat of the planner for 3 s' in watch.problem
+    watch.take_heartbeat()
+    assert watch.problem == ''
+    clock.now = 7.0
+    watch.take_plan()
+    assert watch.problem == ''
+
+
+def test_a_plan_of_a_living_planner_leaves_it_watched(clock):
+    watch = PlannerWatch(3.0, clock)
+    watch.take_heartbeat()
+    watch.take_plan()
+    clock.now = 4.0
+    assert watch.problem
+
+
+def test_a_planner_that_is_not_watched_is_never_missed(clock):
+    watch = PlannerWatch(0.0, clock)
+    watch.take_heartbeat()
+    clock.now = 1e6
+    assert watch.problem == ''
+
+
+# The status
+
+
+class Robot:
+    def __init__(self, clock):
+        gait = load_gait('crawl', ROBOT)
+        self.supervisor = ToldSupervisor(
+            ROBOT, gait, turning_gait_for(gait, ROBOT), SupervisorOptions()
+        )
+        estimator = self.supervisor.estimator
+        self.status = GaitStatus(self.supervisor, estimator, GaitParameters(), clock)
+
+    def said(self, clock_problem=None, old_correction=''):
+        return self.status.status(clock_problem, old_correction)
+
+
+@pytest.fixture
+def robot(clock):
+    return Robot(clock)
+
+
+def test_a_clock_that_stands_still_is_said_first(robot):
+    status = robot.said('no clock')
+    assert (status.level, status.message) == (Level.STALE, 'no clock')
+
+
+def test_odometry_that_is_missing_or_stands_still_is_said(robot, clock):
+    assert "no odometry: waiting for it on 'odom'" in robot.said().message
+    robot.status.take_odometry(is_new=True)
+    assert 'odometry' not in robot.said().message
+    clock.now = 1.1
+    assert robot.said().message.startswith('no odometry')
+    robot.status.take_odometry(is_new=False)
+    assert robot.said().message.startswith('stale odometry')
+
+
+def test_what_the_robot_does_is_said_with_its_level_and_values(robot):
+    robot.status.take_odometry(is_new=True)
+    robot.supervisor.update(measurement(ROBOT, 1.0))
+    status = robot.said()
+    assert (status.level, status.message) == (Level.OK, 'standing: no plan to follow')
+    assert status.values['activity'] == Activity.STANDING.value
+    robot.supervisor.update(measurement(ROBOT, 1.1, tilt=1.0))
+    assert robot.said().level is Level.ERROR
+    assert robot.said().message.startswith('fallen: ')
+
+
+def test_notes_make_a_warning(robot):
+    robot.status.take_odometry(is_new=True)
+    robot.supervisor.update(measurement(ROBOT, 1.0))
+    status = robot.said(old_correction='the last correction is 9 s old')
+    assert status.level is Level.WARN
+    assert status.message.endswith('; the last correction is 9 s old')
+
+
+def test_a_change_is_told_once(robot):
+    robot.supervisor.update(measurement(ROBOT, 1.0))
+    assert robot.status.has_changed(ORIGIN)
+    robot.supervisor.update(measurement(ROBOT, 1.1))
+    assert not robot.status.has_changed(ORIGIN)
+    robot.supervisor.update(measurement(ROBOT, 1.2, tilt=1.0))
+    assert robot.status.has_changed(ORIGIN)
+
+
+# Made of parameters
+
+
+@pytest.mark.parametrize('ground', ['flat', 'uneven'])
+def test_a_supervisor_is_made_of_the_nodes_parameters(ground):
+    parameters = GaitParameters(ground=ground, settle_time=0.35, cmd_vel_timeout=2.0)
+    supervisor = Supervisor.from_parameters(parameters, ROBOT)
+    assert supervisor.gait.name == 'crawl'
+    options = parameters.supervisor_options
+    assert (options.settle_time, options.twist_timeout) == (0.35, 2.0)
+    assert (options.uneven is None) == (ground == 'flat')
+
+
+def test_leg_odometry_starts_at_its_origin_where_it_is_the_robots_pose():
+    assert GaitParameters(odom_topic='odom/legs').estimator_options.starts_at_origin
+    assert GaitParameters(leg_odometry_start='origin').estimator_options.starts_at_origin
+    assert not GaitParameters().estimator_options.starts_at_origin
