@@ -176,7 +176,7 @@ class Supervisor:
             self._routine.forget()
             self._joints.forget()
         self._last = state
-        if self.activity is not Activity.EMERGENCY_STOP:
+        if self._report.activity is not Activity.EMERGENCY_STOP:
             self._joints.watch(state)
         for guard in self._guards:
             outcome = guard.update(state)
@@ -184,14 +184,11 @@ class Supervisor:
                 break
         else:
             outcome = self._routine.update(state)
-        return self._given(outcome.trajectory, state)
+        trajectory = outcome.trajectory
+        return None if trajectory is None else self._given(trajectory, state)
 
-    def _given(
-        self, trajectory: JointTrajectory | None, state: RobotState
-    ) -> JointTrajectory | None:
+    def _given(self, trajectory: JointTrajectory, state: RobotState) -> JointTrajectory | None:
         """Let a trajectory through the last gate; what does not pass stops the robot."""
-        if trajectory is None:
-            return None
         try:
             self._joints.give(trajectory, state)
         except TrajectoryError as error:
@@ -301,4 +298,4 @@ class Supervisor:
         if self._last is None:
             return None
         hold = next(guard.hold(self._last) for guard in self._guards if isinstance(guard, Frozen))
-        return self._given(hold, self._last)
+        return None if hold is None else self._given(hold, self._last)

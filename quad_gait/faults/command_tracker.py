@@ -161,9 +161,11 @@ class CommandTracker:
             found = self._explain(time, positions, strictness)
             if found is not None:
                 return found
-        return self._explain(time, positions, np.zeros_like(positions))
+        return self._explain(time, positions, 0.0)
 
-    def _explain(self, time: float, positions: Array, strictness: Array) -> Explanation | None:
+    def _explain(
+        self, time: float, positions: Array, strictness: Array | float
+    ) -> Explanation | None:
         """Find the command that fits, with joints that may be off by less than usual."""
         begun = [c for c in self._candidates if c.path.given <= time and c.path.begin <= time]
         for candidate in reversed(begun):
@@ -220,7 +222,7 @@ class CommandTracker:
         return goes_on
 
     def _search(
-        self, begun: list[Candidate], time: float, positions: Array, strictness: Array
+        self, begun: list[Candidate], time: float, positions: Array, strictness: Array | float
     ) -> Explanation | None:
         """Look at all that may be followed, with delays and on the way into each other."""
         blocks = [(candidate, *candidate.rows(time, self._options.age)) for candidate in begun]

@@ -83,6 +83,8 @@ class JointFaultDetector:
         self._options = FaultDetectorOptions() if options is None else options
         self._largest = robot.effort.reshape(-1)
         self._fastest = np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
+        # Faster than any drive.
+        self._leap = 4.0 * self._fastest
         self._tracker = CommandTracker(self._options.tracker)
         self.forget()
 
@@ -142,7 +144,7 @@ class JointFaultDetector:
             return None
         self._last = (time, positions)
         moved = positions - last[1]
-        if (np.abs(moved) > 4.0 * self._fastest * dt + self._options.jump).any():
+        if (np.abs(moved) > self._leap * dt + self._options.jump).any():
             # No drive moves like that: the robot was put somewhere else, as by a reset.
             self.forget()
             self._last = (time, positions)
@@ -163,14 +165,14 @@ class JointFaultDetector:
             return None
         return self._suspected(found, time, positions, moved / dt, step, efforts)
 
-    def _strictness(self, efforts: Array | None, step: float) -> Array:
+    def _strictness(self, efforts: Array | None, step: float) -> Array | None:
         """Return by how much less joints may be off whose motors give no torque, (12,) [rad]."""
         options = self._options
         if efforts is None or not efforts.any():
             self._slack_for[:] = 0.0
-        else:
-            is_slack = np.abs(efforts) < options.slack * self._largest
-            self._slack_for = np.where(is_slack, self._slack_for + step, 0.0)
+            return None
+        is_slack = np.abs(efforts) < options.slack * self._largest
+        self._slack_for = np.where(is_slack, self._slack_for + step, 0.0)
         less = max(0.0, options.tracker.tolerance - options.slack_tolerance)
         strictness: Array = np.where(self._slack_for >= options.slack_time - 1e-9, less, 0.0)
         return strictness

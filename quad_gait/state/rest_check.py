@@ -75,12 +75,12 @@ class RestCheck:
         velocities : ndarray, shape (12,), or None
             As measured last [rad/s]; None if they are not measured.
         """
-        if velocities is None or bool(np.all(np.abs(velocities) < self._rest_speed)):
+        if velocities is None or bool((np.abs(velocities) < self._rest_speed).all()):
             return True
         seen = self._seen
         if len(seen) < _LEAST_COUNT or seen[-1][0] - seen[0][0] < _WINDOW - 1e-9:
             return False
-        return bool(np.all(self._ways() < self._rest_speed * _WINDOW))
+        return bool((self._ways() < self._rest_speed * _WINDOW).all())
 
     def what_moves(self, velocities: Array | None) -> str:
         """Say which joint moves most, with its numbers, as measured last [rad/s]."""

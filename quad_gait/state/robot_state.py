@@ -4,9 +4,8 @@ What the gait knows of the robot at one instant: what was measured, and what fol
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,20 +40,14 @@ class RobotState(Measurement):
     @classmethod
     def of(cls, measurement: Measurement, robot: Robot, rest: RestCheck) -> RobotState:
         """Return the state that a measurement tells of."""
-        return cls._with(measurement.__dict__, {'robot': robot, 'rest': rest})
+        # A frozen dataclass sets its fields one by one: that takes as long as a whole decision.
+        state = cls.__new__(cls)
+        state.__dict__.update(measurement.__dict__, robot=robot, rest=rest)
+        return state
 
     def placed(self, pose: Pose2D, odometry: Pose2D) -> RobotState:
         """Return this state at another pose on the map, and by odometry."""
-        measured = {name: self.__dict__[name] for name in self.__dataclass_fields__}
-        return self._with(measured, {'pose': pose, 'odometry': odometry})
-
-    @classmethod
-    def _with(cls, *values: dict[str, Any]) -> RobotState:
-        # A frozen dataclass sets its fields one by one: that takes as long as a whole decision.
-        state = cls.__new__(cls)
-        for part in values:
-            state.__dict__.update(part)
-        return state
+        return replace(self, pose=pose, odometry=odometry)
 
     @property
     def has_joints(self) -> bool:
