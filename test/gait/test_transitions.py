@@ -3,6 +3,7 @@
 from collections import Counter
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from told_supervisor import ToldSupervisor
@@ -274,3 +275,29 @@ def test_what_is_refused_is_said_with_the_reason_of_the_most_urgent_guard(wish):
     walk.supervisor.freeze()
     getattr(walk.supervisor, wish)(argument)
     assert walk.supervisor.limit.endswith('the emergency stop is on')
+
+
+# The page
+
+
+def rows_of_the_page():
+    text = (Path(__file__).parents[2] / 'docs' / 'architecture.md').read_text(encoding='utf-8')
+    section = text.split('## Inside the gait')[1].split('\n### ')[0]
+    return [line for line in section.splitlines() if line.startswith('| `')]
+
+
+def test_the_page_has_the_table_of_the_code():
+    def words(activities):
+        return ', '.join(sorted(activity.value for activity in activities))
+
+    expected = [f'| `{r.guard.__name__}` | {r.acts_when} | ' for r in GUARDS]
+    page = rows_of_the_page()
+    assert [line[: len(start)] for line, start in zip(page, expected)] == expected
+    for line, row in zip(page, GUARDS):
+        assert set(line.split(' | ')[2].removesuffix(' |').split(', ')) == {
+            activity.value for activity in row.says
+        }
+    assert page[len(GUARDS) :] == [
+        f'| `{r.behaviour.__name__}` | {words(r.says)} | {words(r.hands_over_to)} |'
+        for r in ROUTINE
+    ]
