@@ -76,6 +76,31 @@ def quantity_argument(name: str, quantity: Quantity) -> Callable[[str], float]:
     return read
 
 
+def add_parameter(
+    parser: argparse.ArgumentParser, table: type, name: str, description: str
+) -> None:
+    """
+    Declare an argument for a node's parameter, with its default and its range.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of the command.
+    table : type
+        Parameters of the node.
+    name : str
+        Name of the parameter; the argument has hyphens in place of its underscores.
+    description : str
+        Help text.
+    """
+    parser.add_argument(
+        f'--{name.replace("_", "-")}',
+        type=parameter_argument(table, name),
+        default=getattr(table(), name),
+        help=description,
+    )
+
+
 def parameter_argument(table: type, name: str) -> Callable[[str], float]:
     """Make a reader of a node's parameter, with the range that the node's table gives it."""
     parameter = next(item for item in parameters_of(table) if item.name == name)

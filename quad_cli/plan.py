@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from quad_cli.arguments import (
+    add_parameter,
     drawing_argument,
     input_argument,
     map_argument,
-    parameter_argument,
     pose_argument,
 )
 from quad_common.errors import ParameterError, PlannerError
@@ -65,17 +65,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=None,
         help='height map file of the ground under the map',
     )
-    parser.add_argument(
-        '--step-height',
-        type=parameter_argument(PlannerParameters, 'step_height'),
-        default=PlannerParameters().step_height,
-        help="height of steps above which they are walked around; 0: the robot's own [m]",
+    add_parameter(
+        parser,
+        PlannerParameters,
+        'step_height',
+        "height of steps above which they are walked around; 0: the robot's own [m]",
     )
-    parser.add_argument(
-        '--largest-slope',
-        type=parameter_argument(PlannerParameters, 'largest_slope'),
-        default=PlannerParameters().largest_slope,
-        help='slope above which ground is walked around [rad]',
+    add_parameter(
+        parser,
+        PlannerParameters,
+        'largest_slope',
+        'slope above which ground is walked around [rad]',
     )
     parser.add_argument(
         '--low-obstacles',
@@ -94,11 +94,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=PlannerParameters().gait,
         help='gait whose cycles are counted: crawl, wave, trot',
     )
-    parser.add_argument(
-        '--safety-distance',
-        type=parameter_argument(PlannerParameters, 'safety_distance'),
-        default=PlannerParameters().safety_distance,
-        help='distance kept free around the feet [m]',
+    add_parameter(
+        parser, PlannerParameters, 'safety_distance', 'distance kept free around the feet [m]'
     )
     parser.add_argument(
         '--picture', type=drawing_argument, default=None, help='picture of the plans to write'
@@ -125,11 +122,11 @@ def _add_method_arguments(parser: argparse.ArgumentParser) -> None:
         default=PlannerParameters().potential,
         help="potential that 'potential' descends",
     )
-    parser.add_argument(
-        '--path-deviation',
-        type=parameter_argument(PlannerParameters, 'path_deviation'),
-        default=PlannerParameters().path_deviation,
-        help="how far a path of 'potential' may be from the descent [m]",
+    add_parameter(
+        parser,
+        PlannerParameters,
+        'path_deviation',
+        "how far a path of 'potential' may be from the descent [m]",
     )
 
 
