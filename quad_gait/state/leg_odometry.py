@@ -23,16 +23,16 @@ from quad_common.rotations import matrix_from_unit_quaternion
 Array = NDArray[np.float64]
 
 CONTACT_HEIGHT = 0.01
-"""A foot no higher above the lowest than this share of the hips' height is on the ground."""
+"""A foot no higher above the lowest than this fraction of the hips' height is on the ground."""
 
 LARGEST_ANGLE = 20.0
 """Angle of a joint, however its turns are counted [rad]."""
 
 LONGEST_STEP = 0.5
-"""Between updates; after a longer silence nothing is known of what happened meanwhile [s]."""
+"""Time between updates after which nothing is known of what happened meanwhile [s]."""
 
 LONGEST_HOLD = 0.1
-"""How long the last velocity is trusted while no foot tells [s]."""
+"""Time for which the last velocity is trusted while no foot tells [s]."""
 
 SLIP = 0.02
 """Standard deviation of the way after the first metre [m]; it grows with the root."""
@@ -195,8 +195,12 @@ class LegOdometry:
             if before is None or now.time != before.time:
                 self._twist = (0.0, 0.0, 0.0)
             self._time_without_feet = self._time_without_heading = 0.0
-            return self._pose
+        else:
+            self._move_on(before, now)
+        return self._pose
 
+    def _move_on(self, before: _Sample, now: _Sample) -> None:
+        """Move the body by what the feet that stand, and the heading, tell of the time between."""
         dt = now.time - before.time
         standing = before.in_contact & now.in_contact
         rolled = self._rolled(before, now)
@@ -216,7 +220,6 @@ class LegOdometry:
             is_held = self._time_without_feet <= LONGEST_HOLD
             velocity = self._twist[:2] if is_held else (0.0, 0.0)
         self._twist = (*velocity, turn / dt)
-        return self._pose
 
     def _sample(
         self,

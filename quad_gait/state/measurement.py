@@ -19,27 +19,27 @@ class Measurement:
     """What is known of the robot at one instant."""
 
     time: float
-    """[s]"""
+    """Time of the measurement [s]."""
     pose: Pose2D
-    """base_link in the plan's frame; leaps when a localiser corrects odometry."""
+    """Pose of base_link in the plan's frame; leaps when a localiser corrects odometry."""
     tilt: float
-    """Between the body's z axis and the vertical [rad]."""
+    """Angle between the body's z axis and the vertical [rad]."""
     joint_positions: Array | None
-    """Shape (12,) [rad]; None before the first were heard of."""
+    """Positions of the joints, shape (12,) [rad]; None before the first were received."""
     joint_velocities: Array | None
-    """Shape (12,) [rad/s]."""
+    """Velocities of the joints, shape (12,) [rad/s]; None where they are not measured."""
     orientation: Array | None = None
-    """Of the body, quaternion xyzw, shape (4,); None: level."""
+    """Attitude of the body, quaternion xyzw, shape (4,); None: level."""
     joint_efforts: Array | None = None
     """Torques of the motors, shape (12,) [N m]; None where they do not tell."""
     joint_time: float | None = None
-    """When the joints were measured [s]; None: at ``time``."""
+    """Time at which the joints were measured [s]; None: ``time``."""
     problem: str = ''
     """What is missing for a walk, as a sentence; empty if nothing is."""
     was_moved: bool = False
     """Whether something else has moved the robot since the last one, as a reset does."""
     odometry: Pose2D | None = None
-    """base_link in odometry's own frame, without leaps; None: odometry is in the plan's frame."""
+    """Pose of base_link in odometry's own frame, without leaps; None: that is the plan's frame."""
 
     @property
     def motion_pose(self) -> Pose2D:

@@ -45,7 +45,7 @@ _BODY_SPEED, _BODY_NOISE = 5.0, 0.15
 """Speed of the body [m/s], and distance by which two readings may differ at any rate [m]."""
 
 _TURN_SPEED, _TURN_NOISE = 20.0, 0.3
-"""Likewise of its attitude [rad/s], [rad]."""
+"""Speed with which it turns [rad/s], and angle by which two readings may differ anyway [rad]."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,13 @@ class JointReadings(NamedTuple):
     """What was read of the robot's joints, each of shape (12,) in the robot's order."""
 
     positions: Array
-    """[rad]"""
+    """Positions [rad]."""
     velocities: Array | None
-    """[rad/s]; None if they are not given."""
+    """Velocities [rad/s]; None if they are not given."""
     efforts: Array | None
-    """[N m]; None if they are not given."""
+    """Efforts [N m]; None if they are not given."""
     time: float | None = None
-    """When they were measured [s]; None if the message has no stamp."""
+    """Time at which they were measured [s]; None if the message has no stamp."""
 
 
 class SensorInputs:

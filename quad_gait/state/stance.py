@@ -25,15 +25,15 @@ class Stance:
     """What is known of a robot at one instant."""
 
     time: float
-    """[s]"""
+    """Time at which it was measured [s]."""
     body: BodyPose
-    """x, y and yaw in the plan's frame; z is measured from base_link, so it is 0 here."""
+    """Its pose; x, y and yaw in the plan's frame, z from base_link, so it is 0 here."""
     feet: Array
-    """Their centers in the same frame, shape (4, 3) [m]."""
+    """Centers of the feet in the same frame, shape (4, 3) [m]."""
     joint_positions: Array
-    """Shape (4, 3) [rad]."""
+    """Positions of the joints, shape (4, 3) [rad]."""
     find_loads: Callable[[], Array | None]
-    """Finds :attr:`loads`, when they are asked for: it takes longer than all the rest."""
+    """Function that finds :attr:`loads` when they are asked for: it takes longer than the rest."""
 
     @cached_property
     def loads(self) -> Array | None:

@@ -50,7 +50,7 @@ class Robot:
         self.said: list[tuple[bytes, str]] = []
         self._callbacks = {s.topic_name.lstrip('/'): s.callback for s in node.subscriptions}
         self._rng = np.random.default_rng(0)
-        node._trajectories.publish = lambda message: self.simulation.accept(
+        node._topics._trajectories.publish = lambda message: self.simulation.accept(
             trajectory_from_message(message)
         )
         node.report = lambda level, message, **_: self.said.append((level, message))
@@ -131,7 +131,7 @@ def test_a_silent_imu_is_said_while_odometry_takes_its_place(make, ground, twist
 
 def test_odometry_by_legs_turns_with_the_feet_when_the_imu_falls_silent(make):
     robot = make()
-    odometry = robot.node._odometry
+    odometry = robot.node._estimator.leg_odometry
     robot.run(0.5)
     start = odometry.pose.yaw - robot.yaw
     robot.run(6.0, TURN)
