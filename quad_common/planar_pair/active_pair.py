@@ -76,6 +76,18 @@ _RIGID = 1e-9
 """By how much hips may be off the body's length, as a share of it: rounding of the caller's."""
 
 
+_KNEE_HELD = TriangleWords(
+    'hip i and foot j',
+    'body and leg j with its knee as held reach',
+    'foot j is at hip i or at hip j',
+)
+_HIP_HELD = TriangleWords(
+    'hip i and foot j',
+    'body and leg j with its hip as held reach',
+    'foot j or knee j is at hip i',
+)
+
+
 def with_knee_held(
     pair: ActivePair,
     hip_i: ArrayLike,
@@ -128,11 +140,7 @@ def with_knee_held(
         squared_length(G_j - R_i),
         sign_of(branch, 'branch') * np.sign(pair.span),
         _before(previous, 'u2_j'),
-        TriangleWords(
-            'hip i and foot j',
-            'body and leg j with its knee as held reach',
-            'foot j is at hip i or at hip j',
-        ),
+        _KNEE_HELD,
     )
     return _pair_on_leg_j(pair, R_i, G_i, G_j, AB, u1, u2, knee_i, previous)
 
@@ -192,11 +200,7 @@ def with_hip_held(
         squared_length(G_j - R_i),
         sign_of(branch, 'branch') * np.sign(pair.span),
         _before(previous, 'u1_j'),
-        TriangleWords(
-            'hip i and foot j',
-            'body and leg j with its hip as held reach',
-            'foot j or knee j is at hip i',
-        ),
+        _HIP_HELD,
     )
     AB = pair.leg_j.upper * upper + lower
     return _pair_on_leg_j(pair, R_i, G_i, G_j, AB, u1, u2, knee_i, previous)

@@ -46,6 +46,26 @@ class FootPaths(NamedTuple):
     """Centers in the ground frame, shape (..., n, 4, 3) [m]."""
 
 
+def rolled_paths(
+    robot: Robot, schedule: Schedule, footholds: Footholds, course: BodyCourse
+) -> FootPaths:
+    """
+    Move each foot from its start to its target, rolling over the ground while it stands.
+
+    Parameters
+    ----------
+    robot, schedule, footholds, course
+        As for :func:`rolling_of`.
+
+    Returns
+    -------
+    FootPaths
+        The feet in the body frame and in the ground frame.
+    """
+    rolling = rolling_of(robot, schedule, footholds, course)
+    return foot_paths(schedule, robot.standing_height, footholds, course, rolling)
+
+
 def rolling_of(
     robot: Robot, schedule: Schedule, footholds: Footholds, course: BodyCourse
 ) -> Rolling | None:

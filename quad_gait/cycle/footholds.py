@@ -53,6 +53,26 @@ def steady_ends(robot: Robot, gait: Gait, motion: BodyMotion) -> CycleEnds:
     return CycleEnds(feet, ends.entry, ends.exit)
 
 
+def footholds_between(robot: Robot, gait: Gait, motion: BodyMotion, ends: CycleEnds) -> Footholds:
+    """
+    Place the feet before and after the swings of a cycle.
+
+    Parameters
+    ----------
+    robot, gait, motion, ends
+        As for :func:`next_footholds`.
+
+    Returns
+    -------
+    Footholds
+        Centers of the feet in the ground frame.
+    """
+    to_ground = np.array([0.0, 0.0, robot.standing_height])
+    start = robot.neutral_feet if ends.start_feet is None else ends.start_feet
+    target = next_footholds(robot, gait, motion, ends)
+    return Footholds(start + to_ground, target + to_ground)
+
+
 def next_footholds(robot: Robot, gait: Gait, motion: BodyMotion, ends: CycleEnds) -> Array:
     """
     Choose where the feet are to stand next.

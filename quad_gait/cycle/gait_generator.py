@@ -22,10 +22,9 @@ from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_course import body_course
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import AT_REST, Cycle, CycleEnds
-from quad_gait.cycle.foot_paths import foot_paths, rolling_of
+from quad_gait.cycle.foot_paths import FootPaths, rolled_paths
 from quad_gait.cycle.footholds import (
-    Footholds,
-    next_footholds,
+    footholds_between,
     steady_ends,
     steady_footholds_of_orders,
 )
@@ -87,32 +86,20 @@ def generate_cycle(
 
     Raises
     ------
-    FootTargetUnreachable, JointLimitExceeded
-        If the motion is too large for the legs or too fast for the joints.
-    PartsTooNear
-        If parts of the robot would come too near to one another, or to the ground.
-    UnstableCycle
-        If the margin falls below the least one.
+    FootTargetUnreachable, JointLimitExceeded, PartsTooNear, UnstableCycle
+        If the motion is too much for legs, joints, the robot's own parts or the margin.
     """
     schedule = schedule_of(gait, options.sample_period)
-    to_ground = np.array([0.0, 0.0, robot.standing_height])
-    start_feet = robot.neutral_feet if ends.start_feet is None else ends.start_feet
-    target = next_footholds(robot, gait, motion, ends)
-    footholds = Footholds(start_feet + to_ground, target + to_ground)
+    footholds = footholds_between(robot, gait, motion, ends)
     course = body_course(gait, legs_in_order(gait), schedule, motion, ends, footholds)
-    rolling = rolling_of(robot, schedule, footholds, course)
-    feet = foot_paths(schedule, robot.standing_height, footholds, course, rolling)
-    positions, velocities = _joint_motion(
-        robot, schedule.times, feet.in_body, feet.velocities_in_body, options.track
-    )
+    feet = rolled_paths(robot, schedule, footholds, course)
+    positions, velocities = _joint_motion(robot, schedule.times, feet, options.track)
     chain = robot.stacked_legs.chain(positions)
     check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
-
     center_of_mass = _center_of_mass(robot, chain, course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
-    least = float(np.min(margin))
-    if least < options.least_margin:
-        raise UnstableCycle(least, options.least_margin)
+    if np.min(margin) < options.least_margin:
+        raise UnstableCycle(float(np.min(margin)), options.least_margin)
     return Cycle(
         gait,
         motion,
@@ -235,8 +222,7 @@ def margins_of_orders(
     legs = np.stack([legs_in_order(order) for order in orders])
     footholds, ends = steady_footholds_of_orders(robot, orders, motion)
     course = body_course(orders[0], legs, schedule, motion, ends, footholds)
-    rolling = rolling_of(robot, schedule, footholds, course)
-    feet = foot_paths(schedule, robot.standing_height, footholds, course, rolling)
+    feet = rolled_paths(robot, schedule, footholds, course)
     positions = robot.stacked_legs.inverse(feet.in_body)
     center_of_mass = _center_of_mass(robot, robot.stacked_legs.chain(positions), course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
@@ -245,14 +231,14 @@ def margins_of_orders(
 
 
 def _joint_motion(
-    robot: Robot, times: Array, feet: Array, velocities: Array, track: FootTracking | None
+    robot: Robot, times: Array, feet: FootPaths, track: FootTracking | None
 ) -> tuple[Array, Array]:
     """Make feet and their velocities in the body frame into joint angles and speeds."""
     if track is None:
-        angles = robot.joint_angles(feet)
-        speeds = robot.joint_velocities(angles, velocities)
+        angles = robot.joint_angles(feet.in_body)
+        speeds = robot.joint_velocities(angles, feet.velocities_in_body)
     else:
-        angles, speeds = track(robot, times, feet, velocities)
+        angles, speeds = track(robot, times, feet.in_body, feet.velocities_in_body)
         robot.check_joint_limits(angles)
     robot.check_joint_speeds(speeds)
     return angles, speeds

@@ -115,13 +115,8 @@ def quickest_corners(
         return None
     points = points[near]
     edges = _edges(forbidden, points, longest, stride, check)
-    cycles = _Cycles(
-        pace.turn * (1.0 + LENGTH_SLACK),
-        pace.stopping,
-        pace.bend,
-        terms.goal_yaw,
-        pace.heading_tolerance,
-    )
+    turn = pace.turn * (1.0 + LENGTH_SLACK)
+    cycles = _Cycles(turn, pace.stopping, pace.bend, terms.goal_yaw, pace.heading_tolerance)
     costs = np.full(len(edges.ends), np.inf)
     parents = np.full(len(edges.ends), -1)
     is_done = np.zeros(len(edges.ends), dtype=np.bool_)

@@ -2,12 +2,10 @@
 
 import math
 
-import numpy as np
 import pytest
 import yaml
 
 from quad_common.errors import CameraError
-from quad_common.rotations import matrix_from_quaternion, quaternion_from_matrix
 from quad_common.vision.camera import CameraModel
 from quad_common.vision.camera_file import load_camera, save_camera
 
@@ -40,22 +38,6 @@ def test_the_lens_alone_is_enough_where_no_pose_is_needed(tmp_path):
     assert lens.matrix == pytest.approx(CAMERA.matrix)
     with pytest.raises(CameraError, match='camera calibrate'):
         load_camera(tmp_path / 'lens.yaml')
-
-
-@pytest.mark.parametrize('seed', range(20))
-def test_quaternions_and_matrices_are_the_same_rotations(seed):
-    rng = np.random.default_rng(seed)
-    quaternion = rng.normal(size=4)
-    if seed < 6:
-        # Half turns, whose w is zero, and a quarter turn.
-        quaternion = np.eye(4)[seed % 3] + (seed // 3) * np.eye(4)[(seed + 1) % 3]
-    quaternion /= np.linalg.norm(quaternion)
-    matrix = matrix_from_quaternion(quaternion)
-    assert matrix @ matrix.T == pytest.approx(np.eye(3), abs=1e-12)
-    assert np.linalg.det(matrix) == pytest.approx(1.0)
-    back = quaternion_from_matrix(matrix)
-    assert abs(back @ quaternion) == pytest.approx(1.0)
-    assert back[3] >= 0.0
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
-from quad_gait.cycle import gait_generator
+from quad_gait.cycle import foot_paths
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import CycleOptions, generate_steady_cycle, margins_of_orders
@@ -102,7 +102,7 @@ class CountedWalk(ClosedLoop):
         controller.prepare()
         super().__init__(robot, controller, 'kinematic', start=start)
         self.passes = []
-        rolling, update = gait_generator.rolling_of, controller.update
+        rolling, update = foot_paths.rolling_of, controller.update
 
         def counted(*args):
             # Every cycle asks for it once, and so do all orders together.
@@ -113,7 +113,7 @@ class CountedWalk(ClosedLoop):
             self.passes.append(0)
             return update(now)
 
-        monkeypatch.setattr(gait_generator, 'rolling_of', counted)
+        monkeypatch.setattr(foot_paths, 'rolling_of', counted)
         monkeypatch.setattr(controller, 'update', update_counted)
 
 

@@ -6,24 +6,10 @@ import numpy as np
 import pytest
 
 from quad_common.robot.robot_file import available_robots, load_robot
-from quad_common.rotations import angles_from_quaternion, matrix_from_angles
 from quad_gait.cycle.stability import stability_margin
 from quad_gait.state.body_placement import BodyPose, balanced, body_over
 
 TRIANGLE = np.array([[0.0, 0.0], [0.6, 0.0], [0.0, 0.4]])
-
-
-def test_angles_and_rotations_belong_together():
-    angles = np.array([0.2, -0.3, 2.5])
-    rotation = matrix_from_angles(angles)
-    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-12)
-    half = 0.5 * angles[2]
-    assert angles_from_quaternion(
-        np.array([0.0, 0.0, math.sin(half), math.cos(half)])
-    ) == pytest.approx((0.0, 0.0, 2.5))
-    # Roll to the right lowers the right side; pitch lowers the nose.
-    assert matrix_from_angles(np.array([0.1, 0.0, 0.0]))[2] @ [0, -1, 0] < 0.0
-    assert matrix_from_angles(np.array([0.0, 0.1, 0.0]))[2] @ [1, 0, 0] < 0.0
 
 
 @pytest.mark.parametrize('name', available_robots())
