@@ -148,6 +148,12 @@ class BitGrid:
         columns = _transposed(rows, forbidden.width + 2)
         return cls(forbidden.width, forbidden.height, rows, columns)
 
+    def is_free(self, x: int, y: int) -> bool:
+        """Return whether a cell is on the map and free."""
+        if not (0 <= x < self.width and 0 <= y < self.height):
+            return False
+        return is_set(self.rows, y + 1, x + 1)
+
     def changed_to(self, forbidden: BitMask, changed: tuple[int, int]) -> BitGrid:
         """
         Take what is not forbidden, where some rows have changed.

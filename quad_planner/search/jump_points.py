@@ -80,11 +80,8 @@ class JumpPointSearch:
             None if there is no path, or an end is not free.
         """
         grid = self._grid
-        for x, y in (start, goal):
-            if not (0 <= x < grid.width and 0 <= y < grid.height):
-                return None
-            if not is_set(grid.rows, y + 1, x + 1):
-                return None
+        if not (grid.is_free(*start) and grid.is_free(*goal)):
+            return None
         begin, end = ((x + 1, y + 1) for x, y in (start, goal))
         tree = tree_of(begin)
         outcome = _INTERRUPTED

@@ -112,11 +112,8 @@ def quickest_path(
     LatticePath or None
         None if there is no path, or none within the bound, or an end is not free.
     """
-    for x, y in (start, goal):
-        if not (0 <= x < grid.width and 0 <= y < grid.height):
-            return None
-        if not is_set(grid.rows, y + 1, x + 1):
-            return None
+    if not (grid.is_free(*start) and grid.is_free(*goal)):
+        return None
     costs = costs_of(terms)
     found = _find(grid, start, goal, costs, check)
     if found is None:

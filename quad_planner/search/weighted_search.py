@@ -73,11 +73,8 @@ def cheapest_path(
     ndarray of int, shape (n, 2) or None
         Where the path begins, turns and ends; None if there is none, or an end is not free.
     """
-    for x, y in (start, goal):
-        if not (0 <= x < grid.width and 0 <= y < grid.height):
-            return None
-        if not is_set(grid.rows, y + 1, x + 1):
-            return None
+    if not (grid.is_free(*start) and grid.is_free(*goal)):
+        return None
     width = grid.width + 2
     weights = np.ones((grid.height + 2, width), dtype=np.int64)
     weights[1:-1, 1:-1] = np.rint(_PARTS * factors)
