@@ -21,10 +21,12 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.ros.run_node import make_executor
+from quad_gait.behaviours.activity import Activity
 from quad_lab.attacks.stage.goal_topic import GoalTopic
 from quad_lab.attacks.stage.graph import inputs_of
 from quad_lab.attacks.stage.listener import TopicListener
 from quad_lab.attacks.stage.state import Reaction, processor_time, resident_memory, traceback_ends
+from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.topic_walk.node_processes import NodeDied, NodeProcess, NodeProcesses
 
 START_TIMEOUT = 90.0
@@ -32,6 +34,12 @@ START_TIMEOUT = 90.0
 
 STALL_TIMEOUT = 20.0
 """For simulated time to advance [s]."""
+
+_TOLD_WITHIN = 5.0
+"""Simulated time in which the gait's status follows a goal [s]."""
+
+_PATIENCE = 30.0
+"""Simulated time for a robot that goes no farther to get another plan [s]."""
 
 _GIVE_UP = 20.0
 """Wait for an answer [s]."""
@@ -292,9 +300,21 @@ class Stage:
         )
 
     def walk_to(self, goal: Pose2D, simulated_timeout: float = 400.0) -> None:
-        """Give a goal and wait until the robot is there."""
+        """Give a goal and wait until the robot is there; NotSeen soon if no plan moves it."""
         self.give_goal(goal)
-        self.wait_until(f'arrival at {goal}', lambda: self.is_at(goal), simulated_timeout)
+        began, end = self.listener.time, GuidedEnd(_PATIENCE)
+
+        def is_over() -> bool:
+            # What was said before the goal was heard of does not count.
+            is_told = self.listener.time > began + _TOLD_WITHIN
+            is_told = is_told and self.activity not in ('', Activity.ARRIVED.value)
+            activity = Activity(self.activity) if is_told else None
+            return self.is_at(goal) or end.is_over(self.listener.time, activity)
+
+        what = f'arrival at {goal}'
+        self.wait_until(what, is_over, simulated_timeout)
+        if not self.is_at(goal):
+            raise NotSeen(what, f'{self.listener.time - began:.0f} s', self.all_said())
 
     def _wait_for_start(self, what: str, condition: Callable[[], bool]) -> None:
         """Wait on the wall clock: simulated time may run, or not yet, while nodes start."""
