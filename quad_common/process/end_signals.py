@@ -20,7 +20,7 @@ from types import FrameType
 from quad_common.process.early_signals import SIGNALS
 
 _AGAIN = 0.02
-"""Until a signal that was swallowed is raised anew [s]."""
+"""Time until a signal that was swallowed, or has not reached Python, is sent again [s]."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -96,7 +96,11 @@ class EndSignals:
         patience = self.patience
         deadline = time.monotonic() + patience
         while (left := deadline - time.monotonic()) > 0.0:
-            time.sleep(left)
+            time.sleep(min(left, _AGAIN) if not self.noted else left)
+            if not self.noted:
+                # It came just before the main thread began to wait for something in the kernel,
+                # where Python does not look for it: what interrupts the wait is another one.
+                signal.pthread_kill(threading.main_thread().ident or 0, number)
         _say(f'did not end within {patience:.1f} s of {_name(number)}: {_whereabouts()}')
         end_process(self._exit_code(number))
 
@@ -176,7 +180,7 @@ class Raises:
             raise Interrupted(number)
 
     def _on_unraisable(self, unraisable: sys.UnraisableHookArgs) -> None:
-        """Raise anew what came where Python swallows exceptions, as in a destructor."""
+        """Raise again what came where Python swallows exceptions, as in a destructor."""
         if isinstance(unraisable.exc_value, Interrupted):
             self._is_raised = False
             # From another thread, and a little later: here it would be swallowed again.

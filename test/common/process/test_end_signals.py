@@ -78,6 +78,21 @@ def test_a_node_that_is_still_importing_ends_at_once_with_0(tmp_path, number):
     assert process.returncode == 0
 
 
+def test_a_signal_that_another_thread_has_taken_wakes_the_main_thread(tmp_path):
+    # The main thread sleeps in the kernel, and Python does not look for signals there.
+    node(
+        tmp_path,
+        'import signal, threading, time\n'
+        'def take():\n    time.sleep(0.3)\n'
+        "    print('begun', flush=True)\n"
+        '    signal.pthread_kill(threading.get_ident(), signal.SIGTERM)\n'
+        'threading.Thread(target=take, daemon=True).start()\ntime.sleep(60)\n',
+    )
+    process = start(NODE, tmp_path)
+    assert send(process) == ''
+    assert process.returncode == 0
+
+
 @pytest.mark.parametrize('number', SIGNALS)
 def test_a_node_that_looks_whether_it_is_to_end_ends_in_good_order(tmp_path, number):
     node(
