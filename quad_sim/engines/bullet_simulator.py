@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import MissingOptionalDependency, ParameterError
+from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
@@ -26,7 +26,14 @@ from quad_sim.engines.bullet_obstacles import BulletObstacles
 from quad_sim.engines.bullet_scene import BulletScene
 from quad_sim.engines.bullet_walls import build_walls
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
-from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation
+from quad_sim.engines.simulator import (
+    FALLS,
+    GRAVITY,
+    TILT_OF_A_FALL,
+    Contact,
+    Observation,
+    check_commands,
+)
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import standing_on
 from quad_sim.world.world import OF_WORLD, Obstacle, World
@@ -134,8 +141,6 @@ class BulletSimulator:
         self._body, self._joints, self._link_names = body.number, body.joints, body.links
         self._efforts = robot.effort.reshape(-1).tolist()
         self._feet = frozenset(f'{leg}_foot' for leg in LEGS)
-        self._falls = {Contact('base_link', 'ground')}
-        self._falls |= {Contact(f'{leg}_hip', 'ground') for leg in LEGS}
         self._last_velocity = np.zeros(3)
         self.reset(Pose2D(0.0, 0.0, 0.0))
 
@@ -202,9 +207,7 @@ class BulletSimulator:
         ParameterError
             If one of them is not finite: that would stay in Bullet's world for ever.
         """
-        for name, values in (('positions', joint_positions), ('velocities', joint_velocities)):
-            if not np.isfinite(values).all():
-                raise ParameterError(f'joint_{name}', list(values), 'finite numbers')
+        check_commands(joint_positions, joint_velocities)
         self._command(joint_positions, joint_velocities)
         self._last_velocity = np.array(self._bullet.getBaseVelocity(self._body)[0])
         self._bullet.stepSimulation()
@@ -236,7 +239,7 @@ class BulletSimulator:
             joint_velocities=np.array([state[1] for state in states]),
             joint_efforts=efforts,
             contacts=contacts,
-            has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
+            has_fallen=bool(tilted or FALLS.intersection(contacts)),
         )
 
     def foot_forces(self) -> Array:

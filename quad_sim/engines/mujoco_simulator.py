@@ -4,18 +4,26 @@ The robot in MuJoCo's physics. With ``mujoco_model`` the only files that import 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Hashable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import MissingOptionalDependency, ParameterError
+from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.rotations import quaternion_from_matrix, tilt_from_quaternion
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
-from quad_sim.engines.simulator import GRAVITY, TILT_OF_A_FALL, Contact, Observation
+from quad_sim.engines.simulator import (
+    FALLS,
+    GRAVITY,
+    TILT_OF_A_FALL,
+    Contact,
+    Observation,
+    check_commands,
+)
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import standing_on
 from quad_sim.world.world import Obstacle, World
@@ -36,6 +44,21 @@ Array = NDArray[np.float64]
 
 _POSITION_GAIN = 0.3
 """Part of a joint's position error that its motor takes back in one step, as Bullet's does."""
+
+
+_FAR = 10.0
+"""Position error beyond which a motor does not pull more [rad]."""
+
+_TOO_FAST = 10.0
+"""Largest velocity that a motor drives toward, over that of the robot's data."""
+
+
+def _warn(text: str) -> None:
+    warnings.warn(f'MuJoCo: {text}', RuntimeWarning, stacklevel=2)
+
+
+# Otherwise MuJoCo writes a file into the folder that the process runs in.
+mujoco.set_mju_user_warning(_warn)
 
 
 class MujocoSimulator:
@@ -79,9 +102,8 @@ class MujocoSimulator:
         self._world = world
         self._steps = 0
         self._efforts_limit = robot.effort.reshape(-1)
+        self._fastest = _TOO_FAST * np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
         self._feet = [f'{leg}_foot' for leg in LEGS]
-        self._falls = {Contact('base_link', 'ground')}
-        self._falls |= {Contact(f'{leg}_hip', 'ground') for leg in LEGS}
         self._parts = MujocoModel(robot, world, time_step)
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
@@ -152,12 +174,13 @@ class MujocoSimulator:
         ParameterError
             If one of them is not finite.
         """
-        for name, values in (('positions', joint_positions), ('velocities', joint_velocities)):
-            if not np.isfinite(values).all():
-                raise ParameterError(f'joint_{name}', list(values), 'finite numbers')
+        check_commands(joint_positions, joint_velocities)
         data = self._data
-        off = joint_positions - data.qpos[self._angles]
+        # No motor is asked for more than it could ever give: a command that is far off must not
+        # make MuJoCo unstable, which would put the robot back to where it began.
+        off = np.clip(joint_positions - data.qpos[self._angles], -_FAR, _FAR)
         wanted = joint_velocities + (_POSITION_GAIN / self.time_step) * off
+        wanted = np.clip(wanted, -self._fastest, self._fastest)
         for joint, angle in self._stuck.items():
             missing = angle - float(data.qpos[self._angles][joint])
             wanted[joint] = _POSITION_GAIN / self.time_step * missing
@@ -196,7 +219,7 @@ class MujocoSimulator:
             joint_velocities=data.qvel[self._speeds].copy(),
             joint_efforts=efforts,
             contacts=contacts,
-            has_fallen=bool(tilted or any(contact in self._falls for contact in contacts)),
+            has_fallen=bool(tilted or FALLS.intersection(contacts)),
         )
 
     def foot_forces(self) -> Array:

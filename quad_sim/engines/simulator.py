@@ -11,7 +11,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot_build import LEGS
 from quad_common.rotations import yaw_from_quaternion
 from quad_sim.world.world import Obstacle
 
@@ -126,5 +128,17 @@ class VisibleSimulator(SolidSimulator, Protocol):
 GRAVITY = 9.80665
 """Acceleration of free fall [m/s^2]."""
 
+FALLS = frozenset(
+    {Contact('base_link', 'ground'), *(Contact(f'{leg}_hip', 'ground') for leg in LEGS)}
+)
+"""Contacts of a robot that has fallen."""
+
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""
+
+
+def check_commands(joint_positions: Array, joint_velocities: Array) -> None:
+    """Raise ParameterError if a command, in [rad] or [rad/s], is not finite: it would stay so."""
+    for name, values in (('positions', joint_positions), ('velocities', joint_velocities)):
+        if not np.isfinite(values).all():
+            raise ParameterError(f'joint_{name}', list(values), 'finite numbers')

@@ -51,7 +51,10 @@ def send(
 
     Return what the process says from then on; a signal has ended it in time.
     """
-    assert process.stdout.readline() == 'begun\n'
+    said = process.stdout.readline()
+    if said != 'begun\n':
+        process.kill()
+    assert said == 'begun\n'
     # Only now: how long Python takes to begin is up to what else the machine does.
     began = time.monotonic()
     for number in numbers:

@@ -207,6 +207,21 @@ def test_reset_puts_everything_back_but_the_time(make):
     assert step(simulator, 1.0).pose.distance_to(Pose2D(3.0, 1.0, 0.0)) < 2e-3
 
 
+@pytest.mark.parametrize('absurd', [1e6, 1e150, -1e308])
+@pytest.mark.filterwarnings('error')
+def test_absurd_commands_leave_no_number_that_is_none_and_a_reset_cures_all(
+    make, absurd, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    simulator = make()
+    seen = step(simulator, 0.2, np.full(12, absurd))
+    assert all(np.isfinite(getattr(seen, name)).all() for name in FIELDS)
+    simulator.reset(ORIGIN)
+    assert step(simulator, 0.5).position[2] == pytest.approx(ROBOT.standing_height, abs=0.005)
+    # Nor does an engine leave a file behind.
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_joints_follow_their_commands(make):
     simulator = make()
     positions, velocities = random_commands(4, 400)
