@@ -42,7 +42,9 @@ EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('benchmark', choices=sorted(BENCHMARKS))
-    parser.add_argument('--quick', action='store_true', help='a small sample, within 45 s but for faults and matrix')
+    parser.add_argument(
+        '--quick', action='store_true', help='a small sample, within 45 s but for faults and matrix'
+    )
     parser.add_argument(
         '--seed', type=seed_argument, default=0, help='seed of what is drawn at random'
     )
