@@ -15,11 +15,12 @@ unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH AMENT_PREFIX_PATH _ROS_WHEELS_BOO
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo test bench lint lock tf clean
+.PHONY: help venv demo test smoke smokes bench lint lock tf clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
 	@echo 'make test    set everything up and run every test'
+	@echo 'make smokes  on each other Python that is there: set up, walk once over topics, test the core'
 	@echo 'make bench   measure how well it walks, and print a table'
 	@echo 'make lint    ruff and mypy'
 	@echo 'make venv    set everything up in .venv, and nothing else'
@@ -28,7 +29,7 @@ help:
 	@echo 'make clean   remove .venv and everything else that was built'
 	@echo "Arguments for the command behind a target: make test ARGS='-k gait'"
 
-# PyBullet, which draws the ceiling camera's pictures, has wheels up to Python 3.11: these come first.
+# PyBullet has wheels up to Python 3.11: these come first.
 $(BIN)/python:
 	@set -e; found=; \
 	for python in $(or $(PYTHON),python3.11 python3.10 python3 python3.12 python3.13); do \
@@ -46,7 +47,7 @@ $(VENV)/requirements.stamp: requirements.lock | $(BIN)/python
 	@$(PIP) install --requirement requirements.lock || \
 	    { echo 'The packages of requirements.lock could not be installed: see the message above; pip must reach a package index' >&2; exit 1; }
 	@$(BIN)/python -c 'import pybullet' >/dev/null 2>&1 || \
-	    echo 'Note: PyBullet has no wheel for this Python. Physics are simulated by MuJoCo; only the ceiling camera needs PyBullet (make clean venv PYTHON=python3.11)'
+	    echo 'Note: PyBullet has no wheel for this Python. Physics are simulated by MuJoCo'
 	@touch $@
 
 # Editable: a change in the sources takes effect at once, a change in the packaging installs again.
@@ -64,6 +65,27 @@ demo: venv
 test: venv
 	@$(BIN)/python -m pytest -n 2 --dist worksteal $(ARGS)
 
+# Some of the core: what depends on the version of Python is imports, compiled searches and wheels.
+SMOKE := test/common/trajectory test/common/maps test/planner/grid test/planner/search test/gait/following test/sim/engines/test_registry.py
+
+smoke: venv
+	@$(BIN)/python --version
+	@$(BIN)/quadwalk demo --no-recording --output $(VENV)/demo --goal 2.0,1.6,0.5
+	@$(BIN)/python -m pytest -q -n 2 --dist worksteal $(SMOKE)
+
+# pyenv's are found where they are installed, whichever of them is chosen.
+PYTHONS ?= python3.10 python3.11 python3.12 python3.13 $(wildcard $(HOME)/.pyenv/versions/3.*/bin/python3)
+VERSION := -c 'import sys, venv, ensurepip; print("3.%d" % sys.version_info[1])'
+smokes: venv
+	@set -e; done=$$($(BIN)/python $(VERSION)); \
+	for python in $(PYTHONS); do \
+	    version=$$($$python $(VERSION) 2>/dev/null) || continue; \
+	    case " 3.10 3.11 3.12 3.13 " in *" $$version "*) ;; *) continue ;; esac; \
+	    case " $$done " in *" $$version "*) continue ;; esac; \
+	    $(MAKE) --no-print-directory VENV=.venv-$$version PYTHON=$$python smoke; \
+	    done="$$done $$version"; \
+	done
+
 bench: venv
 	@$(BIN)/quadwalk bench $(or $(ARGS),walk)
 
@@ -71,7 +93,6 @@ lint: venv
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
 
-lock: PYTHONS ?= python3.10 python3.11 python3.12 python3.13
 lock:
 	@python3 tools/lock.py --output requirements.lock $(PYTHONS)
 
@@ -79,5 +100,5 @@ tf: venv
 	@$(BIN)/python tools/build_tf2_msgs.py
 
 clean:
-	rm -rf $(VENV) build install log dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) .venv-3.* build install log dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

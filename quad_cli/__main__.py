@@ -23,7 +23,7 @@ from quad_common.process.end_signals import (  # noqa: E402
 from quad_common.process.shared_memory import release_own  # noqa: E402
 
 _PATIENCE = 4.5
-"""For nodes, worker processes and recordings to end after a signal [s]."""
+"""Time for nodes, worker processes and recordings to end after a signal [s]."""
 
 
 def main(args: list[str] | None = None) -> int:

@@ -26,10 +26,10 @@ from quad_common.quantity import ANGLE, COORDINATE, Quantity, number_from
 from quad_common.resources import sample_map, share_directory
 
 LARGEST_SEED = 2**31 - 1
-"""Of random numbers."""
+"""Largest seed of random numbers."""
 
 PICTURES = ('.png', '.pdf', '.svg', '.jpg')
-"""How names of drawings end."""
+"""Endings of the names of drawings."""
 
 
 class CommandParser(argparse.ArgumentParser):

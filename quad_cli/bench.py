@@ -13,6 +13,7 @@ from types import ModuleType
 from quad_cli.arguments import seed_argument
 from quad_common.errors import ParameterError
 from quad_lab.tools.criterion import make_console, print_bars
+from quad_sim.engines.registry import AUTO, ENGINES, preferred, resolved
 
 BENCHMARKS = {
     'walk': 'quad_lab.benchmarks.bench_walk',
@@ -20,6 +21,7 @@ BENCHMARKS = {
     'planner': 'quad_lab.benchmarks.planning.bench_planner',
     'camera': 'quad_lab.benchmarks.bench_camera',
     'terrain': 'quad_lab.benchmarks.bench_terrain',
+    'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
@@ -33,6 +35,8 @@ EXAMPLES = """examples:
   quadwalk bench planner --quick
   quadwalk bench camera --quick
   quadwalk bench terrain --quick
+  quadwalk bench terrain --backend mujoco
+  quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
@@ -43,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('benchmark', choices=sorted(BENCHMARKS))
     parser.add_argument(
-        '--quick', action='store_true', help='a small sample, within 45 s but for faults and matrix'
+        '--quick', action='store_true', help='a small sample, within 45 s but for matrix'
     )
     parser.add_argument(
         '--seed', type=seed_argument, default=0, help='seed of what is drawn at random'
@@ -55,6 +59,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='PART',
         help='parts to run, of benchmarks with parts',
     )
+    parser.add_argument(
+        '--backend', choices=sorted(ENGINES), help='the simulator, in place of the usual one'
+    )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
@@ -63,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     console = make_console(stderr=arguments.json)
     module = importlib.import_module(BENCHMARKS[arguments.benchmark])
     only = _parts(arguments.benchmark, module, arguments.only)
-    bars, details = module.measure(console, arguments.quick, arguments.seed, **only)
+    with preferred(arguments.backend or resolved(AUTO)):
+        bars, details = module.measure(console, arguments.quick, arguments.seed, **only)
     if arguments.json:
         print(json.dumps({'bars': [asdict(bar) for bar in bars], **details}))
     else:

@@ -35,11 +35,13 @@ from quad_lab.closed_loop.calibration import (
     motion_size,
     vector,
 )
+from quad_sim.engines.registry import AUTO, engines_with, preferred, resolved
 
 Array = NDArray[np.float64]
 
 EXAMPLES = """examples:
   quadwalk calibrate --robot cuhk --gait trot
+  quadwalk calibrate --robot cuhk --gait trot --backend mujoco --output cuhk_mujoco.yaml
   quadwalk calibrate --robot cuhk --gait trot --motion 0.126,0,18deg --output my.yaml
 """
 
@@ -58,6 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'left out: six directions at two speeds',
     )
     parser.add_argument(
+        '--backend', choices=engines_with('has_world'), help='physics, in place of the usual ones'
+    )
+    parser.add_argument(
         '--output', type=output_argument, help='file to write; beside the robot if left out'
     )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
@@ -65,6 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if every motion came out within 2 %."""
+    with preferred(arguments.backend or resolved(AUTO)):
+        return _calibrate(arguments)
+
+
+def _calibrate(arguments: argparse.Namespace) -> int:
     console = Console(stderr=arguments.json)
     robot = load_robot(arguments.robot)
     gait = load_gait(arguments.gait, robot)
@@ -88,14 +98,14 @@ def run(arguments: argparse.Namespace) -> int:
                 'without': vector(before.mean).tolist(),
                 'with': vector(after.mean).tolist(),
                 'asked': vector(calibration.asked).tolist(),
-                'share_off': motion_error(after, wanted) / motion_size(wanted),
+                'fraction_off': motion_error(after, wanted) / motion_size(wanted),
             }
         )
         console.print(f'{texts[0]}: {texts[1]} without, {texts[2]} with compensation')
     make_folder(path.parent)
     heading = (
         f'Slip compensation of {robot.name}: forward and left [m], turn [rad] of one cycle.\n'
-        f'Written by: quadwalk calibrate (PyBullet)'
+        f'Written by: quadwalk calibrate --backend {resolved(AUTO)}'
     )
     save_compensation(with_calibrations(known, found), path, heading)
     if arguments.json:
@@ -103,7 +113,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         console.print(table)
         console.print(f'written to {path}')
-    return 0 if all(row['share_off'] < 0.02 for row in rows) else 1
+    return 0 if all(row['fraction_off'] < 0.02 for row in rows) else 1
 
 
 def _check_reach(robot: Robot, gait: Gait, motions: list[BodyMotion]) -> None:
@@ -112,12 +122,12 @@ def _check_reach(robot: Robot, gait: Gait, motions: list[BodyMotion]) -> None:
     for motion in motions:
         is_turn = not (motion.forward or motion.left)
         limits = MotionLimits(robot, turning_gait if is_turn else gait)
-        share = limits.largest_share(motion)
-        if share < 1.0:
+        scale = limits.largest_scale(motion)
+        if scale < 1.0:
             raise ParameterError(
                 'motion',
                 _text(motion),
-                f'no more than {_text(motion.scaled(share))} (mm, mm, degrees) a cycle for the '
+                f'no more than {_text(motion.scaled(scale))} (mm, mm, degrees) a cycle for the '
                 f'{gait.name} gait: {limits.reason(motion)}',
             )
 

@@ -96,7 +96,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=0.0,
         help='simulated over real time; 0: as fast as possible (default)',
     )
-    parser.add_argument('--gui', action='store_true', help="show PyBullet's window")
+    parser.add_argument(
+        '--composed',
+        action='store_true',
+        help='all nodes in one process, in step: the walk repeats bit for bit',
+    )
+    parser.add_argument('--gui', action='store_true', help="show the physics engine's own window")
     parser.add_argument(
         '--output', type=folder_argument, default=Path('demo'), help='folder for the results'
     )
@@ -145,6 +150,7 @@ def _walk(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         real_time_factor=arguments.real_time_factor,
         gui=arguments.gui,
+        composed=arguments.composed,
         recording=None if arguments.no_recording else _recording(output, console),
     )
     name = options.map_file.stem

@@ -23,6 +23,7 @@ from quad_gait.cycle.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.cycle.gait_check import check_gait
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.follower_pace import pace_of
+from quad_gait.following.swept_radius import sweep_of_turns
 
 EXAMPLES = """examples:
   quadwalk gait list
@@ -126,7 +127,7 @@ def _pace(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps({name: asdict(pace) for name, pace in paces.items()}))
         return 0
-    table = Table('gait', 'cycle', 'stride', 'turn', 'added to each')
+    table = Table('gait', 'cycle', 'stride', 'turn', 'added to each', 'sweep')
     for name, pace in paces.items():
         table.add_row(
             name,
@@ -134,6 +135,7 @@ def _pace(arguments: argparse.Namespace) -> int:
             f'{1e3 * pace.stride:.0f} mm',
             f'{math.degrees(pace.turn):.1f} deg',
             f'{pace.stopping:g} cycles',
+            f'{1e3 * pace.sweep:.0f} mm',
         )
     console = Console()
     console.print(table)
@@ -164,7 +166,7 @@ def derive_paces(robot_name: str, gaits: Sequence[str]) -> dict[str, WalkingTime
         turning = turning_gait_for(gait, robot)
         walking = MotionLimits(robot, gait)
         gear = walking if turning == gait else MotionLimits(robot, turning)
-        paces[Path(name).stem] = pace_of(walking, gear)
+        paces[Path(name).stem] = pace_of(walking, gear, sweep=sweep_of_turns(robot, gear))
     return paces
 
 

@@ -61,7 +61,7 @@ def main(args: list[str] | None = None) -> int:
             description=summary[0].upper() + summary[1:] + '.',
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        # Some commands are slow to import: only the one that is asked for is.
+        # Some commands are slow to import: only the one that is run is.
         if args[:1] == [name]:
             module = importlib.import_module(f'quad_cli.{name}')
             command.epilog = module.EXAMPLES

@@ -37,7 +37,7 @@ from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import METHODS, Planner
 from quad_planner.methods.potential_planner import POTENTIALS
 from quad_planner.parameters import LOW_OBSTACLES, PlannerParameters
-from quad_planner.planner_setup import planner_for
+from quad_planner.planner_setup import planner_for, start_tolerance
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
@@ -164,6 +164,7 @@ def run(arguments: argparse.Namespace) -> int:
             potential=arguments.potential,
             path_deviation=arguments.path_deviation,
             pace=pace,
+            start_tolerance=start_tolerance(arguments.safety_distance, pace),
         )
         outcome = _attempt(method, planner, grid, arguments.start, arguments.goal)
         if outcome.error is not None and len(methods) == 1:

@@ -1,5 +1,5 @@
 """
-What ``gait_node`` publishes, and what it can be asked for.
+What ``gait_node`` publishes, and its services.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from geometry_msgs.msg import PolygonStamped
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Bool, Float64, Header
 from std_srvs.srv import SetBool, Trigger
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from visualization_msgs.msg import MarkerArray
@@ -35,6 +35,9 @@ from quad_gait.state.robot_state import RobotState
 from quad_gait.supervisor import Supervisor
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_HEARTBEAT = 0.1
+"""Time between two heartbeats, in the time of the measurements [s]."""
 
 
 class GaitTopics:
@@ -64,6 +67,8 @@ class GaitTopics:
         self._footholds = node.create_publisher(MarkerArray, 'footholds', 10)
         self._leg_odometry = node.create_publisher(Odometry, 'odom/legs', qos_profile_sensor_data)
         self._followed_plans = node.create_publisher(Path, 'plan/followed', _LATCHED)
+        self._heartbeats = node.create_publisher(Header, 'gait/heartbeat', 10)
+        self._last_heartbeat = -math.inf
         self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
 
     def publish_decision(
@@ -75,6 +80,7 @@ class GaitTopics:
             self._publish_footholds(frame, stamp)
         self._publish_stability(state, frame, stamp)
         self.publish_followed()
+        self._publish_heartbeat(state.time, stamp)
 
     def publish_trajectory(self, trajectory: JointTrajectory | None) -> None:
         """Publish a trajectory, if there is one."""
@@ -99,6 +105,12 @@ class GaitTopics:
             self._followed = followed
             path = self._received
             self._followed_plans.publish(path if followed else Path(header=path.header))
+
+    def _publish_heartbeat(self, time: float, stamp: Time) -> None:
+        """Publish up to when measurements are answered, after all that answers them."""
+        if not 0.0 <= time - self._last_heartbeat < _HEARTBEAT:
+            self._last_heartbeat = time
+            self._heartbeats.publish(Header(stamp=stamp))
 
     def _publish_footholds(self, frame: str, stamp: Time) -> None:
         """Publish the next footholds when they are others: on uneven ground they seldom are."""

@@ -37,6 +37,6 @@ class PlannerWatch:
         self._alive_at = self._clock()
 
     def take_plan(self) -> None:
-        """Miss nobody if a plan comes while the planner is gone: another one has made it."""
+        """Expect no heartbeat if a plan comes while the planner is gone: another has made it."""
         if self.problem:
             self._alive_at = None

@@ -34,7 +34,7 @@ from quad_gait.state.sensor_inputs import JointReadings
 Array = NDArray[np.float64]
 
 _FASTEST = 100.0
-"""Of what is asked for or measured: more is no velocity of a robot [m/s, rad/s]."""
+"""Largest velocity of a robot, commanded or measured [m/s, rad/s]."""
 
 _MOST_JOINTS = 1000
 """Names in one message of joint states, of whatever robots."""

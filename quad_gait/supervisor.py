@@ -63,7 +63,7 @@ class Supervisor:
     options : SupervisorOptions
         Timing and tolerances.
     compensation : SlipCompensation
-        How much more must be asked for than is wanted; see ``quadwalk calibrate``.
+        Factors by which more is commanded than is wanted; see ``quadwalk calibrate``.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Supervisor:
 
     @property
     def limit(self) -> str:
-        """What keeps the robot from doing all that was asked for; empty if nothing does."""
+        """What keeps the robot from doing all that was requested; empty if nothing does."""
         return self._report.limit
 
     @property
@@ -174,10 +174,11 @@ class Supervisor:
         if state.was_moved:
             # Something else moved the robot, or the clock was set: what was planned is void.
             self._routine.forget()
-            self._joints.forget()
         self._last = state
         if self._report.activity is not Activity.EMERGENCY_STOP:
             self._joints.watch(state)
+        elif state.was_moved:
+            self._joints.forget()
         for guard in self._guards:
             outcome = guard.update(state)
             if isinstance(outcome, Command):
@@ -226,16 +227,15 @@ class Supervisor:
         answer = ''
         for guard in self._guards:
             answer = guard.take(wish) or answer
-        refusal = next((guard.refusal for guard in self._guards if guard.refusal), '')
         self._routine.walk.take(wish)
         match wish:
             case FollowPlan():
-                guidance.take_plan(wish, refusal)
+                guidance.take_plan(wish, self._refusal())
             case HoldPlan(reason):
                 guidance.plan_waits_for = reason
             case Steer():
                 if self._last is not None:
-                    guidance.take_steering(wish, self._last.time, refusal)
+                    guidance.take_steering(wish, self._last.time, self._refusal())
             case ChangeGaits():
                 guidance.take_gaits(wish)
             case Stop():
@@ -248,6 +248,10 @@ class Supervisor:
                 guidance.stop()
                 guidance.is_to_sit = True
         return answer or getattr(wish, 'answer', '')
+
+    def _refusal(self) -> str:
+        """Return why nothing new is to be begun, by the most urgent guard; empty if it may."""
+        return next((guard.refusal for guard in self._guards if guard.refusal), '')
 
     def set_plan(self, plan: Plan | None, pieces: list[Piece] | None = None) -> None:
         """Follow a plan; see :class:`FollowPlan`. After a stop one to the same goal is none."""
@@ -267,7 +271,8 @@ class Supervisor:
 
     def hold_plan(self, reason: str) -> None:
         """Let the plan wait from the next cycle on, for a reason; none: go on with it."""
-        self.wish(HoldPlan(reason))
+        if reason != self._guidance.plan_waits_for:
+            self.wish(HoldPlan(reason))
 
     def stop(self) -> str:
         """Stop at the end of the cycle; return what will happen."""

@@ -17,7 +17,7 @@ from quad_common.ros.stamp_order import StampOrder
 from quad_common.status import Level, Status
 from quad_common.vision.camera import CameraModel
 from quad_common.vision.camera_file import load_camera
-from quad_common.vision.markers import Color, GoalMarker, RobotMarker
+from quad_common.vision.color_parameters import color_from, markers_from
 from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.picture.color_segmentation import Picture
 from quad_perception.picture.perception import Perceiver, default_ranges
@@ -46,10 +46,7 @@ class CameraSession:
     def __init__(self, parameters: CeilingCameraParameters, robot: Robot) -> None:
         p = self._parameters = parameters
         self._robot = robot
-        self._robot_marker = RobotMarker.on(robot, _color(p.front_color), _color(p.rear_color))
-        self._goal_marker = GoalMarker(
-            color=_color(p.goal_color), heading_color=_color(p.goal_heading_color)
-        )
+        self._markers = markers_from(p, robot)
         self.place = _camera_place(p)
         """Place of the camera; its lens comes with :meth:`take_camera`."""
         self.tracker: SceneTracker | None = None
@@ -81,11 +78,11 @@ class CameraSession:
     def take_camera(self, camera: CameraModel) -> None:
         """Look through this camera from now on; what was seen before is forgotten."""
         p = self._parameters
-        robot, goal = self._robot_marker, self._goal_marker
+        robot, goal = self._markers
         perceiver = Perceiver.of_robot(
             camera,
             self._robot,
-            default_ranges(_color(p.obstacle_color), robot, goal),
+            default_ranges(color_from(p, 'obstacle_color'), robot, goal),
             robot,
             goal,
             resolution=p.resolution,
@@ -176,11 +173,6 @@ def _camera_place(p: CeilingCameraParameters) -> CameraModel:
     if p.camera_file:
         return load_camera(p.camera_file)
     return CameraModel.looking_down(p.camera_position, p.camera_yaw, 1.0)
-
-
-def _color(numbers: list[float]) -> Color:
-    """Read red, green and blue; whatever is wrong with them is said by who takes them."""
-    return tuple(round(number) for number in numbers)  # type: ignore[return-value]
 
 
 def _bounds(numbers: list[float]) -> tuple[float, float, float, float] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.parameters import parameter
+from quad_common.vision.color_parameters import color_parameter
 
 
 @dataclass(frozen=True)
@@ -27,21 +28,11 @@ class CeilingCameraParameters:
         'x and y of the lower left and the upper right corner; empty: what the camera sees.',
         'm',
     )
-    obstacle_color: list[float] = parameter(
-        [205.0, 50.0, 35.0], 'Of obstacles: red, green, blue, 0 to 255.'
-    )
-    front_color: list[float] = parameter(
-        [30.0, 80.0, 230.0], "Red, green and blue of the front disc on the robot's back."
-    )
-    rear_color: list[float] = parameter(
-        [250.0, 210.0, 0.0], "Red, green and blue of the rear disc on the robot's back."
-    )
-    goal_color: list[float] = parameter(
-        [20.0, 170.0, 60.0], "Red, green and blue of the goal's disc."
-    )
-    goal_heading_color: list[float] = parameter(
-        [215.0, 40.0, 200.0], "Red, green and blue of the disc that shows the goal's heading."
-    )
+    obstacle_color: list[float] = color_parameter('obstacle_color')
+    front_color: list[float] = color_parameter('front_color')
+    rear_color: list[float] = color_parameter('rear_color')
+    goal_color: list[float] = color_parameter('goal_color')
+    goal_heading_color: list[float] = color_parameter('goal_heading_color')
     goal_distance: float = parameter(
         0.05, 'A goal marker that moved by less is where it was.', 'm', lower=0.005
     )

@@ -9,7 +9,7 @@ from quad_common.parameters import parameter
 from quad_planner.grid.ground_limits import LARGEST_SLOPE, STEEPEST
 
 LOW_OBSTACLES = ('keep', 'step_over')
-"""What is done with obstacles of the map that the height map shows to be low."""
+"""Choices for obstacles of the map that the height map shows to be low."""
 
 PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Names of the planning methods."""
@@ -55,6 +55,14 @@ class PlannerParameters:
     )
     safety_distance: float = parameter(
         0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0
+    )
+    start_tolerance: float = parameter(
+        -1.0,
+        'A start may be so much nearer to obstacles than the path; -1: as far as the gait leaves '
+        'room to sway and to turn there.',
+        'm',
+        lower=-1.0,
+        upper=10.0,
     )
     occupied_threshold: int = parameter(
         65, 'Cells of at least this occupancy are obstacles.', '%', lower=1, upper=100

@@ -42,6 +42,7 @@ from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import PlannerTopics
 from quad_planner.ros_conversions import grid_from_message, path_message
 from quad_planner.session.latest_request import LatestRequest
+from quad_planner.session.session_ports import Requests
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _EVERY_PLAN = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -53,12 +54,12 @@ _HEARTBEAT = 0.5
 class PlannerNode(QuadNode[PlannerParameters]):
     """Plans when a goal comes, when a map changes, and when the robot leaves its path."""
 
-    def __init__(self, **kwargs: Any) -> None:
+    def __init__(self, requests: Requests | None = None, **kwargs: Any) -> None:
         super().__init__('planner_node', PlannerParameters, **kwargs)
         p = self.parameters
         self._pace = pace_from_parameters(p)
         # Searches run beside the executor: a newer goal or map must be received meanwhile.
-        self._requests: LatestRequest[Any] = LatestRequest(self.call_soon)
+        self._requests = requests or LatestRequest[Any](self.call_soon)
         frame = MapFrame('map', p.correction_time_constant)
         self._topics = PlannerTopics(self, frame)
         self._session = session_from_parameters(
@@ -76,7 +77,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_HEARTBEAT, self._on_heartbeat, clock=clock)
-        # Once the executor has the node: what is answered before would reach nobody.
+        # Once the executor has the node: what is answered before would not be received.
         self._beginning = self.create_timer(0.0, self._on_beginning, clock=clock)
         self.update_status()
 

@@ -44,22 +44,22 @@ def session_from_parameters(
     Parameters
     ----------
     parameters : PlannerParameters
-        Of the node.
+        Parameters of the node.
     robot : Robot
         The robot.
     frame : MapFrame
-        What relates frames to the map's.
+        Relation of frames to the map's.
     requests : Requests
-        What works on searches.
+        The part that works on searches.
     output : Output
-        What is told of decisions.
+        The receiver of decisions.
     clock : callable
         Returns the time that searches are limited by [s].
 
     Returns
     -------
     PlanningSession
-        Without a map.
+        The session; it has no map yet.
     """
     p = parameters
     planning_map = PlanningMap(
@@ -97,7 +97,7 @@ def planner_for(
     Returns
     -------
     Planner
-        Without a map.
+        The planner; it has no map yet.
     """
     clearance = robot.footprint_radius + safety_distance
     return make_planner(method, mesh_size=robot.mesh_size, clearance_radius=clearance, **options)
@@ -115,7 +115,7 @@ def planner_from_parameters(
     Parameters
     ----------
     parameters : PlannerParameters
-        Of the node.
+        Parameters of the node.
     robot : Robot
         The robot.
     clock : callable
@@ -126,20 +126,24 @@ def planner_from_parameters(
     Returns
     -------
     Planner
-        Without a map.
+        The planner; it has no map yet.
     """
     p = parameters
+    pace = pace_from_parameters(p)
+    tolerance = p.start_tolerance
+    if tolerance < 0.0:
+        tolerance = start_tolerance(p.safety_distance, pace)
     return planner_for(
         robot,
         p.method,
         p.safety_distance,
-        pace=pace_from_parameters(p),
+        pace=pace,
         any_angle=p.any_angle,
         fewest_turns=p.fewest_turns,
         potential=p.potential,
         influence=p.influence,
         path_deviation=p.path_deviation,
-        start_tolerance=p.safety_distance,
+        start_tolerance=tolerance,
         occupied_threshold=p.occupied_threshold,
         unknown_is_free=p.unknown_is_free,
         time_limit=p.planning_timeout,
@@ -147,6 +151,26 @@ def planner_from_parameters(
         costs=_costs(p),
         is_superseded=is_superseded,
     )
+
+
+def start_tolerance(safety_distance: float, pace: WalkingTimeModel | None) -> float:
+    """
+    Say by how much a start may be nearer to obstacles than the path.
+
+    Parameters
+    ----------
+    safety_distance : float
+        Distance that the footprint keeps from obstacles [m].
+    pace : WalkingTimeModel or None
+        The gait's pace; None where it is not known.
+
+    Returns
+    -------
+    float
+        What the gait leaves of the safety distance when the robot sways and turns where it
+        stands [m].
+    """
+    return max(0.0, safety_distance - (pace.sweep if pace else 0.0))
 
 
 def pace_from_parameters(parameters: PlannerParameters) -> WalkingTimeModel | None:

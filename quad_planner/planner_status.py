@@ -26,9 +26,9 @@ def session_status(
     session : PlanningSession
         The session.
     parameters : PlannerParameters
-        Of its node.
+        Parameters of its node.
     pace : WalkingTimeModel or None
-        Of the gait, for the time that a plan takes.
+        Times of the gait, for the time that a plan takes.
     old_correction : str
         Sentence about corrections of odometry that have grown old; empty if they have not.
 
@@ -45,7 +45,7 @@ def session_status(
             Level.OK, 'getting the searches ready: once after an installation they compile'
         )
     if goal is not None:
-        return Status(Level.OK, f'searching a way to ({goal.x:.2f}, {goal.y:.2f}) m')
+        return Status(Level.OK, f'searching a path to ({goal.x:.2f}, {goal.y:.2f}) m')
     if session.problem is not None:
         return session.problem
     if not session.has_pose:

@@ -66,7 +66,7 @@ def path_message(plan: Plan | None, frame: str, stamp: Time) -> Path:
     frame : str
         Frame of the plan.
     stamp : Time
-        When it was made.
+        Time at which it was made.
 
     Returns
     -------

@@ -1,8 +1,10 @@
 """
-Keeps simulated time at a multiple of real time, and measures how fast it goes.
+Keeps simulated time at a multiple of real time, or within reach of the gait, and measures it.
 """
 
 from __future__ import annotations
+
+import math
 
 _LATE = 0.25
 """Lag behind real time beyond which the lost time is let go [s]."""
@@ -56,3 +58,54 @@ class Pacing:
         since, start = self._measured_from
         self._measured_from = (wall, simulated)
         return (simulated - start) / max(wall - since, 1e-6)
+
+
+_AHEAD = 0.2
+"""Simulated time by which the gait may be left behind: less than its lead before a cycle [s]."""
+
+_PATIENCE = 0.25
+"""Time on the wall clock without an answer after which nobody is waited for [s]."""
+
+
+class Answers:
+    """
+    How far the gait has answered a simulation that goes as fast as possible.
+
+    Such a simulation would leave a gait behind that computes, or is not given the processor.
+    """
+
+    def __init__(self) -> None:
+        self._up_to = -math.inf
+        self._received_at = -math.inf
+
+    def take(self, stamp: float, simulated: float, wall: float) -> None:
+        """
+        Take an answer; one that is not newer, or of the future, is none.
+
+        Parameters
+        ----------
+        stamp : float
+            Simulated time of the measurement that is answered [s].
+        simulated, wall : float
+            Simulated time, and the wall clock's [s].
+        """
+        if self._up_to < stamp <= simulated:
+            self._up_to, self._received_at = stamp, wall
+
+    def wait(self, simulated: float, wall: float) -> float:
+        """
+        Return how long to wait for the gait; times as of :meth:`Pacing.ahead`.
+
+        Parameters
+        ----------
+        simulated, wall : float
+            Simulated time, and the wall clock's [s].
+
+        Returns
+        -------
+        float
+            Real time to wait at most, until an answer comes; 0 to go on [s].
+        """
+        if simulated - self._up_to <= _AHEAD:
+            return 0.0
+        return max(0.0, self._received_at + _PATIENCE - wall)

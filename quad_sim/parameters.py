@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from quad_common.parameters import parameter
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY
+from quad_common.vision.color_parameters import color_parameter
 from quad_sim.engines.joint_failure import FAILURES
 from quad_sim.engines.registry import AUTO, BACKENDS
 
@@ -159,25 +160,15 @@ class SimParameters:
     camera_brightness: float = parameter(
         1.0, 'By which the numbers in a picture are multiplied.', lower=0.0, upper=10.0
     )
-    obstacle_color: list[float] = parameter(
-        [205.0, 50.0, 35.0], 'Of walls and obstacles: red, green, blue, 0 to 255.'
-    )
+    obstacle_color: list[float] = color_parameter('obstacle_color')
     floor_color: list[float] = parameter([205.0, 205.0, 200.0], 'Red, green and blue of the floor.')
     floor_checker: float = parameter(
         0.0, 'Side of the squares of a pattern on the floor; 0: none.', 'm', lower=0.0, upper=10.0
     )
-    front_color: list[float] = parameter(
-        [30.0, 80.0, 230.0], "Red, green and blue of the front disc on the robot's back."
-    )
-    rear_color: list[float] = parameter(
-        [250.0, 210.0, 0.0], "Red, green and blue of the rear disc on the robot's back."
-    )
-    goal_color: list[float] = parameter(
-        [20.0, 170.0, 60.0], "Red, green and blue of the goal's disc."
-    )
-    goal_heading_color: list[float] = parameter(
-        [215.0, 40.0, 200.0], "Red, green and blue of the disc that shows the goal's heading."
-    )
+    front_color: list[float] = color_parameter('front_color')
+    rear_color: list[float] = color_parameter('rear_color')
+    goal_color: list[float] = color_parameter('goal_color')
+    goal_heading_color: list[float] = color_parameter('goal_heading_color')
     camera_frame: str = parameter(
         'ceiling_camera', 'Frame of the camera: x right and y down in the picture.'
     )

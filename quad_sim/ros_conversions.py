@@ -41,16 +41,16 @@ _SIZES = (1e-3, 100.0)
 """Least and largest side of an obstacle [m]."""
 
 _MOST_MARKERS = 1000
-"""In one message."""
+"""Largest number of markers in one message."""
 
 _MOST_JOINTS = 1000
 """Of a trajectory; that none of them is missing or unknown is checked after it is read."""
 
 MOST_OBSTACLE_BYTES = 1_000_000
-"""Of one message with obstacles; a marker has some three hundred."""
+"""Largest size of a message with obstacles; a marker has some three hundred [bytes]."""
 
 _ROOM, _POINT_BYTES = 250_000, 450
-"""Of a message with a trajectory: for the names, and for all four numbers of twelve joints."""
+"""Sizes of a message with a trajectory: of names, and of twelve joints' numbers [bytes]."""
 
 _EXACT = 1e-12
 """Variance of what is known exactly: zero would mean unknown."""
@@ -290,7 +290,7 @@ def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
             size.x,
             size.y,
             size.z,
-            # A color that nobody has set is black and transparent.
+            # A color that is not set is black and transparent.
             (red, green, blue) if any(parts) else None,
         )
     except (InvalidPose, ParameterError) as error:

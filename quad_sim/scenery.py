@@ -14,7 +14,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_common.vision.camera import CameraModel
-from quad_common.vision.markers import Color, GoalMarker, RobotMarker
+from quad_common.vision.color_parameters import color_from, markers_from
 from quad_sim.engines.registry import ENGINES, resolved
 from quad_sim.parameters import SimParameters
 from quad_sim.simulation import check_start
@@ -31,13 +31,13 @@ _CLEARANCE = 0.5
 """Radius of the disc that finds a way through a room, or that of a larger robot's feet [m]."""
 
 _RESOLUTION = 0.05
-"""Of a room's map [m]."""
+"""Resolution of a room's map [m]."""
 
 _MARGIN = 1.0
-"""By which uneven ground goes on beyond the map [m]."""
+"""Distance by which uneven ground goes on beyond the map [m]."""
 
 _AROUND = 5.0
-"""How far it goes from the start where there is no map [m]."""
+"""Distance to which it goes from the start where there is no map [m]."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,14 @@ class Scenery:
 
     world: World
     grid: OccupancyGrid | None
-    """Its map; None where nobody is told."""
+    """Map of the world; None where it is not published."""
     start: Pose2D
     goal: Pose2D | None
     """Where the goal's marker lies at first; None: nowhere, or there is nothing to see."""
     bounds: tuple[float, float, float, float] | None = None
-    """What its map or its room spans: x_min, y_min, x_max, y_max [m]; None without one."""
+    """Area of its map or its room: x_min, y_min, x_max, y_max [m]; None without one."""
     height_map: HeightMap | None = None
-    """Of its ground; None where it is flat, or nobody is told."""
+    """Heights of the ground; None where it is flat, or they are not published."""
 
 
 def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
@@ -142,15 +142,13 @@ def _extent(scenery: Scenery) -> tuple[float, float, float, float]:
 
 def appearance_from(parameters: SimParameters, robot: Robot) -> Appearance:
     """Return colors and markers; ParameterError if a color is none."""
-    p = parameters
+    robot_marker, goal_marker = markers_from(parameters, robot)
     return Appearance(
-        floor_color=_color(p, 'floor_color'),
-        obstacle_color=_color(p, 'obstacle_color'),
-        checker_size=p.floor_checker,
-        robot_marker=RobotMarker.on(robot, _color(p, 'front_color'), _color(p, 'rear_color')),
-        goal_marker=GoalMarker(
-            color=_color(p, 'goal_color'), heading_color=_color(p, 'goal_heading_color')
-        ),
+        floor_color=color_from(parameters, 'floor_color'),
+        obstacle_color=color_from(parameters, 'obstacle_color'),
+        checker_size=parameters.floor_checker,
+        robot_marker=robot_marker,
+        goal_marker=goal_marker,
     )
 
 
@@ -173,11 +171,3 @@ def camera_from(parameters: SimParameters) -> SimulatedCamera:
     if not model.position[2] > 0.0:
         raise ParameterError('camera_position', p.camera_position, 'above the floor')
     return SimulatedCamera(model, p.camera_noise, p.camera_brightness)
-
-
-def _color(parameters: SimParameters, name: str) -> Color:
-    values = getattr(parameters, name)
-    if not all(0.0 <= value <= 255.0 for value in values):
-        raise ParameterError(name, values, 'red, green and blue, from 0 to 255')
-    red, green, blue = (round(value) for value in values)
-    return red, green, blue

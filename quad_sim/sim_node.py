@@ -15,13 +15,13 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Header
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.robot.robot_file import load_robot
-from quad_common.ros.pose_conversions import pose_from_message
+from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
 from quad_sim.engines.registry import AUTO, resolved
@@ -57,6 +57,8 @@ class SimNode(QuadNode[SimParameters]):
         )
         self.create_subscription(PoseStamped, 'goal_marker', self._on_goal_marker, 10)
         self.create_subscription(Bool, 'emergency_stop/active', self._on_emergency_stop, _LATCHED)
+        if p.real_time_factor == 0.0:
+            self.create_subscription(Header, 'gait/heartbeat', self._on_gait_heartbeat, 10)
         self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)
@@ -64,6 +66,11 @@ class SimNode(QuadNode[SimParameters]):
             self.get_logger().info(f"backend '{AUTO}': simulating with {resolved(AUTO)}")
         self._session.observe(self._topics)
         self.update_status()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._session.time
 
     def drive(self) -> float:
         """Simulate up to the next observation, if it is due; return how long it is not [s]."""
@@ -90,6 +97,9 @@ class SimNode(QuadNode[SimParameters]):
     def _on_trajectory(self, message: JointTrajectory) -> None:
         longest = self.parameters.longest_trajectory
         self._session.simulation.accept(trajectory_from_message(message, longest))
+
+    def _on_gait_heartbeat(self, message: Header) -> None:
+        self._session.take_answer(seconds_from_time(message.stamp))
 
     def _on_emergency_stop(self, message: Bool) -> None:
         self._session.simulation.freeze(message.data)
@@ -118,7 +128,7 @@ class SimNode(QuadNode[SimParameters]):
         return self._answered(response, 'running')
 
     def _answered(self, response: Trigger.Response, sentence: str) -> Trigger.Response:
-        """Answer a service that has done what it was asked for."""
+        """Answer a service that has done what was requested."""
         self.update_status()
         response.success, response.message = True, sentence
         return response

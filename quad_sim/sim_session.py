@@ -19,7 +19,7 @@ from quad_common.status import Level, Status
 from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.registry import make_simulator
 from quad_sim.engines.simulator import Observation
-from quad_sim.pacing import Pacing
+from quad_sim.pacing import Answers, Pacing
 from quad_sim.parameters import SimParameters
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
 from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
@@ -97,7 +97,8 @@ class SimSession:
         if self.scenery.goal is not None:
             self.simulation.put_goal_marker(self.scenery.goal)
         if self.camera is not None:
-            self.simulation.check_visible('a camera')
+            # Where nothing can draw, it is said at the start.
+            self.simulation.check_visible('a camera').prepare_pictures()
         self._localisation = SimulatedLocalisation(
             LocalisationOptions(
                 p.odom_drift, p.localiser_rate, p.localiser_noise, p.localiser_heading_noise, p.seed
@@ -105,6 +106,7 @@ class SimSession:
         )
         self._rng = np.random.default_rng(p.seed)
         self._pacing = Pacing(p.real_time_factor, clock())
+        self._answers = Answers()
         self._is_paused = False
         self._steps = 0
         self._steps_per_clock = max(1, int(1.0 / (_CLOCK_RATE * p.time_step) + 1e-9))
@@ -144,7 +146,13 @@ class SimSession:
         """Return how long there is nothing to do [s]; 0 if the next observation is due."""
         if self._is_paused:
             return _LONGEST_WAIT
-        return min(max(self._pacing.ahead(self.time, self._clock()), 0.0), _LONGEST_WAIT)
+        wall = self._clock()
+        wait = max(self._pacing.ahead(self.time, wall), self._answers.wait(self.time, wall))
+        return min(max(wait, 0.0), _LONGEST_WAIT)
+
+    def take_answer(self, stamp: float) -> None:
+        """Take it that the gait has answered what was measured up to a time [s]."""
+        self._answers.take(stamp, self.time, self._clock())
 
     def advance(self, output: Output) -> None:
         """Simulate up to the next observation, and publish what is measured on the way."""

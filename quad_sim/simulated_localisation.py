@@ -44,7 +44,7 @@ class LocalisationOptions:
     heading_noise: float = 0.01
     """Standard deviation of the heading that it sees [rad]."""
     seed: int = 0
-    """Of what is drawn; other noise of the simulator is drawn elsewhere."""
+    """Seed of what is drawn; other noise of the simulator is drawn elsewhere."""
 
 
 class DriftingOdometry:

@@ -124,7 +124,7 @@ class Simulation:
         self.has_fallen = False
         """Whether the robot has fallen since the last reset."""
         self.late_trajectories = 0
-        """How many came after their first point was due, since the last reset."""
+        """Number that came after their first point was due, since the last reset."""
         self.reset()
 
     @property
@@ -136,6 +136,11 @@ class Simulation:
     def time_step(self) -> float:
         """Fixed step [s]."""
         return self._simulator.time_step
+
+    @property
+    def commanded(self) -> Array:
+        """Where the joints are commanded to be now, shape (12,) [rad]."""
+        return self._executor.command(self.time)[0]
 
     def reset(self) -> None:
         """Put the robot back to its start pose, at rest, with all joints sound; time goes on."""

@@ -104,6 +104,8 @@ from quad_common.errors.robots import RobotValueOutOfRange as RobotValueOutOfRan
 from quad_common.errors.robots import StretchTooShort as StretchTooShort
 from quad_common.errors.simulation import JointNotFound as JointNotFound
 from quad_common.errors.simulation import MissingOptionalDependency as MissingOptionalDependency
+from quad_common.errors.simulation import NoDisplay as NoDisplay
+from quad_common.errors.simulation import NoRenderer as NoRenderer
 from quad_common.errors.simulation import NotSimulated as NotSimulated
 from quad_common.errors.simulation import ObstacleOnRobot as ObstacleOnRobot
 from quad_common.errors.simulation import SimulatorError as SimulatorError

@@ -165,11 +165,16 @@ class TooManyPointsInFile(CameraError):
 
 
 @dataclass(eq=False, repr=False)
-class NotAPicture(CameraError):
-    """A file is neither a picture nor a video."""
+class PictureFileError(CameraError):
+    """Base of what is wrong with a picture's file."""
 
     path: str | PathLike[str]
     """Path of the file."""
+
+
+@dataclass(eq=False, repr=False)
+class NotAPicture(PictureFileError):
+    """A file is neither a picture nor a video."""
 
     def sentence(self) -> str:
         """Say what the file is not."""
@@ -177,11 +182,9 @@ class NotAPicture(CameraError):
 
 
 @dataclass(eq=False, repr=False)
-class PictureTooLarge(CameraError):
+class PictureTooLarge(PictureFileError):
     """A picture has more pixels than are accepted."""
 
-    path: str | PathLike[str]
-    """Path of the file."""
     most: int
     """Largest number of pixels."""
 
@@ -191,11 +194,8 @@ class PictureTooLarge(CameraError):
 
 
 @dataclass(eq=False, repr=False)
-class PictureNotWritten(CameraError):
+class PictureNotWritten(PictureFileError):
     """A picture cannot be written to a file of that name."""
-
-    path: str | PathLike[str]
-    """Path of the file."""
 
     def sentence(self) -> str:
         """Say which name would do."""

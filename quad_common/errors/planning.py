@@ -80,7 +80,7 @@ class InvalidPose(PlannerError):
 
 @dataclass(eq=False, repr=False)
 class NoMap(PlannerError):
-    """A plan is asked for before there is a map."""
+    """A plan is requested before there is a map."""
 
     def sentence(self) -> str:
         """Say what is missing."""

@@ -51,11 +51,17 @@ class RobotUnknown(RobotModelError):
 
 
 @dataclass(eq=False, repr=False)
-class LegTypeUnknown(RobotModelError):
-    """There is no such build of legs."""
+class RobotFileError(RobotModelError):
+    """Base of what is wrong with a robot's data file."""
 
     path: str | PathLike[str]
     """Path of the data file."""
+
+
+@dataclass(eq=False, repr=False)
+class LegTypeUnknown(RobotFileError):
+    """There is no such build of legs."""
+
     leg_type: object
     """Build that was given."""
     available: tuple[str, ...]
@@ -68,11 +74,9 @@ class LegTypeUnknown(RobotModelError):
 
 
 @dataclass(eq=False, repr=False)
-class RobotNameInvalid(RobotModelError):
+class RobotNameInvalid(RobotFileError):
     """The name of a robot is no short text."""
 
-    path: str | PathLike[str]
-    """Path of the data file."""
     name: object
     """Name that was given."""
     longest: int
@@ -87,11 +91,9 @@ class RobotNameInvalid(RobotModelError):
 
 
 @dataclass(eq=False, repr=False)
-class RobotNumberMissing(RobotModelError):
+class RobotNumberMissing(RobotFileError):
     """A robot's data file lacks a number."""
 
-    path: str | PathLike[str]
-    """Path of the data file."""
     name: str
     """Dotted name of the number."""
 
@@ -101,11 +103,9 @@ class RobotNumberMissing(RobotModelError):
 
 
 @dataclass(eq=False, repr=False)
-class RobotNumberWithoutSource(RobotModelError):
+class RobotNumberWithoutSource(RobotFileError):
     """A number of a robot's data file does not say where it comes from."""
 
-    path: str | PathLike[str]
-    """Path of the data file."""
     name: str
     """Dotted name of the number."""
 
@@ -115,11 +115,9 @@ class RobotNumberWithoutSource(RobotModelError):
 
 
 @dataclass(eq=False, repr=False)
-class JointRangeEmpty(RobotModelError):
+class JointRangeEmpty(RobotFileError):
     """The lower limit of a joint is not below its upper one."""
 
-    path: str | PathLike[str]
-    """Path of the data file."""
     joint: str
     """Kind of the joint."""
     lower: float
@@ -135,11 +133,9 @@ class JointRangeEmpty(RobotModelError):
 
 
 @dataclass(eq=False, repr=False)
-class InitialPostureOutOfRange(RobotModelError):
+class InitialPostureOutOfRange(RobotFileError):
     """The initial posture of a robot is beyond a joint's range."""
 
-    path: str | PathLike[str]
-    """Path of the data file."""
     problem: QuadError
     """Error of the joint."""
 

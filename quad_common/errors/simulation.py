@@ -17,10 +17,10 @@ class SimulatorError(QuadError):
 
 @dataclass(eq=False, repr=False)
 class NotSimulated(SimulatorError):
-    """The simulator's backend leaves out what is asked for."""
+    """The simulator's backend lacks what is requested."""
 
     what: str
-    """Capability that is asked for, with its article."""
+    """Capability that is requested, with its article."""
     backends: tuple[str, ...]
     """Backends that have it."""
 
@@ -75,6 +75,33 @@ class JointNotFound(SimulatorError):
     def sentence(self) -> str:
         """Say which joints there are."""
         return f'there is no joint {quoted(self.name)}; available: {listed(self.available)}'
+
+
+@dataclass(eq=False, repr=False)
+class NoDisplay(SimulatorError):
+    """A window is wanted, and there is no screen to show it on."""
+
+    reason: str
+    """What the window system says."""
+
+    def sentence(self) -> str:
+        """Say what was tried."""
+        return f'there is no screen for a window ({self.reason}); run it without gui'
+
+
+@dataclass(eq=False, repr=False)
+class NoRenderer(SimulatorError):
+    """Nothing is there that draws pictures without a screen."""
+
+    reason: str
+    """What was tried, and why it failed."""
+
+    def sentence(self) -> str:
+        """Say what to install."""
+        return (
+            'pictures of this backend need EGL or OSMesa, and neither works here; install libegl1 '
+            f'and libgl1-mesa-dri (Debian, Ubuntu), or take another backend ({self.reason})'
+        )
 
 
 @dataclass(eq=False, repr=False)

@@ -1,7 +1,7 @@
 """
 Opening files that somebody names: never more than a stated size, and nothing that blocks.
 
-A pipe, a device or a directory is refused before it is read or written: a pipe that nobody
+A pipe, a device or a directory is refused before it is read or written: a pipe that no process
 writes to would block forever.
 """
 

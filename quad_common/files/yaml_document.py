@@ -19,7 +19,7 @@ from quad_common.errors.quoting import clipped, shown
 from quad_common.files.bounded_file import LARGEST_TEXT, read_text
 
 LARGEST_DEPTH = 20
-"""Of mappings and lists in one another; shipped files have 4."""
+"""Largest depth of mappings and lists in one another; shipped files have 4."""
 
 MOST_VALUES = 4_000
 """Keys, values, mappings and lists of a file, counted as often as aliases repeat them."""

@@ -18,13 +18,13 @@ _LARGEST_TILT = 0.2
 """A frame tilted more against the ground's plane is no frame of the plane [rad]."""
 
 _LONGEST_NAME = 200
-"""Of a frame, in characters."""
+"""Largest length of a frame's name, in characters."""
 
 MOST_FRAMES = 500
 """Most frames that are remembered."""
 
 IDENTITY = Pose2D(0.0, 0.0, 0.0)
-"""Of two frames that coincide."""
+"""Transform between two frames that coincide."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class FrameTransform:
 
 @dataclass(frozen=True)
 class _Edge:
-    """What was heard last of a frame."""
+    """The transform of a frame that was received last."""
 
     parent: str
     """Name of the frame in which it is given."""
@@ -111,7 +111,7 @@ class Chain:
 
 
 class FrameTree:
-    """The transforms that were heard of: each frame has one parent."""
+    """The transforms that were received: each frame has one parent."""
 
     def __init__(self) -> None:
         self._edges: dict[str, _Edge] = {}

@@ -3,13 +3,13 @@ Where odometry's frame lies in the map: the transform map -> odom of REP-105.
 
 Odometry has no leaps and drifts; a localiser corrects it by publishing where odometry's frame
 is in the map, with leaps. Here transforms between frames are kept and composed, and corrections
-are followed smoothly: each moves the robot's pose on the map by a share of what it would change.
+are followed smoothly: each moves the robot's pose on the map by a fraction of what it would change.
 
-The share is 1 - exp(-dt / T), with dt the time since the correction before and T a time
+The fraction is 1 - exp(-dt / T), with dt the time since the correction before and T a time
 constant: a first-order low-pass filter of the robot's pose, not of the transform, whose
 translation depends on how far the robot is from odometry's origin. The n-th correction counts at
 least 1/n, so that the first ones are averaged. With noise of s [m] in each correction, what is
-left is s * sqrt(share / (2 - share)).
+left is s * sqrt(f / (2 - f)).
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class MapFrame:
 
     @property
     def correction(self) -> Pose2D | None:
-        """Odometry's frame in the map, as it is in force; None if nobody publishes it."""
+        """Odometry's frame in the map, as it is in force; None if it is not published."""
         return self._correction
 
     @property
@@ -145,7 +145,7 @@ class MapFrame:
         Returns
         -------
         Pose2D
-            base_link in the map; the odometry itself as long as nobody relates the frames.
+            base_link in the map; the odometry itself as long as the frames are not related.
         """
         if frame != self._odom_frame:
             self._odom_frame = frame
@@ -235,16 +235,16 @@ class MapFrame:
             return
         here = self._correction @ odometry
         error = here.inverse() @ (found.pose @ odometry)
-        share = self._share(time, here, error)
+        fraction = self._fraction(time, here, error)
         self._count += 1
         self._corrected_at = time
-        if share >= 1.0:
+        if fraction >= 1.0:
             self._correction = found.pose
             return
-        part = Pose2D(share * error.x, share * error.y, share * error.yaw)
+        part = Pose2D(fraction * error.x, fraction * error.y, fraction * error.yaw)
         self._correction = here @ part @ odometry.inverse()
 
-    def _share(self, time: float, here: Pose2D, error: Pose2D) -> float:
+    def _fraction(self, time: float, here: Pose2D, error: Pose2D) -> float:
         """Say how much of a correction is taken at once."""
         distance = math.hypot(error.x, error.y)
         if distance > _LEAP or abs(error.yaw) > _LEAP_TURN:

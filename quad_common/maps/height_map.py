@@ -14,7 +14,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from quad_common.errors import (
     CellCountOutOfRange,
@@ -61,7 +60,7 @@ class HeightMap:
     origin: tuple[float, float]
     """Lower left corner of cell (0, 0), x and y in the world [m]."""
     _images: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False)
-    """Highest and lowest within a radius of each cell, once they have been asked for."""
+    """Highest and lowest within a radius of each cell, once they have been needed."""
 
     def __post_init__(self) -> None:
         """Refuse what is not a height map, and make the heights read-only."""
@@ -151,7 +150,7 @@ class HeightMap:
 
     @property
     def centers(self) -> Array:
-        """Of the cells, x and y in the world, shape (rows, columns, 2) [m]."""
+        """Centers of the cells, x and y in the world, shape (rows, columns, 2) [m]."""
         x = self.origin[0] + (np.arange(self.columns) + 0.5) * self.resolution
         y = self.origin[1] + (np.arange(self.rows) + 0.5) * self.resolution
         return np.stack(np.meshgrid(x, y), axis=-1)
@@ -308,6 +307,9 @@ class HeightMap:
 
     def _extremes(self, radius: float) -> tuple[Array, Array]:
         """Highest and lowest within a radius of each cell, shape (rows, columns) each."""
+        # Imported late: it takes longer than all else that a node imports, and few need it.
+        from scipy import ndimage
+
         reach = float(radius) / self.resolution
         if not 0.0 <= reach <= MAX_REACH:
             raise ParameterError(

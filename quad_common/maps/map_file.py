@@ -13,7 +13,7 @@ since release 1.3.7 of May 2025; before it, comparisons were strict, colors were
 evenly, and trinary averaged alpha among them. What ``map_saver`` wrote reads the same.
 
 Images are read by Pillow, not OpenCV: OpenCV leaves a PGM whose white is not 255
-unscaled, and says so to nobody.
+unscaled, and does not say so.
 """
 
 from __future__ import annotations

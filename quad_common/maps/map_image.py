@@ -26,7 +26,7 @@ from quad_common.errors.quoting import clipped
 from quad_common.files.bounded_file import LARGEST_IMAGE, read_bytes
 
 MOST_PIXELS = 2**27
-"""Of the largest image that is decoded: 579 m square with cells of 0.05 m."""
+"""Number of pixels of the largest image that is decoded: 579 m square with cells of 0.05 m."""
 
 _MOST_VALUES = 2**28
 """Pixels times color bands."""

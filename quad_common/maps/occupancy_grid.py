@@ -60,7 +60,7 @@ class OccupancyGrid:
         """Refuse what is not a map, and make the cells read-only."""
         self.check()
         cells = self.cells.view()
-        # Prepared maps outlive the call that made them: nobody may change them below.
+        # Prepared maps outlive the call that made them: they must not change below.
         cells.flags.writeable = False
         object.__setattr__(self, 'cells', cells)
 

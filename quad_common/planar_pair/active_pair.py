@@ -53,7 +53,7 @@ their common shape.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,6 +65,7 @@ from quad_common.planar_pair.planar_triangles import (
     argument,
     bent_leg,
     first_of,
+    same_shape,
     sign_of,
     squared_length,
     turned_link,
@@ -73,7 +74,7 @@ from quad_common.planar_pair.planar_triangles import (
 )
 
 _RIGID = 1e-9
-"""By how much hips may be off the body's length, as a share of it: rounding of the caller's."""
+"""Fraction of the body's length by which hips may be off it: rounding of the caller's."""
 
 
 _KNEE_HELD = TriangleWords(
@@ -132,7 +133,7 @@ def with_knee_held(
     PairUndetermined
         If foot j is at hip i, or at hip j, or foot i is at hip i.
     """
-    R_i, G_i, G_j, u1 = _same_shape((hip_i, foot_i, foot_j), (u1_j,))
+    R_i, G_i, G_j, u1 = same_shape((hip_i, foot_i, foot_j), (u1_j,))
     W = pair.leg_j.upper + pair.leg_j.lower * unit(u1)
     AB, u2 = turned_link(
         pair.span,
@@ -142,7 +143,7 @@ def with_knee_held(
         _before(previous, 'u2_j'),
         _KNEE_HELD,
     )
-    return _pair_on_leg_j(pair, R_i, G_i, G_j, AB, u1, u2, knee_i, previous)
+    return _pair_on_leg_j(pair, _Ends(R_i, G_i, G_j), _LegJ(AB, u1, u2), knee_i, previous)
 
 
 def with_hip_held(
@@ -192,7 +193,7 @@ def with_hip_held(
     PairUndetermined
         If foot j, or knee j, is at hip i, or foot i is at hip i.
     """
-    R_i, G_i, G_j, u2 = _same_shape((hip_i, foot_i, foot_j), (u2_j,))
+    R_i, G_i, G_j, u2 = same_shape((hip_i, foot_i, foot_j), (u2_j,))
     upper = unit(u2)
     lower, u1 = turned_link(
         pair.span + pair.leg_j.upper * upper,
@@ -203,7 +204,7 @@ def with_hip_held(
         _HIP_HELD,
     )
     AB = pair.leg_j.upper * upper + lower
-    return _pair_on_leg_j(pair, R_i, G_i, G_j, AB, u1, u2, knee_i, previous)
+    return _pair_on_leg_j(pair, _Ends(R_i, G_i, G_j), _LegJ(AB, u1, u2), knee_i, previous)
 
 
 def with_hips_placed(
@@ -246,7 +247,7 @@ def with_hips_placed(
     PairUndetermined
         If a foot is at its hip.
     """
-    R_i, R_j, G_i, G_j = _same_shape((hip_i, hip_j, foot_i, foot_j), ())
+    R_i, R_j, G_i, G_j = same_shape((hip_i, hip_j, foot_i, foot_j), ())
     with np.errstate(invalid='ignore', over='ignore'):
         apart = np.abs(R_j - R_i)
         holds = np.abs(apart - abs(pair.span)) <= _RIGID * abs(pair.span)
@@ -314,7 +315,7 @@ def with_hip_joints_held(
         If C^i and C^j are one point, as with upper links in parallel, lower links of one
         length and feet as far apart as the hips: the lower links are a parallelogram's.
     """
-    G_i, G_j, angle, hip_angle_i, hip_angle_j = _same_shape((foot_i, foot_j), (theta, u2_i, u2_j))
+    G_i, G_j, angle, hip_angle_i, hip_angle_j = same_shape((foot_i, foot_j), (theta, u2_i, u2_j))
     along = unit(angle)
     upper_i, upper_j = along * unit(hip_angle_i), along * unit(hip_angle_j)
     C_i = G_i - pair.leg_i.upper * upper_i
@@ -331,7 +332,7 @@ def with_hip_joints_held(
 def _back_to_hip_i(
     pair: ActivePair, base: Points, branch: Branch, previous: PairPosture | None
 ) -> Points:
-    """Return the way from C^i to hip i, against lower link i; base is C^i - C^j."""
+    """Return the vector from C^i to hip i, against lower link i; base is C^i - C^j."""
     before = None
     if previous is not None:
         before = previous.theta + previous.u2_i + previous.u1_i + np.pi
@@ -351,34 +352,42 @@ def _back_to_hip_i(
     return back
 
 
+class _Ends(NamedTuple):
+    """What the ground and hip i are given as, x + j z [m]."""
+
+    hip_i: Points
+    """R^i."""
+    foot_i: Points
+    """G^i."""
+    foot_j: Points
+    """G^j."""
+
+
+class _LegJ(NamedTuple):
+    """Leg j in the body's axes."""
+
+    AB: Points
+    """Vector from hip j to foot j, x + j z [m]."""
+    u1: Array
+    """Angle of its knee [rad]."""
+    u2: Array
+    """Angle of its hip joint [rad]."""
+
+
 def _pair_on_leg_j(
-    pair: ActivePair,
-    R_i: Points,
-    G_i: Points,
-    G_j: Points,
-    AB: Points,
-    u1_j: Array,
-    u2_j: Array,
-    knee_i: Branch,
-    previous: PairPosture | None,
+    pair: ActivePair, ends: _Ends, leg_j: _LegJ, knee_i: Branch, previous: PairPosture | None
 ) -> PairPosture:
     """Place body and leg i, once leg j is known in the body's axes (S3 eqs. 57 to 61)."""
-    chain = pair.span + AB
+    R_i, G_i, G_j = ends
+    chain = pair.span + leg_j.AB
     along = (G_j - R_i) * chain.conj()
     along /= np.sqrt(squared_length(along))
     R_j = R_i + pair.span * along
     u1_i, u2_i = bent_leg(
         pair.leg_i, 'i', (G_i - R_i) * along.conj(), knee_i, _before(previous, 'u1_i')
     )
-    return PairPosture(argument(along), R_i.copy(), R_j, u1_i, u2_i, wrapped(u1_j), wrapped(u2_j))
-
-
-def _same_shape(points: tuple[ArrayLike, ...], angles: tuple[ArrayLike, ...]) -> tuple[Any, ...]:
-    """Bring points, as complex numbers, and angles to their common shape."""
-    return np.broadcast_arrays(
-        *(np.asarray(point, dtype=complex) for point in points),
-        *(np.asarray(angle, dtype=float) for angle in angles),
-    )
+    u1_j, u2_j = wrapped(leg_j.u1), wrapped(leg_j.u2)
+    return PairPosture(argument(along), R_i.copy(), R_j, u1_i, u2_i, u1_j, u2_j)
 
 
 def _before(previous: PairPosture | None, angle: str) -> Array | None:

@@ -20,7 +20,14 @@ from quad_common.errors import (
     PairCannotClose,
     ParameterError,
 )
-from quad_common.planar_pair.planar_pair import ActivePair, Array, PairPosture, Points, posture_of
+from quad_common.planar_pair.planar_pair import (
+    ActivePair,
+    Array,
+    JointAngles,
+    PairPosture,
+    Points,
+    posture_of,
+)
 from quad_common.planar_pair.planar_triangles import (
     TriangleWords,
     argument,
@@ -31,10 +38,10 @@ from quad_common.planar_pair.planar_triangles import (
 )
 
 _STEPS = 50
-"""Of Newton's method, which needs about five; fifty halvings leave nothing."""
+"""Number of steps of Newton's method, which needs about five; fifty halvings leave nothing."""
 
 _CLOSE_ENOUGH = 1e-12
-"""Of the body's place, as a share of its length."""
+"""Error of the body's place that is allowed, as a fraction of its length."""
 
 Joint = Literal['u1_i', 'u2_i', 'u1_j', 'u2_j']
 
@@ -110,7 +117,7 @@ def body_over_feet(
 def _over_feet(
     span: float, G_i: Points, G_j: Points, l_i: Array, l_j: Array, wanted: Array
 ) -> tuple[Points, Points]:
-    """Find hip i, and the way from it to hip j, for a hip j towards +x from hip i."""
+    """Find hip i, and the vector from it to hip j, for a hip j towards +x from hip i."""
     between = G_j - G_i
     apart = np.abs(between)
     # Where hip i is so far from foot j as body and leg j reach: angles from the feet's line.
@@ -177,10 +184,7 @@ def pose_with_free_joint(
     pair: ActivePair,
     foot_i: complex,
     foot_j: complex,
-    u1_i: float,
-    u2_i: float,
-    u1_j: float,
-    u2_j: float,
+    held: JointAngles,
     free: Joint,
 ) -> FreeJointPose:
     """
@@ -195,9 +199,9 @@ def pose_with_free_joint(
         The pair.
     foot_i, foot_j : complex
         Where the feet are planted, x + j z [m].
-    u1_i, u2_i, u1_j, u2_j : float
-        What the joints hold. For the free one its last known angle: of two solutions the one
-        that is nearer to it is taken [rad].
+    held : JointAngles
+        Angles that the joints hold, each a float. For the free one its last known angle: of two
+        solutions the one that is nearer to it is taken.
     free : {'u1_i', 'u2_i', 'u1_j', 'u2_j'}
         The joint that is free.
 
@@ -210,28 +214,21 @@ def pose_with_free_joint(
         raise ParameterError('free', free, "'u1_i', 'u2_i', 'u1_j' or 'u2_j'")
     try:
         if free.endswith('_i'):
-            angles = (u1_j, u2_j, u1_i, u2_i)
-            posture = _on_free_leg_j(pair.swapped(), foot_j, foot_i, *angles, free.startswith('u1'))
+            feet = foot_j, foot_i
+            posture = _on_free_leg_j(pair.swapped(), *feet, held.swapped(), free.startswith('u1'))
             return FreeJointPose(posture.swapped(), '')
-        angles = (u1_i, u2_i, u1_j, u2_j)
-        posture = _on_free_leg_j(pair, foot_i, foot_j, *angles, free.startswith('u1'))
+        posture = _on_free_leg_j(pair, foot_i, foot_j, held, free.startswith('u1'))
     except ActivePairError as error:
         return FreeJointPose(None, str(error))
     return FreeJointPose(posture, '')
 
 
 def _on_free_leg_j(
-    pair: ActivePair,
-    G_i: complex,
-    G_j: complex,
-    u1_i: float,
-    u2_i: float,
-    u1_j: float,
-    u2_j: float,
-    knee_is_free: bool,
+    pair: ActivePair, G_i: complex, G_j: complex, held: JointAngles, knee_is_free: bool
 ) -> PairPosture:
     """Find the posture where leg j has the free joint."""
     i, j = pair.leg_i, pair.leg_j
+    u1_i, u2_i, u1_j, u2_j = (float(np.asarray(angle)) for angle in held)
     AB_i = np.exp(1j * u2_i) * (i.upper + i.lower * np.exp(1j * u1_i))
     upper = np.exp(1j * u2_j)
     base = pair.span - AB_i
@@ -246,6 +243,5 @@ def _on_free_leg_j(
     chain = base + j.upper * upper + turned if knee_is_free else base + turned
     theta = np.angle((G_j - G_i) / chain)
     hip_i = G_i - np.exp(1j * theta) * AB_i
-    if knee_is_free:
-        return posture_of(pair, hip_i, theta, u1_i, u2_i, angle, u2_j)
-    return posture_of(pair, hip_i, theta, u1_i, u2_i, u1_j, angle)
+    found = held._replace(**{'u1_j' if knee_is_free else 'u2_j': angle})
+    return posture_of(pair, hip_i, theta, found)

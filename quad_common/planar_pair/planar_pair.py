@@ -88,12 +88,29 @@ class ActivePair:
 
     @property
     def span(self) -> float:
-        """From hip i to hip j along the body, lambda_j - lambda_i; negative if j is behind [m]."""
+        """Distance from hip i to hip j, lambda_j - lambda_i; negative if j is behind [m]."""
         return self.lambda_j - self.lambda_i
 
     def swapped(self) -> ActivePair:
         """Return the same pair with leg i for j, and j for i."""
         return ActivePair(self.leg_j, self.leg_i, self.lambda_j, self.lambda_i)
+
+
+class JointAngles(NamedTuple):
+    """Angles of the four joints of a pair, each of shape (...)."""
+
+    u1_i: ArrayLike
+    """Angle of knee i [rad]."""
+    u2_i: ArrayLike
+    """Angle of hip joint i [rad]."""
+    u1_j: ArrayLike
+    """Angle of knee j [rad]."""
+    u2_j: ArrayLike
+    """Angle of hip joint j [rad]."""
+
+    def swapped(self) -> JointAngles:
+        """Return the same angles of :meth:`ActivePair.swapped`."""
+        return JointAngles(self.u1_j, self.u2_j, self.u1_i, self.u2_i)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +165,7 @@ class PairPoints(NamedTuple):
 
 
 def posture_of(
-    pair: ActivePair,
-    hip_i: ArrayLike,
-    theta: ArrayLike,
-    u1_i: ArrayLike,
-    u2_i: ArrayLike,
-    u1_j: ArrayLike,
-    u2_j: ArrayLike,
+    pair: ActivePair, hip_i: ArrayLike, theta: ArrayLike, joints: JointAngles
 ) -> PairPosture:
     """
     Put a posture together from the body's pose and the angles of all joints.
@@ -167,21 +178,21 @@ def posture_of(
         Where hip i is [m].
     theta : array_like, shape (...)
         Angle of the body [rad].
-    u1_i, u2_i, u1_j, u2_j : array_like, shape (...)
-        Angles of knee i, hip i, knee j and hip j [rad].
+    joints : JointAngles
+        Angles of the joints.
 
     Returns
     -------
     PairPosture
         With hip j by S3 eq. 23.
     """
-    angles = [np.asarray(angle, dtype=float) for angle in (theta, u1_i, u2_i, u1_j, u2_j)]
+    angles = [np.asarray(angle, dtype=float) for angle in (theta, *joints)]
     place = np.asarray(hip_i, dtype=complex)
     shape = np.broadcast_shapes(place.shape, *(angle.shape for angle in angles))
     R_i = np.broadcast_to(place, shape).copy()
-    body, *joints = (wrap(np.broadcast_to(angle, shape)) for angle in angles)
+    body, *wrapped = (wrap(np.broadcast_to(angle, shape)) for angle in angles)
     R_j = np.asarray(R_i + pair.span * np.exp(1j * body))
-    return PairPosture(body, R_i, R_j, *joints)
+    return PairPosture(body, R_i, R_j, *wrapped)
 
 
 def points_of(pair: ActivePair, posture: PairPosture) -> PairPoints:

@@ -6,10 +6,10 @@ Points are complex numbers, angles counter-clockwise [rad]; see `planar_pair`.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from quad_common.errors import PairCannotClose, PairUndetermined, ParameterError
 from quad_common.planar_pair.planar_pair import Array, PlanarLeg, Points, wrap
@@ -18,7 +18,7 @@ _EDGE = 1e-12
 """Rounding at the very edge of the reach is not an error of the caller's."""
 
 _COINCIDENT = 1e-12
-"""Distance of two points, as a share of the links' lengths, that counts as none."""
+"""Distance of two points, as a fraction of the links' lengths, that counts as none."""
 
 _SIGNS = {'up': 1.0, 'down': -1.0}
 
@@ -248,3 +248,11 @@ def wrapped(angle: Array) -> Array:
     if ((angle < -np.pi) | (angle >= np.pi)).any():
         return wrap(angle)
     return np.asarray(angle)
+
+
+def same_shape(points: tuple[ArrayLike, ...], angles: tuple[ArrayLike, ...]) -> tuple[Any, ...]:
+    """Bring points, as complex numbers, and angles to their common shape."""
+    return np.broadcast_arrays(
+        *(np.asarray(point, dtype=complex) for point in points),
+        *(np.asarray(angle, dtype=float) for angle in angles),
+    )

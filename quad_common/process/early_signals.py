@@ -25,7 +25,7 @@ def end_command_at_once() -> None:
 
 def _end_at_once(base: int, factor: int) -> None:
     for number in SIGNALS:
-        # What nohup started is not to hear of its terminal. Interrupts are ignored by
+        # What nohup started is not to react to its terminal. Interrupts are ignored by
         # whatever a shell starts in the background, and yet meant for whom they are sent to.
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, lambda number, frame: os._exit(base + factor * number))

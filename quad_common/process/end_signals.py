@@ -3,7 +3,7 @@ Signals that end a process: noted from its first line on, bounded in what they t
 
 A process installs one `EndSignals` before it imports anything large. What a signal does is
 the choice of its owner; that the process ends in time is seen to here, by a thread that
-hears of signals even while the main thread is deep in compiled code.
+notices signals even while the main thread is deep in compiled code.
 """
 
 from __future__ import annotations
@@ -91,8 +91,8 @@ class EndSignals:
         assert self._wakeup is not None
         number = 0
         while number not in SIGNALS:
-            heard = os.read(self._wakeup[0], 1)
-            number = heard[0] if heard else 0
+            received = os.read(self._wakeup[0], 1)
+            number = received[0] if received else 0
         patience = self.patience
         deadline = time.monotonic() + patience
         while (left := deadline - time.monotonic()) > 0.0:
@@ -116,7 +116,7 @@ _releases: list[Callable[[], object]] = []
 """What must be given back even if the process is ended by force."""
 
 _shields = 0
-"""How many blocks must not be interrupted just now."""
+"""Number of blocks that must not be interrupted just now."""
 
 _waiting: list[int] = []
 """Signals that came meanwhile."""
@@ -201,7 +201,7 @@ def end_process(code: int) -> None:
         Exit code.
     """
     for release in reversed(_releases.copy()):
-        # The last thing that is done: nobody is left to tell of an error.
+        # The last thing that is done: an error can no longer be reported.
         with contextlib.suppress(Exception):
             release()
     for stream in (sys.stdout, sys.stderr):

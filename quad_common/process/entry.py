@@ -16,23 +16,23 @@ PARENT = 'QUADWALK_PARENT'
 """Environment variable: id of the process with which a node is to end."""
 
 _PATIENCE_MAKING = 1.0
-"""For a node to end after a signal that came while it was made [s]."""
+"""Time for a node to end after a signal that came while it was made [s]."""
 
 _PATIENCE = 2.5
-"""For a node that runs to end after a signal [s]."""
+"""Time for a node that runs to end after a signal [s]."""
 
 _LAST_WAIT = 1.0
-"""For its threads to come to an end, then [s]."""
+"""Time for its threads to come to an end, then [s]."""
 
 _PARENT_PERIOD = 0.3
-"""Between two looks whether the parent is still there [s]."""
+"""Time between two checks whether the parent is still there [s]."""
 
 
 class NodeEnd:
     """
     When the node of this process is to end, and how.
 
-    Until `is_wanted` is asked for the first time there is nothing to be given back, and a
+    Until `is_wanted` is called for the first time there is nothing to be given back, and a
     signal ends the process where it stands. From then on signals are only noted: an
     exception could come anywhere, in the middle of what publishes and in the clean-up too.
     A node that is being made has done nothing yet, and is waited for less long.
@@ -103,7 +103,7 @@ def _join_threads(timeout: float) -> None:
 def _end_with_parent() -> None:
     """Have this process end when the one does that started it, even if that is killed."""
     # Linux's own signal for it comes when the parent's *thread* ends, and not at all if the
-    # parent ended before it was asked for.
+    # parent ended before this was requested.
     parent = os.environ.pop(PARENT, '')
 
     def watch() -> None:

@@ -1,5 +1,5 @@
 """
-Files that Fast DDS keeps in shared memory: which are a process's own, which nobody's.
+Files that Fast DDS keeps in shared memory: which belong to a process, and which to none.
 
 Each segment and each port has a lock file beside it, ``..._el``, which its process holds
 locked as long as it lives; so does Fast DDS itself tell the living from the dead.
@@ -19,7 +19,7 @@ FOLDER = Path('/dev/shm')
 _LOCK = '_el'
 
 _SETTLED = 10.0
-"""Age from which a file without a lock is nobody's, and not just being made [s]."""
+"""Age from which a file without a lock belongs to no process, and is not just being made [s]."""
 
 
 def files_of(pid: int) -> list[Path]:
@@ -88,7 +88,7 @@ def _inode(path: Path) -> int | None:
 
 
 def _is_ownerless(path: Path) -> bool:
-    """Return whether nobody holds a lock file: one may try to, for a moment."""
+    """Return whether a lock file is free: it may be locked for a moment to find out."""
     try:
         handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     except OSError:

@@ -61,7 +61,7 @@ def remove_ownerless() -> None:
 
 
 def _is_ownerless(owner: Path) -> bool:
-    """Return whether a folder is one of ours, and nobody holds it."""
+    """Return whether a folder is one of ours, and is not held."""
     try:
         handle = os.open(owner, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
     except OSError:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _BENDS, _PITCHES = 60, 31
-"""How many angles of knee and pitch are tried."""
+"""Numbers of angles of knee and pitch that are tried."""
 
 
 class FoldingLimits:
@@ -55,7 +55,7 @@ class FoldingLimits:
 
     @cached_property
     def _allowed(self) -> Array:
-        """How far knees may bend, by the pitch, shape (_PITCHES, 4) [rad]."""
+        """Largest bends of the knees, by the pitch, shape (_PITCHES, 4) [rad]."""
         shape, legs = self._shape, self._shape.legs
         bends, pitches = np.arange(_BENDS)[:, None], np.arange(_PITCHES)[:, None]
         postures = np.zeros((_BENDS, _PITCHES, len(self._lower), 3))

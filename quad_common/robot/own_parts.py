@@ -23,7 +23,7 @@ LEAST_CLEARANCE = 0.005
 degree, which is 3 mm at the end of its legs [m]."""
 
 GROUND = 'ground'
-"""In place of a part's name."""
+"""Word in place of a part's name."""
 
 
 @dataclass(frozen=True)

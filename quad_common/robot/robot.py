@@ -50,7 +50,7 @@ class Robot(RobotBuild):
 
     @cached_property
     def relative_size(self) -> float:
-        """Hip height as a share of TITAN-VIII's, for which many lengths were chosen."""
+        """Hip height as a fraction of TITAN-VIII's, for which many lengths were chosen."""
         return self.hip_height / _HIP_HEIGHT_OF_TITAN_VIII
 
     @cached_property

@@ -61,7 +61,7 @@ class PairGroup:
     second: Indices
     """The parts that they are compared with, shape (m,); empty for the body."""
     pairs: tuple[PartPair, ...]
-    """Their names, m of them."""
+    """Names of the parts, m of them."""
 
 
 class RobotShape:
@@ -89,7 +89,7 @@ class RobotShape:
         self.body_center = np.array(body_center)
         self.half_size = 0.5 * np.array(body_size)
         self.radii: dict[str, float] = {link: float(radii[link]) for link in LINKS}
-        """Of a leg's links [m]."""
+        """Radii of a leg's links [m]."""
         self._part_radii = np.tile([self.radii[link] for link in LINKS], len(legs.name))
         self.groups: tuple[PairGroup, ...] = tuple(_groups([str(name) for name in legs.name]))
         """All pairs that are compared: of each leg with the body, of each leg with itself, and
@@ -119,6 +119,32 @@ class RobotShape:
         ends = [(hip, pitch_axis), (pitch_axis, knee), (knee, foot), (foot, foot)]
         stacked = np.stack([np.stack(pair, axis=-2) for pair in ends], axis=-3)
         return stacked.reshape(*pitch_axis.shape[:-2], -1, 2, 3)
+
+    def part_ends(self, joint_angles: Array) -> tuple[Array, Array]:
+        """
+        Place both ends of all parts of the legs.
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 4, 3)
+            [rad]
+
+        Returns
+        -------
+        ends : ndarray, shape (..., 32, 3)
+            In the body frame [m].
+        radii : ndarray, shape (32,)
+            Of the parts that end there [m].
+        """
+        segments = self.segments(self.legs.chain(joint_angles))
+        ends = segments.reshape(*segments.shape[:-3], -1, 3)
+        return ends, np.repeat(self._part_radii, 2)
+
+    def body_corners(self) -> Array:
+        """Return the corners of the body's box in the body frame, shape (8, 3) [m]."""
+        signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+        corners: Array = self.body_center + signs * self.half_size
+        return corners
 
     def clearances(self, joint_angles: Array) -> Array:
         """

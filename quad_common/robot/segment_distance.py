@@ -15,7 +15,7 @@ _PARALLEL = 1e-12
 """Squared sine of the angle below which two segments count as parallel."""
 
 _TINY = 1e-30
-"""In place of a squared length of zero, so that points are segments too [m^2]."""
+"""Least squared length of a segment: points are segments too [m^2]."""
 
 
 def distance_between_segments(first: Array, second: Array) -> Array:
@@ -47,10 +47,10 @@ def distance_between_segments(first: Array, second: Array) -> Array:
     zero, one = np.zeros_like(uu), np.ones_like(uu)
     along_u, along_v = np.maximum(uu, _TINY), np.maximum(vv, _TINY)
     candidates = [
-        squared(zero, _share(vw / along_v)),
-        squared(one, _share((vw + uv) / along_v)),
-        squared(_share(-uw / along_u), zero),
-        squared(_share((uv - uw) / along_u), one),
+        squared(zero, _fraction(vw / along_v)),
+        squared(one, _fraction((vw + uv) / along_v)),
+        squared(_fraction(-uw / along_u), zero),
+        squared(_fraction((uv - uw) / along_u), one),
     ]
     determinant = uu * vv - uv * uv
     crosses = determinant > _PARALLEL * uu * vv
@@ -88,7 +88,7 @@ def distance_to_box(segments: Array, half_size: Array) -> Array:
     moving = np.where(np.abs(u) > 1e-15, u, np.inf)
     passes = np.concatenate([(half_size - p) / moving, (-half_size - p) / moving], axis=-1)
     ends = np.broadcast_to([0.0, 1.0], (*p.shape[:-1], 2))
-    t = np.sort(np.concatenate([_share(passes), ends], axis=-1), axis=-1)
+    t = np.sort(np.concatenate([_fraction(passes), ends], axis=-1), axis=-1)
     at = p[..., None, :] + t[..., None] * u[..., None, :]
     outside = np.sign(at) * np.maximum(np.abs(at) - half_size, 0.0)
     slope = (outside * u[..., None, :]).sum(axis=-1)
@@ -98,8 +98,8 @@ def distance_to_box(segments: Array, half_size: Array) -> Array:
     t0, t1 = np.take_along_axis(t, last, -1), np.take_along_axis(t, after, -1)
     f0, f1 = np.take_along_axis(slope, last, -1), np.take_along_axis(slope, after, -1)
     falls = (f0 < 0.0) & (f1 > 0.0)
-    share = np.where(falls, f0 / np.where(falls, f0 - f1, 1.0), np.where(f0 < 0.0, 1.0, 0.0))
-    nearest = p + (t0 + share * (t1 - t0)) * u
+    fraction = np.where(falls, f0 / np.where(falls, f0 - f1, 1.0), np.where(f0 < 0.0, 1.0, 0.0))
+    nearest = p + (t0 + fraction * (t1 - t0)) * u
     distance: Array = np.linalg.norm(np.maximum(np.abs(nearest) - half_size, 0.0), axis=-1)
     return distance
 
@@ -109,6 +109,6 @@ def _dot(a: Array, b: Array) -> Array:
     return product
 
 
-def _share(values: Array) -> Array:
-    share: Array = np.minimum(np.maximum(values, 0.0), 1.0)
-    return share
+def _fraction(values: Array) -> Array:
+    fraction: Array = np.minimum(np.maximum(values, 0.0), 1.0)
+    return fraction

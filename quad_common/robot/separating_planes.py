@@ -27,13 +27,13 @@ robot's middle, to its side and to its end."""
 _DIRECTIONS = 4
 
 _SLOPES = np.radians([0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0])
-"""Of planes between body and leg, from upright to level: the best in the posture is taken."""
+"""Angles of planes between body and leg, from upright to level: the best one is taken."""
 
 _FAN = np.radians([0.0, -20.0, 20.0, -40.0, 40.0, -60.0, 60.0])
 """Directions of planes between two legs, about the line between their hips."""
 
 _TINY = 1e-12
-"""In place of the length of a thigh that is seen end on [m]."""
+"""Least length of a thigh that is seen end on [m]."""
 
 
 class SeparatingPlanes:

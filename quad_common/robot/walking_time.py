@@ -32,13 +32,14 @@ QUANTITIES = {
     'stopping': Quantity(0.0, 100.0, 'cycles'),
     'bend': Quantity(0.0, math.pi, 'rad'),
     'heading_tolerance': Quantity(0.0, math.pi, 'rad'),
+    'sweep': Quantity(0.0, 10.0, 'm'),
 }
 """Ranges of what a file of paces says of a gait."""
 
 _WHAT = 'file of paces'
 
 LENGTH_SLACK = 1e-5
-"""By this share a stride may be longer than it is: lengths are often whole numbers of it."""
+"""Fraction by which a stride may be longer than it is: lengths are often multiples of it."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,8 @@ class WalkingTimeModel:
     """Smaller changes of heading are made while walking, without a turn [rad]."""
     heading_tolerance: float = math.radians(2.0)
     """Angle within which the robot has the goal's heading [rad]."""
+    sweep: float = 0.0
+    """Distance by which the robot's parts leave its footprint in a turn on the spot [m]."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""

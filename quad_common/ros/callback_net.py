@@ -25,7 +25,7 @@ class Voice(Protocol):
         """Report what was refused on purpose."""
 
     def report_unexpected(self, sentence: str, kind: str, stack: str | None) -> None:
-        """Report what nobody had thought of; the stack comes with the first of its kind."""
+        """Report an unforeseen error; the stack comes with the first of its kind."""
 
 
 class CallbackNet:
@@ -46,7 +46,9 @@ class CallbackNet:
         self._voice = voice
         self._kinds: set[tuple[str, str]] = set()
         self.caught = 0
-        """How many callbacks raised something."""
+        """Number of callbacks that raised something."""
+        self.calls = 0
+        """Number of callbacks that were called."""
 
     def call(
         self, what: str, callback: Callable[[], Result], failed: Callable[[str], Result]
@@ -68,6 +70,7 @@ class CallbackNet:
         object
             What either of the two returns.
         """
+        self.calls += 1
         try:
             return callback()
         except QuadError as error:
@@ -100,7 +103,7 @@ class CallbackNet:
             if kind in self._kinds:
                 return
             self._kinds.add(kind)
-            # The console may be closed; there is nobody left to tell.
+            # The console may be closed: then there is nowhere to report it.
             with contextlib.suppress(OSError, ValueError):
                 print(_stack_of(error), file=sys.stderr)
 

@@ -22,14 +22,14 @@ from quad_common.ros.callback_net import CallbackNet
 from quad_common.ros.pose_conversions import check_clock
 
 _LONGEST_WAIT = 0.1
-"""Of an idle node, before it looks whether it is to end [s]."""
+"""Time after which an idle node checks whether it is to end [s]."""
 
 _AFTER_FAILURE = 0.02
 """Pause after something that might fail again at once [s]."""
 
 
 _MOST_ITEMS = 1000
-"""In a sequence of a request: names, parameters."""
+"""Largest length of a sequence of a request: names, parameters."""
 
 _PARAMETER_TYPES = frozenset(kind.value for kind in Parameter.Type)
 
@@ -89,6 +89,11 @@ class GuardedNode(Node):
                 service.callback = self._guarded_service(
                     service.srv_type, service.srv_name, service.callback
                 )
+
+    @property
+    def callbacks(self) -> int:
+        """Number of callbacks that were called."""
+        return self._net.calls
 
     def report_error(self, error: QuadError) -> None:
         """Report what was refused on purpose."""
@@ -241,7 +246,7 @@ def _taken_apart(
         message = deserialize_message(data, msg_type)
     except Exception as error:
         # The middleware's own kind of error, for a message that is cut off or none at all. What
-        # is not asked for as bytes it drops in silence.
+        # is not taken as bytes it drops in silence.
         raise InvalidMessage(what, 'its bytes are no message of its type') from error
     callback(message)
 

@@ -17,10 +17,10 @@ from quad_common.maps.height_map import MAX_CELLS, HeightMap
 from quad_common.ros.pose_conversions import LARGEST_COORDINATE
 
 _MOST_FIELDS = 64
-"""Of the points of a cloud."""
+"""Largest number of fields of a cloud's points."""
 
 _OFF_GRID = 0.02
-"""By which points of a height map may be off their cells' centers [cells]."""
+"""Distance by which points of a height map may be off their cells' centers [cells]."""
 
 _ROUNDED = 7
 """Decimals of a resolution and an origin that come as single precision [m]."""

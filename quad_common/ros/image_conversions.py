@@ -22,13 +22,13 @@ _FOCAL_LENGTHS = (1.0, 1e5)
 """Range of a camera's focal lengths [pixels]."""
 
 _LARGEST_CAMERA_NUMBER = 1e5
-"""Of a principal point [pixels], and of the numbers of a lens."""
+"""Largest principal point [pixels], and largest number of a lens."""
 
 _CHANNELS = {'rgb8': 3, 'bgr8': 3, 'mono8': 1}
-"""Of the encodings of pictures that are understood."""
+"""Number of channels of the encodings of pictures that are understood."""
 
 _CENTER = 0.5
-"""Of the first pixel in a `CameraModel`; for ROS and OpenCV it is at 0 [pixels]."""
+"""Center of the first pixel in a `CameraModel`; for ROS and OpenCV it is at 0 [pixels]."""
 
 
 def image_message(rgb: NDArray[np.uint8], frame: str, stamp: Time) -> Image:

@@ -25,7 +25,7 @@ except ImportError:
 _STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _PATIENCE = 5.0
-"""After so long without a transform it is said that the frames are taken to coincide [s]."""
+"""Time without a transform after which the frames are said to coincide [s]."""
 
 
 class MapFrameListener:
@@ -88,7 +88,7 @@ class MapFrameListener:
         """
         Say whether corrections have grown old; empty if not.
 
-        That nobody publishes any is logged once: then the frames coincide.
+        That none is published is logged once: then the frames coincide.
         """
         frame = self.frame
         if frame.age > self._timeout:
@@ -101,7 +101,7 @@ class MapFrameListener:
         return ''
 
     def _say_that_frames_coincide(self) -> None:
-        """Log it once, when there was time enough to hear of a localiser."""
+        """Log it once, when a localiser has had time enough to publish."""
         since = self._first_odometry_at
         if since is None or time.monotonic() - since < _PATIENCE:
             return

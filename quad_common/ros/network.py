@@ -1,5 +1,5 @@
 """
-Who on the network can hear and command this process, by the environment that ROS reads.
+Who on the network can listen to and command this process, by the environment that ROS reads.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _RANGES = {
 """What each value of ROS_AUTOMATIC_DISCOVERY_RANGE means; the first is the default."""
 
 _INSECURE = {
-    # What each middleware says if it is asked for a security that it was built without.
+    # What each middleware says if a security is requested that it was built without.
     'rmw_fastrtps': b"doesn't have the security libraries",
     'rmw_cyclonedds': b'does not have security support enabled',
 }
@@ -28,7 +28,7 @@ _INSECURE = {
 
 @dataclass(eq=False, repr=False)
 class SecurityUnavailable(QuadError):
-    """Security was asked for, and what would give it is absent."""
+    """Security was requested, and what would give it is absent."""
 
     library: str
     """Middleware that was built without security."""
@@ -101,7 +101,7 @@ def check_security(
     environment: Mapping[str, str], library_without: Callable[[], str | None]
 ) -> None:
     """
-    Refuse to start without the security that was asked for.
+    Refuse to start without the security that was requested.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def library_without_security(maps: Path = Path('/proc/self/maps')) -> str | None
     Find a middleware that was built without security among the libraries of this process.
 
     A middleware without security says so in an error, whose text is in its library; nothing
-    else tells before a key is asked for.
+    else tells before a key is requested.
 
     Parameters
     ----------

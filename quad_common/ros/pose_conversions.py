@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from array import array
 
-import cv2
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, TransformStamped, Vector3
@@ -31,7 +30,7 @@ LONGEST_NAME = 200
 """Characters of the name of a frame, a joint or an obstacle."""
 
 _ROOM, _POSE_BYTES = 10_000, 300
-"""Of a message with a plan: for its head, and for a pose with the name of its frame."""
+"""Sizes of a message with a plan: of its head, and of a pose with its frame's name [bytes]."""
 
 
 def check_clock(message: Clock) -> None:
@@ -280,6 +279,9 @@ def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -
     transform = pose_transform(Pose2D(0.0, 0.0, 0.0), parent, child, stamp)
     x, y, z = (float(v) for v in model.position)
     transform.transform.translation = Vector3(x=x, y=y, z=z)
+    # Imported late: only cameras need it.
+    import cv2
+
     turn = cv2.Rodrigues(model.rotation)[0].reshape(3)
     angle = float(np.linalg.norm(turn))
     x, y, z = (float(v) for v in turn * (math.sin(angle / 2.0) / max(angle, 1e-12)))

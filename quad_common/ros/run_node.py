@@ -4,6 +4,7 @@ Runs a node from its making to its end.
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Callable
@@ -17,9 +18,13 @@ from rclpy.signals import SignalHandlerOptions
 from quad_common.errors import QuadError
 from quad_common.process.end_signals import ignore_signals, released_at_last
 from quad_common.process.entry import node_end
+from quad_common.process.native_end import ended_natively_after
 from quad_common.process.shared_memory import release_own
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.network import check_security, library_without_security, reach_of
+
+_LONGEST_END = 3.0
+"""Time in which the middleware has to let go of a node [s]; rarely it never does."""
 
 
 def run_node(
@@ -45,7 +50,8 @@ def run_node(
         Exit code: 0, or 2 if the node could not be made.
     """
     end = node_end()
-    node = None
+    node = executor = None
+    code = 0
     with released_at_last(release_own):
         try:
             if end.is_wanted():
@@ -57,6 +63,7 @@ def run_node(
                 print(f'error: {error}', file=sys.stderr)
                 return 2
             node = make_node()
+            keep_for_good()
             end.expect_running()
             node.get_logger().info(reach_of(os.environ))
             executor = make_executor()
@@ -65,13 +72,28 @@ def run_node(
                 node.turn(executor, drive)
         except (QuadError, ParameterException, rclpy_implementation.RCLError) as error:
             print(f'error: {error}', file=sys.stderr)
-            return 2
+            code = 2
         finally:
-            if node is not None:
-                node.destroy_node()
-            rclpy.try_shutdown()
+            with ended_natively_after(_LONGEST_END, code):
+                if executor is not None:
+                    # It uses what the node has, and must let go of it before that is destroyed.
+                    executor.shutdown()
+                if node is not None:
+                    node.destroy_node()
+                rclpy.try_shutdown()
             ignore_signals()
-    return 0
+    return code
+
+
+def keep_for_good() -> None:
+    """
+    Take what is there at the start out of the garbage collector's sight.
+
+    Modules, gaits and maps stay until the end, and looking through them takes 4 to 12 ms: in a
+    simulation at 18 times real time that is up to two thirds of the time that a decision has.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 def check_middleware() -> None:

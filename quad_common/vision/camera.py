@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -30,13 +29,13 @@ QUANTITIES = {
 """Ranges of a camera's numbers."""
 
 MOST_PIXELS = 2**26
-"""Of a picture: 8192 x 8192."""
+"""Largest number of pixels of a picture: 8192 x 8192."""
 
 _ROUNDS = 50
-"""Of tracing light back through a lens, at most."""
+"""Largest number of steps by which light is traced back through a lens."""
 
 _EXACT = 1e-6
-"""How exactly light is traced back [pixels]."""
+"""Error within which light is traced back [pixels]."""
 
 _SLOW = 0.5
 """A step that leaves so much of the error is made shorter, or longer, from then on."""
@@ -162,6 +161,9 @@ class CameraModel:
             Column and row; (0, 0) is the outer corner of the first pixel, whose center is
             at (0.5, 0.5). NaN for points that are not in front of the camera.
         """
+        # Imported late: every node knows of cameras, and few have one.
+        import cv2
+
         seen = (
             np.reshape(np.asarray(points, dtype=float), (-1, 3)) - self.position
         ) @ self.rotation
@@ -211,6 +213,9 @@ class CameraModel:
         ndarray, shape (n, 3)
             Unit vectors in the world.
         """
+        # Imported late: every node knows of cameras, and few have one.
+        import cv2
+
         given = np.reshape(np.asarray(pixels, dtype=float), (-1, 2))
         straight = cv2.undistortPoints(given[:, None], self.matrix, self.distortion).reshape(-1, 2)
         if self.distortion.any():
@@ -221,6 +226,9 @@ class CameraModel:
 
     def _refined(self, given: Array, straight: Array) -> Array:
         """Let undistorted places fit pixels: OpenCV leaves tenths of a pixel for wide lenses."""
+        # Imported late: every node knows of cameras, and few have one.
+        import cv2
+
         focal = np.array((self.matrix[0, 0], self.matrix[1, 1]))
         none = np.zeros(3)
         left = np.arange(len(given))

@@ -16,14 +16,17 @@ from quad_common.robot.robot import Robot
 Color = tuple[int, int, int]
 """Red, green and blue, each from 0 to 255."""
 
+OBSTACLE_COLOR: Color = (205, 50, 35)
+"""Color of walls and obstacles, unless another is given."""
+
 _OVERHANG = 0.02
-"""Of the plate over the body, at each end [m]."""
+"""Length by which the plate is longer than the body, at each end [m]."""
 
 _ABOVE_BODY = 0.015
-"""From the top of the body to that of the plate [m]."""
+"""Distance from the top of the body to that of the plate [m]."""
 
-_SHARE = 0.9
-"""Of the room for it that a disc takes: the rest keeps discs and edges apart."""
+_FRACTION = 0.9
+"""Fraction of the space for it that a disc takes: the rest keeps discs and edges apart."""
 
 
 def check_color(name: str, color: Color) -> None:
@@ -94,7 +97,7 @@ class RobotMarker:
             length=length,
             width=width,
             height=float(robot.body_center[2]) + body_height / 2.0 + _ABOVE_BODY,
-            disc_radius=_SHARE * min(width, length / 2.0) / 2.0,
+            disc_radius=_FRACTION * min(width, length / 2.0) / 2.0,
             disc_distance=length / 2.0,
             front_color=front_color,
             rear_color=rear_color,

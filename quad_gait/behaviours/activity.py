@@ -57,7 +57,7 @@ class Report:
         self.reason = 'no plan yet'
         """The same as a sentence."""
         self.limit = ''
-        """What keeps the robot from doing all that was asked for; empty if nothing does."""
+        """What keeps the robot from doing all that was requested; empty if nothing does."""
 
     def say(self, activity: Activity, reason: str) -> None:
         """Say what the robot does, and why."""

@@ -60,7 +60,7 @@ class Shared:
     options: SupervisorOptions
     """Timing and tolerances."""
     compensation: SlipCompensation
-    """How much more must be asked for than is wanted."""
+    """Factors by which more is commanded than is wanted."""
     report: Report
     """What the robot says of itself."""
     joints: CommandedJoints
@@ -110,7 +110,7 @@ class Behaviour(ABC):
 
 
 class Walk(Behaviour):
-    """A behaviour that walks: what it does is asked for from outside."""
+    """A behaviour that walks: others ask what its feet do."""
 
     @abstractmethod
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:

@@ -13,11 +13,11 @@ from quad_common.errors import GaitError
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
+from quad_gait.behaviours.guidance import PlannedMotion
 from quad_gait.behaviours.wishes import Wish
-from quad_gait.cycle.cycle import Cycle
 from quad_gait.following.cycle_planner import CyclePlanner
-from quad_gait.following.motion_sequence import ScheduledCycle
-from quad_gait.following.step import Step
+from quad_gait.following.motion_sequence import ScheduledCycle, schedule
+from quad_gait.following.step import Departure, Step
 from quad_gait.state.robot_state import RobotState
 
 _FIRST_STAMP = 1e-3
@@ -68,18 +68,15 @@ class CycleWalk(Walk):
         assert done.step is not None
         step, planner, options = done.step, self._planner, self._options
         try:
-            cycle = planner.begin(self._guidance.gait_pair, step, state.joints)
-            # Back to back with the last cycle, unless that is too late to be received in time.
-            earliest = state.time + options.lead_time - cycle.gait.motion_start
-            start = max(self._joints.busy_until, earliest, _FIRST_STAMP)
-            planned = planner.with_stop(ScheduledCycle(cycle, start, state.pose))
+            planned = planner.begin(self._guidance.gait_pair, step, state.joints)
         except GaitError as error:
             self._report.say(Activity.STOPPED, str(error))
             return GO_ON
-        finally:
-            self._guidance.gear = planner.gear
+        # Back to back with the last cycle, unless that is too late to be received in time.
+        earliest = state.time + options.lead_time - planned.cycle.gait.motion_start
+        start = max(self._joints.busy_until, earliest, _FIRST_STAMP)
         self._cycles.clear()
-        return Command(self._given(planned, step, cycle, state, start))
+        return Command(self._given(schedule(planned, start, state.pose), step, state, start))
 
     def update(self, state: RobotState) -> Command | Done:
         """Go on shortly before the cycle ends; be done when the robot is at rest."""
@@ -98,45 +95,34 @@ class CycleWalk(Walk):
         guidance, planner = self._guidance, self._planner
         ahead = planner.end_with_slip(current, state.time)
         end = state.pose @ ahead
-        guidance.use_new_plan(state.pose)
-        problem = guidance.lack_of_progress(state, current.pose_at(state.time))
-        if problem is not None:
-            guidance.give_up(Activity.BLOCKED, problem)
-        if problem is not None or guidance.wants_rest:
-            self._let_stop(current)
-            return None
+        start = Departure(end, state.motion_pose @ ahead, planner.speed, planner.gear)
         try:
-            step = guidance.next_step(state.time, end, state.motion_pose @ ahead, planner.speed)
+            step = guidance.next_in_motion(state, current.pose_at(state.time), start)
             pair = guidance.gait_pair
             if step is None or pair.of(step) is not planner.gear:
                 self._let_stop(current)
                 return None
-            cycle = planner.go_on(pair, step, current.cycle)
-            if cycle.limit and pair.order_of(step) != cycle.gait:
-                # Another order of the legs can do more, but is taken up at rest only.
-                self._let_stop(current)
-                return None
-            planned = planner.with_stop(ScheduledCycle(cycle, current.end, end))
+            planned = planner.go_on(pair, step, current.cycle)
         except GaitError as error:
             self._report.limit = str(error)
             self._let_stop(current)
             return None
-        return self._given(planned, step, cycle, state, state.time)
+        cycle = planned.cycle
+        if cycle.limit and pair.order_of(step) != cycle.gait:
+            # Another order of the legs can do more, but is taken up at rest only.
+            self._let_stop(current)
+            return None
+        return self._given(schedule(planned, current.end, end), step, state, state.time)
 
     def _given(
-        self,
-        planned: list[ScheduledCycle],
-        step: Step,
-        cycle: Cycle,
-        state: RobotState,
-        since: float,
+        self, planned: list[ScheduledCycle], step: Step, state: RobotState, since: float
     ) -> JointTrajectory:
         """Return what was planned as a trajectory, and note it."""
-        cycles = self._cycles
+        cycles, cycle = self._cycles, planned[0].cycle
         cycles.replace(*planned)
         self._joints.busy_until = cycles.end
-        self._guidance.note_begin(state, planned[-1].end_pose)
-        self._guidance.say(step, cycle.motion, cycle.limit)
+        motion = PlannedMotion(cycle.motion, planned[-1].end_pose, cycle.limit)
+        self._guidance.note_begun(state, step, motion)
         return cycles.trajectory(self._robot, since)
 
     def _let_stop(self, current: ScheduledCycle) -> None:

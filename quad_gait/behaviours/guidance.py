@@ -5,28 +5,40 @@ Where the robot is to go: a plan, or steering, as one step after the other.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, Twist2D, wrap_angle
+from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity, Report
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.faults.commanded_joints import CommandedJoints
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.steering import Steering
-from quad_gait.following.step import Step
-from quad_gait.following.stuck_detector import StuckDetector
+from quad_gait.following.step import Departure, Step
+from quad_gait.following.stuck_detector import Begun, StuckDetector
 from quad_gait.state.robot_state import RobotState
 
 _NOWHERE = Pose2D(0.0, 0.0, 0.0)
 
 _UNFOLLOWED = 0.1
 """Time after which joints that have not followed say nothing of what is in the robot's way [s]."""
+
+
+@dataclass(frozen=True)
+class PlannedMotion:
+    """What was planned of a step."""
+
+    motion: BodyMotion
+    """Motion of the body; as much of the step's as is possible."""
+    end: Pose2D
+    """Pose at which the robot is to be at rest after it, on the plan."""
+    limit: str = ''
+    """What keeps it from being more, as a sentence; empty if nothing does."""
 
 
 class Guidance:
@@ -59,13 +71,13 @@ class Guidance:
         self._report = report
         self._joints = joints
         self._progress = StuckDetector(robot.largest_stride)
-        self._expected = _NOWHERE
         # Over uneven ground every swing is balanced by itself: there only legs and joints limit.
         self._least_margin = options.least_margin if options.uneven is None else -math.inf
         self._take_gaits(gaits)
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
-        self._steering = Steering(options.twist_timeout, correction)
+        self.steering = Steering(options.twist_timeout, correction)
+        """Velocity that is wanted, and the course."""
         self._pieces: list[Piece] | None = None
         self._has_new_plan = False
         self._stopped_goal: Pose2D | None = None
@@ -76,18 +88,8 @@ class Guidance:
         """Reason for which the plan waits; empty if it does not."""
         self.is_to_sit = False
         """Whether the robot is to sit, and nothing else."""
-        self.gear: MotionLimits | None = None
-        """The gait of the cycle that was planned last."""
-
-    @property
-    def has_wish(self) -> bool:
-        """Whether the robot is to go anywhere."""
-        return self._follower.plan is not None or bool(self._steering)
-
-    @property
-    def wants_rest(self) -> bool:
-        """Whether the next thing to do can only be begun at rest."""
-        return self._new_gaits is not None or self.is_to_sit
+        self.begun: Begun | None = None
+        """Motion that was begun last; None if nothing is expected of it."""
 
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the plan to the goal [m]."""
@@ -111,7 +113,7 @@ class Guidance:
         self.wanted_plan = plan
         self._pieces = wish.pieces
         self._has_new_plan = True
-        self._steering.end()
+        self.steering.end()
         self._reason_to_stand = ''
 
     def take_steering(self, wish: Steer, time: float, refusal: str) -> None:
@@ -121,7 +123,7 @@ class Guidance:
             return
         self.forget_plan()
         self._reason_to_stand = ''
-        self._steering.wish(wish.twist, time)
+        self.steering.wish(wish.twist, time)
 
     def take_gaits(self, wish: ChangeGaits) -> None:
         """Take other gaits, for when the robot is at rest."""
@@ -130,7 +132,7 @@ class Guidance:
     def stop(self) -> None:
         """Want nothing; a plan to the same goal is no reason to walk again."""
         self.forget_plan()
-        self._steering.end()
+        self.steering.end()
         self._reason_to_stand = ''
 
     def forget_plan(self) -> None:
@@ -142,69 +144,138 @@ class Guidance:
 
     def give_up(self, activity: Activity, reason: str) -> None:
         """Follow the plan no farther, though it is still wanted, and say why."""
-        self.halt()
+        self._halt()
         self._report.say(activity, reason)
 
-    def halt(self) -> None:
-        """Follow nothing any more."""
-        self._follower.follow(None, _NOWHERE)
-        self._steering.end()
+    def give_up_going(self, reason: str) -> bool:
+        """Give up, if the robot is to go anywhere; return whether it was."""
+        is_to_go = self._follower.plan is not None or self.steering.twist is not None
+        if is_to_go:
+            self.give_up(Activity.STOPPED, reason)
+        return is_to_go
 
-    def expire(self) -> None:
-        """Let steering time out at once: what was planned for it does not hold."""
-        self._steering.expire()
+    def abandon(self) -> None:
+        """Follow nothing any more, and want nothing."""
+        self.forget_plan()
+        self._halt()
+
+    def _halt(self) -> None:
+        self._follower.follow(None, _NOWHERE)
+        self.steering.end()
 
     # Steps
 
-    def use_new_wishes(self, pose: Pose2D) -> None:
-        """Go by what was wished for since, at rest."""
-        if self._new_gaits is not None:
-            is_following = self._follower.plan is not None
-            self._take_gaits(self._new_gaits)
-            self._new_gaits = None
-            self._steering.lose_course()
-            if is_following:
-                self._follower.follow(self.wanted_plan, pose, self._pieces)
-        self.use_new_plan(pose)
-
-    def use_new_plan(self, pose: Pose2D) -> None:
-        """Go by a plan that was wished for since."""
-        if not self._has_new_plan:
-            return
-        self._has_new_plan = False
-        self._follower.follow(self.wanted_plan, pose, self._pieces)
-        self._progress.begin_anew()
-        if self._report.activity.is_verdict:
-            self._report.say(Activity.STANDING, self.why_standing)
-        self._report.limit = ''
-
-    def next_step(self, time: float, pose: Pose2D, odometry: Pose2D, entry: Twist2D) -> Step | None:
+    def next_at_rest(self, state: RobotState, is_ready: bool) -> Step | None:
         """
-        Turn what is wanted into a step.
+        Go by what was wished for since; return the step to begin with, if the robot can.
 
         Parameters
         ----------
-        time : float
-            Now [s].
-        pose, odometry : Pose2D
-            Where the step begins, in the plan's frame and by odometry alone.
-        entry : Twist2D
-            Speed with which it begins.
+        state : RobotState
+            The robot at rest.
+        is_ready : bool
+            Whether it could begin a step.
 
         Returns
         -------
         Step or None
-            None to stay, or to come to rest; why is said at rest.
+            None to stay; why is said.
 
         Raises
         ------
         GaitError
             If the plan cannot be followed.
         """
-        report = self._report
-        if self._steering:
-            # A course is kept by odometry: a correction must not steer the robot.
-            return self._steer(time, odometry, entry)
+        was_following = self._use_new_gaits()
+        self._use_new_plan(state.pose, joins_again=was_following)
+        if not is_ready or self._is_blocked(state):
+            return None
+        return self._next_step(state.time, Departure(state.pose, state.motion_pose))
+
+    def next_in_motion(self, state: RobotState, expected: Pose2D, start: Departure) -> Step | None:
+        """
+        Go by a new plan, if there is one; return the step that follows the cycle that runs.
+
+        Parameters
+        ----------
+        state : RobotState
+            The robot now.
+        expected : Pose2D
+            Pose on the plan at which the cycle should have it by now.
+        start : Departure
+            Where the step will begin, and how.
+
+        Returns
+        -------
+        Step or None
+            None to come to rest.
+
+        Raises
+        ------
+        GaitError
+            If the plan cannot be followed.
+        """
+        self._use_new_plan(state.pose)
+        # Other gaits, and sitting down, are begun at rest.
+        if self._is_blocked(state, expected) or self._new_gaits is not None or self.is_to_sit:
+            return None
+        return self._next_step(state.time, start)
+
+    def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
+        """Note that a step begins, and say which, and what keeps the robot from a larger one."""
+        self.begun = Begun(state.pose, state.motion_pose, planned.end)
+        report, motion, is_steered = self._report, planned.motion, self.steering.twist is not None
+        if not is_steered:
+            report.limit = ''
+        if planned.limit:
+            report.limit = f'a cycle was shortened: {planned.limit}'
+        size = math.hypot(motion.forward, motion.left)
+        turn = f'turning by {math.degrees(motion.turn):.1f} degrees'
+        if step.is_turn or not size > 1e-3:
+            report.say(Activity.TURNING, turn)
+            return
+        turns_too = self._turning != 'in_place' or is_steered
+        report.say(
+            Activity.WALKING, f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
+        )
+
+    def _use_new_gaits(self) -> bool:
+        """Take gaits that were wished for since; return whether they are to follow a plan."""
+        if self._new_gaits is None:
+            return False
+        was_following = self._follower.plan is not None
+        self._take_gaits(self._new_gaits)
+        self._new_gaits = None
+        self.steering.lose_course()
+        return was_following
+
+    def _use_new_plan(self, pose: Pose2D, joins_again: bool = False) -> None:
+        """Go by a plan that was wished for since; or join the one that is followed again."""
+        if self._has_new_plan or joins_again:
+            self._follower.follow(self.wanted_plan, pose, self._pieces)
+        if not self._has_new_plan:
+            return
+        self._has_new_plan = False
+        self._progress.reset()
+        if self._report.activity.is_verdict:
+            self._report.say(Activity.STANDING, self.why_standing)
+        self._report.limit = ''
+
+    def _is_blocked(self, state: RobotState, expected: Pose2D | None = None) -> bool:
+        """Return whether cycles have no effect, and give up then; expected now, or at the end."""
+        begun, self.begun = self.begun, None
+        if begun is None or self._joints.unfollowed > _UNFOLLOWED:
+            return False
+        problem = self._progress.problem(begun, state.motion_pose, expected)
+        if problem is not None:
+            self.give_up(Activity.BLOCKED, problem)
+        return problem is not None
+
+    def _next_step(self, time: float, start: Departure) -> Step | None:
+        """Turn what is wanted into a step; say why there is none at rest."""
+        report, entry = self._report, start.entry
+        if self.steering.twist is not None:
+            return self._steer(time, start)
         if self._follower.plan is None:
             if not entry and not report.activity.is_verdict:
                 report.say(Activity.STANDING, self.why_standing)
@@ -213,32 +284,12 @@ class Guidance:
             if not entry:
                 report.say(Activity.WAITING, self.plan_waits_for)
             return None
-        step = self._follower.next_step(pose, entry)
+        step = self._follower.next_step(start.pose, entry)
         if step is None:
             # Whatever moves the robot from now on, the job is done until a new plan comes.
-            self._follower.follow(None, pose)
             self.wanted_plan = self._pieces = None
             report.say(Activity.ARRIVED, 'the goal is reached')
         return step
-
-    # What came of it
-
-    def note_begin(self, state: RobotState, expected: Pose2D) -> None:
-        """Note that a motion begins, and where on the plan it is to bring the robot."""
-        self._progress.begin(state.pose, state.motion_pose)
-        self._expected = expected
-
-    def forget_begin(self) -> None:
-        """Expect nothing of what was begun: something else moved the robot."""
-        self._progress.forget()
-
-    def lack_of_progress(self, state: RobotState, expected: Pose2D | None = None) -> str | None:
-        """Say why the robot is blocked, if it is; expected on the plan now, or at the end."""
-        if self._joints.unfollowed > _UNFOLLOWED:
-            self._progress.forget()
-            return None
-        expected = self._expected if expected is None else expected
-        return self._progress.problem(state.motion_pose, expected)
 
     @property
     def why_standing(self) -> str:
@@ -249,29 +300,12 @@ class Guidance:
             return 'stopped on request; a plan to another goal makes the robot walk again'
         return 'no plan to follow'
 
-    def say(self, step: Step, motion: BodyMotion, limit: str = '') -> None:
-        """Say which step the robot takes, and what keeps it from a larger one."""
-        report = self._report
-        if not self._steering:
-            report.limit = ''
-        if limit:
-            report.limit = f'a cycle was shortened: {limit}'
-        size = math.hypot(motion.forward, motion.left)
-        turn = f'turning by {math.degrees(motion.turn):.1f} degrees'
-        if step.is_turn or not size > 1e-3:
-            report.say(Activity.TURNING, turn)
-            return
-        turns_too = self._turning != 'in_place' or self._steering
-        report.say(
-            Activity.WALKING, f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
-        )
-
-    def _steer(self, time: float, pose: Pose2D, entry: Twist2D) -> Step | None:
-        steered = self._steering.next_step(time, pose, entry, self.gait_pair, self.gear)
+    def _steer(self, time: float, start: Departure) -> Step | None:
+        steered = self.steering.next_step(time, start, self.gait_pair)
         self._report.limit = steered.limit
-        if not self._steering:
+        if self.steering.twist is None:
             self._reason_to_stand = steered.reason
-        if steered.reason and not entry:
+        if steered.reason and not start.entry:
             self._report.say(Activity.STANDING, steered.reason)
         return steered.step
 

@@ -72,10 +72,11 @@ class Routine:
         return self._current.come_to_rest(state)
 
     def forget(self) -> None:
-        """Know nothing of what was planned, and begin anew with the first behaviour."""
+        """Know nothing of what was planned, and begin with the first behaviour again."""
         self._joints.busy_until = float('-inf')
         for behaviour in self._behaviours.values():
             behaviour.forget()
-        self._guidance.forget_begin()
-        self._guidance.expire()
+        # Something else moved the robot: nothing is expected of what was begun.
+        self._guidance.begun = None
+        self._guidance.steering.expire()
         self._current = self._first

@@ -18,6 +18,6 @@ class Sit(TakePosture):
         """Sit down from wherever the joints are."""
         trajectory = self._move_to(crouching_joint_angles(self._robot), state)
         # From there the robot stands up to its initial posture, however it stood before.
-        self._joints.stand()
+        self._joints.posture = self._robot.initial_joint_angles
         self._report.say(Activity.SITTING_DOWN, 'sitting down on request')
         return Command(trajectory)

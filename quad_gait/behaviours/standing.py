@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
-from quad_common.planar_pose import STILL
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Behaviour, Command, Done, Shared
 from quad_gait.cycle.posture import crouching_joint_angles
@@ -47,54 +46,56 @@ class Standing(Behaviour):
         """Hand over to what is next, if it is time."""
         if state.time < self._is_settled_at:
             return GO_ON
-        guidance, report = self._guidance, self._report
-        guidance.use_new_wishes(state.pose)
-        if not state.has_joints:
-            report.say(Activity.WAITING, state.problem or 'no joint states yet')
-            return GO_ON
-        if not state.is_at_rest:
-            self._wait_for_rest(state)
-            return GO_ON
-        self._moving_since = math.inf
-        self._still_since = min(self._still_since, state.time)
-        is_to_sit = guidance.is_to_sit
-        posture = self._crouching if is_to_sit else self._joints.posture
-        if not np.abs(state.joints - posture).max() < self._options.posture_tolerance:
-            if state.time < self._still_since + _STILL_TIME:
-                # It may be in the middle of a cycle that another node began.
-                return GO_ON
-            return Done(Activity.SITTING_DOWN if is_to_sit else Activity.STANDING_UP)
-        if is_to_sit:
-            report.say(Activity.SITTING, 'sitting on request; it waits for stand')
-            return GO_ON
-        return self._next_step(state)
-
-    def _next_step(self, state: RobotState) -> Command | Done:
-        guidance = self._guidance
-        problem = guidance.lack_of_progress(state)
-        if problem is not None:
-            guidance.give_up(Activity.BLOCKED, problem)
-            return GO_ON
+        is_to_sit = self._guidance.is_to_sit
+        is_still = state.has_joints and state.is_at_rest
+        is_in_posture = is_still and self._is_in_posture(state)
+        is_ready = is_in_posture and not is_to_sit
         try:
-            step = guidance.next_step(state.time, state.pose, state.motion_pose, STILL)
+            step = self._guidance.next_at_rest(state, is_ready)
         except GaitError as error:
             self._report.say(Activity.STOPPED, str(error))
+            step = None
+        if is_ready:
+            self._note_rest(state)
+            return GO_ON if step is None else Done(Activity.WALKING, step)
+        if not state.has_joints:
+            self._report.say(Activity.WAITING, state.problem or 'no joint states yet')
             return GO_ON
-        return GO_ON if step is None else Done(Activity.WALKING, step)
+        if not is_still:
+            self._wait_for_rest(state)
+            return GO_ON
+        self._note_rest(state)
+        if is_in_posture:
+            self._report.say(Activity.SITTING, 'sitting on request; it waits for stand')
+            return GO_ON
+        if state.time < self._still_since + _STILL_TIME:
+            # It may be in the middle of a cycle that another node began.
+            return GO_ON
+        return Done(Activity.SITTING_DOWN if is_to_sit else Activity.STANDING_UP)
+
+    def _is_in_posture(self, state: RobotState) -> bool:
+        """Return whether the robot, which is still, is as it should be between two motions."""
+        posture = self._crouching if self._guidance.is_to_sit else self._joints.posture
+        return bool(np.abs(state.joints - posture).max() < self._options.posture_tolerance)
+
+    def _note_rest(self, state: RobotState) -> None:
+        self._moving_since = math.inf
+        self._still_since = min(self._still_since, state.time)
 
     def _wait_for_rest(self, state: RobotState) -> None:
         """Begin nothing while the joints move; give up what never comes to rest."""
-        report, guidance = self._report, self._guidance
+        report = self._report
         self._still_since = math.inf
         self._moving_since = min(self._moving_since, state.time)
-        if guidance.has_wish and state.time > self._moving_since + _LONGEST_UNREST:
-            guidance.give_up(
-                Activity.STOPPED,
+        if state.time > self._moving_since + _LONGEST_UNREST:
+            reason = (
                 f'the joints have not come to rest for {_LONGEST_UNREST:g} s: '
-                f'{state.what_moves}; is something else moving them, or has a drive failed?',
+                f'{state.what_moves}; is something else moving them, or has a drive failed?'
             )
+            if self._guidance.give_up_going(reason):
+                return
         # A robot may swing a little after a cycle: worth a word only if it lasts.
-        elif state.time > self._is_settled_at + _PATIENCE:
+        if state.time > self._is_settled_at + _PATIENCE:
             is_said = report.activity is Activity.WAITING
             is_said = is_said and report.reason.startswith(_STILL_MOVING)
             # Once, and not again with every measurement's numbers.

@@ -38,6 +38,6 @@ class TakePosture(Behaviour):
             sample_period=options.sample_period,
         )
         self._cycles.clear()
-        self._guidance.forget_begin()
+        self._guidance.begun = None
         self._joints.busy_until = trajectory.end
         return trajectory

@@ -11,6 +11,7 @@ from quad_common.errors import GaitError
 from quad_common.maps.height_map import HeightMap
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
+from quad_gait.behaviours.guidance import PlannedMotion
 from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.state.robot_state import RobotState
 from quad_gait.uneven.uneven_stride import UnevenStride
@@ -62,8 +63,8 @@ class UnevenWalk(Walk):
             self._report.say(Activity.STOPPED, str(error))
             return GO_ON
         self._begun = state
-        guidance.note_begin(state, state.pose @ step.motion.end)
-        guidance.say(step, step.motion)
+        end = state.pose @ step.motion.end
+        guidance.note_begun(state, step, PlannedMotion(step.motion, end))
         return self._go_on(state, self._stride)
 
     def update(self, state: RobotState) -> Command | Done:

@@ -81,9 +81,9 @@ class ChangeGaits:
     """Use other gaits, and follow plans otherwise, once the robot is at rest."""
 
     gait: Gait
-    """For walking; fitted to the robot."""
+    """Gait for walking; fitted to the robot."""
     turning_gait: Gait
-    """For turning on the spot; may be the same."""
+    """Gait for turning on the spot; may be the same."""
     follower: FollowerOptions
     """Options for following plans."""
 
@@ -93,7 +93,7 @@ class UseHeightMap:
     """Walk by a map of the ground, in the plan's frame."""
 
     height_map: HeightMap | None
-    """Heights; None: feet feel their own way."""
+    """Heights; None: feet feel for the ground."""
 
 
 Wish = (

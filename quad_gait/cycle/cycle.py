@@ -74,7 +74,7 @@ class Cycle:
 
     @property
     def period(self) -> float:
-        """How long the cycle takes [s]."""
+        """Duration of the cycle [s]."""
         return self.gait.cycle_period
 
     def sample(self, time: float) -> int:

@@ -175,9 +175,9 @@ def _interpolated(times: Array, known_times: Array, values: Array) -> Array:
     """Interpolate samples (..., n, 4, 2) linearly, between evenly spaced times."""
     place = times / known_times[1]
     index = np.minimum(place.astype(int), len(known_times) - 2)
-    share = (place - index)[:, None, None]
+    fraction = (place - index)[:, None, None]
     before, after = values[..., index, :, :], values[..., index + 1, :, :]
-    result: Array = before * (1.0 - share) + after * share
+    result: Array = before * (1.0 - fraction) + after * fraction
     return result
 
 

@@ -25,10 +25,10 @@ DEFAULT_GAIN = 4.0
 """An error falls below 1 % within 2 s, as S1 fig. 10 has it, from 2.3 on [1/s]."""
 
 SINGULAR = 0.05
-"""A leg is nearly singular if J's smallest singular value is below this share of its largest."""
+"""A leg is nearly singular if J's smallest singular value is below this fraction of its largest."""
 
 _LONGEST_STEP = 0.02
-"""Of the integration [s]; shorter if the gain asks for it."""
+"""Step of the integration [s]; shorter if the gain needs it."""
 
 
 class TrackedLeg(Protocol):
@@ -55,7 +55,7 @@ def damped_inverse(J: Array, singular: float = SINGULAR) -> Array:
     J : ndarray, shape (..., 3, 3)
         Jacobians [m/rad].
     singular : float
-        Share of the largest singular value, from 0 to 1.
+        Fraction of the largest singular value, from 0 to 1.
 
     Returns
     -------
@@ -251,9 +251,9 @@ def _integrate(
     return positions, velocities
 
 
-def _cubic(ends: Array, rates: Array, span: float, shares: Array) -> tuple[Array, Array]:
-    """Run from one end to the other with given rates there: values and rates at shares."""
-    u = shares.reshape((-1,) + (1,) * (ends.ndim - 1))
+def _cubic(ends: Array, rates: Array, span: float, fractions: Array) -> tuple[Array, Array]:
+    """Run from one end to the other with given rates there: values and rates at fractions."""
+    u = fractions.reshape((-1,) + (1,) * (ends.ndim - 1))
     step, r0, r1 = ends[1] - ends[0], span * rates[0], span * rates[1]
     a, b = r0 + r1 - 2.0 * step, 3.0 * step - 2.0 * r0 - r1
     return ends[0] + u * (r0 + u * (b + u * a)), (r0 + u * (2.0 * b + 3.0 * u * a)) / span

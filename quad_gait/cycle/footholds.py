@@ -166,16 +166,16 @@ def _stances(gait: Gait, motion: BodyMotion, ends: CycleEnds) -> list[Pose2D] | 
     for swing in gait.swings:
         middle = (swing.touchdown + period + swing.liftoff) / 2.0
         if middle <= period:
-            share = middle / period
+            fraction = middle / period
             if gait.body_progress is not None:
-                share = float(smooth_progress(gait.body_progress, np.array([middle]))[0][0])
-            body = _pose(before, share) @ set_back
+                fraction = float(smooth_progress(gait.body_progress, np.array([middle]))[0][0])
+            body = _pose(before, fraction) @ set_back
         else:
             body = motion.end @ _pose(onward, middle / period - 1.0)
         stances.append(body)
     return stances
 
 
-def _pose(motion: BodyMotion, share: float) -> Pose2D:
-    x, y, yaw = motion.pose_at(np.array(share))
+def _pose(motion: BodyMotion, fraction: float) -> Pose2D:
+    x, y, yaw = motion.pose_at(np.array(fraction))
     return Pose2D(float(x), float(y), float(yaw))

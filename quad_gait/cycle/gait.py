@@ -32,7 +32,7 @@ SWING_PATHS = ('smooth', 'ellipse')
 _WHAT = 'gait file'
 
 _LEAST_SWAY_TIME = 0.05
-"""For the body to sway in, while all feet are down [s]."""
+"""Least time for the body to sway in, while all feet are down [s]."""
 
 _GRAVITY = 9.80665
 """[m/s^2]"""
@@ -63,7 +63,7 @@ class Gait:
     swing_height: float
     """Height to which a foot is lifted [m]."""
     body_progress: tuple[tuple[float, float], ...] | None = None
-    """Knots (time [s], share of the cycle's body motion), with rests before and after;
+    """Knots (time [s], fraction of the cycle's body motion), with rests before and after;
     None for a body that moves on steadily from cycle to cycle."""
     footholds: str = 'mid_stance'
     """One of :data:`FOOTHOLDS`."""
@@ -74,7 +74,7 @@ class Gait:
     sway_start: float = 0.0
     """Time at which the body begins to move towards the first support triangle [s]."""
     sway_weight: tuple[float, float] = (0.0, 0.0)
-    """Share of the way to a support triangle's centroid, forward and left; S4's mu."""
+    """Fraction of the distance to a support triangle's centroid, forward and left; S4's mu."""
     pendulum_rate: float = 0.0
     """
     Rate of the inverted pendulum that a body on two feet is, sqrt(g / h) [1/s]; set by
@@ -98,7 +98,7 @@ class Gait:
     @property
     def acceleration_fraction(self) -> float:
         """
-        Way in which a cycle gathers its speed from rest, as a share of its way at speed.
+        Length in which a cycle gathers its speed from rest, as a fraction of that at speed.
 
         The cycle that loses its speed covers the rest of it. A pendulum does all of it over
         its last support, where it falls forward at first.
@@ -127,7 +127,7 @@ class Gait:
         return next(swing for swing in self.swings if swing.leg == leg)
 
     def duty_factor(self, leg: str) -> float:
-        """Return the share of the cycle in which a foot is on the ground."""
+        """Return the fraction of the cycle in which a foot is on the ground."""
         swing = self.swing(leg)
         return 1.0 - (swing.touchdown - swing.liftoff) / self.cycle_period
 
@@ -149,7 +149,9 @@ class Gait:
                 for swing in self.swings
             ),
             body_progress=(
-                None if progress is None else tuple((factor * t, share) for t, share in progress)
+                None
+                if progress is None
+                else tuple((factor * t, fraction) for t, fraction in progress)
             ),
             sway_start=factor * self.sway_start,
         )
@@ -286,14 +288,18 @@ def _check_progress(gait: Gait) -> None:
     if gait.body_progress is None:
         return
     times = [t for t, _ in gait.body_progress]
-    shares = [share for _, share in gait.body_progress]
+    fractions = [fraction for _, fraction in gait.body_progress]
     rising = all(a < b for a, b in pairwise(times))
     if len(times) < 2 or not rising or times[0] < 0.0 or times[-1] > gait.cycle_period + 1e-9:
         raise ParameterError(
             'body_progress', times, f'at least two rising times in 0 to {gait.cycle_period} s'
         )
-    if shares[0] != 0.0 or shares[-1] != 1.0 or not all(a <= b for a, b in pairwise(shares)):
-        raise ParameterError('body_progress', shares, 'shares that rise from 0 to 1')
+    if (
+        fractions[0] != 0.0
+        or fractions[-1] != 1.0
+        or not all(a <= b for a, b in pairwise(fractions))
+    ):
+        raise ParameterError('body_progress', fractions, 'fractions that rise from 0 to 1')
 
 
 def _check_three_feet_down(gait: Gait) -> None:

@@ -26,7 +26,7 @@ DIRECTIONS = {
 """The motions that a gait is checked in."""
 
 _USELESS = 0.005
-"""A gait that gets no farther in a cycle than this share of the stride is no gait."""
+"""A gait that gets no farther in a cycle than this fraction of the stride is no gait."""
 
 
 @dataclass(frozen=True)
@@ -90,13 +90,13 @@ def check_gait(robot: Robot, gait: Gait, least_margin: float = 0.0) -> GaitRepor
     if standstill:
         problems.append(standstill)
     for name, direction in DIRECTIONS.items():
-        share = limits.largest_share(direction)
+        fraction = limits.largest_scale(direction)
         reason = limits.reason(direction)
         scale = robot.largest_turn if direction.turn else robot.largest_stride
-        if share < _USELESS * scale:
+        if fraction < _USELESS * scale:
             problems.append(f'{name}: hardly any motion is possible: {reason}')
             continue
-        largest = direction.scaled(share)
+        largest = direction.scaled(fraction)
         cycle = generate_steady_cycle(robot, limits.gait_for(direction), largest)
         nearest = robot.own_parts.nearest(cycle.joint_positions)
         motions.append(

@@ -31,7 +31,7 @@ KEYS = (*QUANTITIES, 'name', 'footholds', 'swing_path', 'is_static')
 """Keys that a gait file may have."""
 
 _MOST_KNOTS = 100
-"""Of the body's progress."""
+"""Largest number of knots of the body's progress."""
 
 _LONGEST_NAME = 64
 """Characters of a gait's name."""

@@ -37,20 +37,20 @@ _SAMPLES_OF_TRIALS = 40
 _BISECTIONS = 11
 
 _BESIDE = 0.22
-"""In a dynamic gait the center of mass may be beside its two feet by this share of its
+"""In a dynamic gait the center of mass may be beside its two feet by this fraction of its
 height: farther out, small errors grow into falls."""
 
 _MIDDLING = 0.4
-"""Share of the largest stride at which orders of swings are compared."""
+"""Fraction of the largest stride at which orders of swings are compared."""
 
 _GOOD = 0.9
-"""A gait keeps its own order if its margin is at least this share of the best order's."""
+"""A gait keeps its own order if its margin is at least this fraction of the best order's."""
 
 _KEPT = 4096
 """Directions whose limits and orders are kept: joysticks and corrections bring ever new ones."""
 
 _RESERVE = 0.95
-"""Of the largest motion: what is left over corrects errors."""
+"""Fraction of the largest motion that is used: what is left over corrects errors."""
 
 
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ class MotionLimits:
     least_margin : float
         Static stability margin that cycles of a static gait must keep [m].
     reserve : float
-        Share of what is just possible that is used.
+        Fraction of what is just possible that is used.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class MotionLimits:
 
     @property
     def period(self) -> float:
-        """How long a cycle takes [s]."""
+        """Duration of a cycle [s]."""
         return self._gait.cycle_period
 
     @property
@@ -107,10 +107,10 @@ class MotionLimits:
 
     @property
     def acceleration_fraction(self) -> float:
-        """Share of a cycle's way at speed in which it gathers that speed."""
+        """Fraction of a cycle's length at speed in which it gathers that speed."""
         return self._gait.acceleration_fraction
 
-    def largest_share(self, motion: BodyMotion) -> float:
+    def largest_scale(self, motion: BodyMotion) -> float:
         """
         Return how many times a motion fits into one cycle.
 
@@ -165,8 +165,8 @@ class MotionLimits:
             The velocity, and which limit bites; empty if none does.
         """
         motion = BodyMotion.during(twist, self.period)
-        share = self.largest_share(motion)
-        return (twist, '') if share >= 1.0 else (twist.scaled(share), self.reason(motion))
+        fraction = self.largest_scale(motion)
+        return (twist, '') if fraction >= 1.0 else (twist.scaled(fraction), self.reason(motion))
 
     def _limit(self, motion: BodyMotion) -> _Limit:
         return _remembered(self._limits, self._direction(motion), self._search)
@@ -253,8 +253,10 @@ class MotionLimits:
 
     def _bound_of_s0(self, direction: BodyMotion) -> tuple[float, str]:
         stride, turn = self._robot.largest_stride, self._robot.largest_turn
-        share = math.hypot(direction.forward, direction.left) / stride + abs(direction.turn) / turn
-        return 1.0 / share, (
+        fraction = (
+            math.hypot(direction.forward, direction.left) / stride + abs(direction.turn) / turn
+        )
+        return 1.0 / fraction, (
             f'the largest stride is {stride:.3f} m and the largest turn '
             f'{math.degrees(turn):.1f} degrees a cycle'
         )

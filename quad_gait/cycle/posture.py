@@ -15,10 +15,10 @@ from quad_gait.cycle.body_motion import minimum_jerk
 Array = NDArray[np.float64]
 
 _GROUND_CLEARANCE = 0.01
-"""Between the lowest part of a sitting body and the ground [m]."""
+"""Distance between the lowest part of a sitting body and the ground [m]."""
 
 _HEIGHTS = 60
-"""How many heights are tried between standing and the ground."""
+"""Number of heights that are tried between standing and the ground."""
 
 
 def crouching_joint_angles(robot: Robot) -> Array:
@@ -97,11 +97,11 @@ def posture_trajectory(
     duration = max(duration, 1.875 * float(fastest.max()))
     steps = int(np.ceil(duration / sample_period))
     times = np.linspace(0.0, duration, steps + 1, dtype=np.float64)
-    share, rate = minimum_jerk(0.0, duration, times)
+    fraction, rate = minimum_jerk(0.0, duration, times)
     return JointTrajectory(
         joint_names=robot.joint_names,
         stamp=stamp,
         times=times,
-        positions=joint_positions + share[:, None] * change,
+        positions=joint_positions + fraction[:, None] * change,
         velocities=rate[:, None] * change,
     )

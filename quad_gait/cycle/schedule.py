@@ -20,7 +20,7 @@ from quad_gait.cycle.gait import Gait, Swing
 Array = NDArray[np.float64]
 
 _BLEND = 0.2
-"""Share of an elliptic swing in which it gathers speed, and again slows down."""
+"""Fraction of an elliptic swing in which it gathers speed, and again slows down."""
 
 
 _KEPT = 128
@@ -36,7 +36,7 @@ class Schedule:
     in_contact: NDArray[np.bool_]
     """Whether a foot is on the ground, shape (n, 4)."""
     progress: Array
-    """Share of the body's motion, shape (n,)."""
+    """Fraction of the body's motion, shape (n,)."""
     progress_rate: Array
     """Rate of the progress, shape (n,) [1/s]."""
     entry: Array
@@ -48,7 +48,7 @@ class Schedule:
     exit_rate: Array
     """Rate of the exit, shape (n,)."""
     sway: Array
-    """Share of each of the body's five sideways moves, shape (n, 5)."""
+    """Fraction of each of the body's five sideways moves, shape (n, 5)."""
     sway_rate: Array
     """Rate of the sway, shape (n, 5) [1/s]."""
     body_lift: Array
@@ -56,7 +56,7 @@ class Schedule:
     body_lift_rate: Array
     """Rate of the body lift, shape (n,) [m/s]."""
     step: Array
-    """Share of each foot's step, shape (n, 4)."""
+    """Fraction of each foot's step, shape (n, 4)."""
     step_rate: Array
     """Rate of the steps, shape (n, 4) [1/s]."""
     lift: Array
@@ -229,7 +229,7 @@ def _pendulum_exit(
     Change the speed as an inverted pendulum does whose last support is set back.
 
     Set back by d, it falls forward by d (cosh(omega t) - 1) besides. What the change adds to
-    the body's way by the end is taken off its progress, so that the curve ends in 0.
+    the body's displacement by the end is taken off its progress, so that the curve ends in 0.
 
     Parameters
     ----------
@@ -245,14 +245,16 @@ def _pendulum_exit(
     tuple of ndarray, each of shape (n,)
         As :attr:`Schedule.exit` and :attr:`Schedule.exit_rate`.
     """
-    rate, share = gait.pendulum_rate, gait.acceleration_fraction
+    rate, fraction = gait.pendulum_rate, gait.acceleration_fraction
     begin, end = gait.support_edges[-2:]
     angle = rate * np.maximum(times - begin, 0.0)
     last = rate * (end - begin)
     added = np.tanh(last / 2.0) / rate
-    value = (np.cosh(angle) - 1.0) / (rate * np.sinh(last)) - added * values[0] + share * values[1]
-    speed = np.sinh(angle) / np.sinh(last) - added * rates[0] + share * rates[1]
-    return value / (1.0 - share), speed / (1.0 - share)
+    value = (
+        (np.cosh(angle) - 1.0) / (rate * np.sinh(last)) - added * values[0] + fraction * values[1]
+    )
+    speed = np.sinh(angle) / np.sinh(last) - added * rates[0] + fraction * rates[1]
+    return value / (1.0 - fraction), speed / (1.0 - fraction)
 
 
 def setback(gait: Gait) -> float:
@@ -277,7 +279,7 @@ def setback(gait: Gait) -> float:
 
 @lru_cache(maxsize=64)
 def mid_swing_progress(gait: Gait) -> Array:
-    """Return which share of the body's motion is done in the middle of each swing, (m,)."""
+    """Return which fraction of the body's motion is done in the middle of each swing, (m,)."""
     middles = np.array([(swing.liftoff + swing.touchdown) / 2.0 for swing in gait.swings])
     if gait.body_progress is None:
         return middles / gait.cycle_period
@@ -345,5 +347,5 @@ def _half_turn(swing: Swing, times: Array) -> tuple[Array, Array]:
     rate = np.clip(np.minimum(u, 1.0 - u) / _BLEND, 0.0, 1.0) / (1.0 - _BLEND)
     early = u**2 / (2.0 * _BLEND)
     late = 1.0 - _BLEND - (1.0 - u) ** 2 / (2.0 * _BLEND)
-    share = np.where(u < _BLEND, early, np.where(u > 1.0 - _BLEND, late, u - _BLEND / 2.0))
-    return np.pi * share / (1.0 - _BLEND), np.pi * rate / duration
+    fraction = np.where(u < _BLEND, early, np.where(u > 1.0 - _BLEND, late, u - _BLEND / 2.0))
+    return np.pi * fraction / (1.0 - _BLEND), np.pi * rate / duration

@@ -56,9 +56,9 @@ def stability_margin(point: Array, feet: Array, in_contact: NDArray[np.bool_]) -
     square = edge_x * edge_x + edge_y * edge_y
     is_pair = down[_FIRST] & down[_SECOND]
 
-    share = (edge_x * arm_x + edge_y * arm_y) / np.maximum(square, _SAME * _SAME)
-    share = np.minimum(np.maximum(share, 0.0), 1.0)
-    away_x, away_y = arm_x - share * edge_x, arm_y - share * edge_y
+    fraction = (edge_x * arm_x + edge_y * arm_y) / np.maximum(square, _SAME * _SAME)
+    fraction = np.minimum(np.maximum(fraction, 0.0), 1.0)
+    away_x, away_y = arm_x - fraction * edge_x, arm_y - fraction * edge_y
     outside = np.sqrt(np.where(is_pair, away_x * away_x + away_y * away_y, np.inf).min(axis=0))
 
     length = np.sqrt(square)
@@ -103,7 +103,7 @@ def support_polygon(feet: Array, in_contact: NDArray[np.bool_]) -> Array:
 
 
 def _chain(feet: Array, order: list[int]) -> list[int]:
-    """Go through feet in order, dropping those that are not to the right of the way."""
+    """Go through feet in order, dropping those that are not to the right of the path."""
     chain: list[int] = []
     for k in order:
         while chain and _coincide(feet[chain[-1]], feet[k]):
@@ -119,6 +119,6 @@ def _coincide(a: Array, b: Array) -> bool:
 
 
 def _turns_left(a: Array, b: Array, c: Array) -> bool:
-    """Return whether b lies to the right of the way from a to c."""
+    """Return whether b lies to the right of the line from a to c."""
     (x, y), (u, v) = c - a, b - a
     return bool(u * y - v * x > _SAME * np.hypot(x, y))

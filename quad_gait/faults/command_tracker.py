@@ -1,7 +1,7 @@
 """
 Tells which of the trajectories that were given out the joints follow.
 
-Trajectories travel, and nobody says when one has arrived, or whether. Under load they come
+Trajectories travel, and it is not known when one has arrived, or whether. Under load they come
 late by any time, or never, and the robot goes on with the one it has. Only the joints tell:
 where they are, all at once, must be
 
@@ -41,10 +41,10 @@ _INSTANT = 0.02
 """Time over which the speed of a command is taken [s]."""
 
 _ALIKE = 0.02
-"""Share of what joints may be off by which one command fits no worse than another."""
+"""Fraction of what joints may be off by which one command fits no worse than another."""
 
 _EXPIRY = 0.5
-"""After so long past its end a trajectory that was not followed is void [s]."""
+"""Time past its end after which a trajectory that was not followed is void [s]."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Explanation(NamedTuple):
     is_sure: bool
     """Whether the joints have just left an earlier one for it, or no other can be followed."""
     is_joined: bool
-    """Whether it is the trajectory itself, and not the way into it."""
+    """Whether it is the trajectory itself, and not the transition into it."""
 
 
 class CommandTracker:
@@ -119,7 +119,7 @@ class CommandTracker:
                 self._followed = None
         self._candidates.append(Candidate(path))
         if len(self._candidates) > _LARGEST_COUNT:
-            # The first one is what was followed last; of those never heard the oldest goes.
+            # The first one is what was followed last; of those never followed the oldest goes.
             del self._candidates[1]
 
     def commanded(self, time: float) -> Array | None:
@@ -224,7 +224,7 @@ class CommandTracker:
     def _search(
         self, begun: list[Candidate], time: float, positions: Array, strictness: Array | float
     ) -> Explanation | None:
-        """Look at all that may be followed, with delays and on the way into each other."""
+        """Look at all that may be followed, with delays and in transition into each other."""
         blocks = [(candidate, *candidate.rows(time, self._options.age)) for candidate in begun]
         for k, later in enumerate(self._candidates):
             if later.path.given <= time:
@@ -238,15 +238,15 @@ class CommandTracker:
         allowed = np.concatenate([block[2] for block in blocks])
         delays = np.concatenate([block[3] for block in blocks])
         owners = np.repeat(np.arange(len(blocks)), [len(block[1]) for block in blocks])
-        share = np.abs(positions - postures) / (allowed - strictness)
-        off = share > 1.0
+        fraction = np.abs(positions - postures) / (allowed - strictness)
+        off = fraction > 1.0
         count = off.sum(axis=1)
         least = int(count.min())
         if least > 1:
             return None
         rows = np.flatnonzero(count == least)
         # How well all joints but the one that is off fit.
-        fit = np.where(off[rows], 0.0, share[rows]).max(axis=1)
+        fit = np.where(off[rows], 0.0, fraction[rows]).max(axis=1)
         # Of trajectories that ask for the same now the latest is followed.
         row = int(rows[np.flatnonzero(fit <= fit.min() + _ALIKE)[-1]])
         owner = blocks[int(owners[row])][0]
@@ -302,7 +302,7 @@ class CommandTracker:
         self, earlier: Candidate, later: Candidate, time: float, positions: Array
     ) -> tuple[Array, Array, Array] | None:
         """
-        Return the postures nearest to the joints on the way from one trajectory into another.
+        Return the postures nearest to the joints in transition from one trajectory into another.
 
         One for each instant at which the later one may have arrived.
         """
@@ -322,7 +322,7 @@ class CommandTracker:
             there, allowed = path.at(time)
             offset = before - path.over(arrivals)[0]
         length = np.maximum((offset**2).sum(axis=1), 1e-12)
-        share = np.clip(((positions - there) * offset).sum(axis=1) / length, 0.0, 1.0)
-        postures = there + share[:, None] * offset
-        # Which part of the way it is tells nothing of a delay.
+        fraction = np.clip(((positions - there) * offset).sum(axis=1) / length, 0.0, 1.0)
+        postures = there + fraction[:, None] * offset
+        # Which part of the transition it is tells nothing of a delay.
         return postures, np.maximum(allowed, allowed_before), np.full(count, np.nan)

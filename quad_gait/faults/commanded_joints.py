@@ -48,36 +48,43 @@ class CommandedJoints:
         """The joint that was found at the last measurement not to answer."""
         self.failed: JointFault | None = None
         """The joint that is known not to answer; whoever acts on a fault notes it."""
-
-    @property
-    def unfollowed(self) -> float:
+        self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
-        return self._detector.unfollowed
 
     def stand(self) -> None:
         """Let the robot stand in its initial posture from now on."""
         self.posture = self._robot.initial_joint_angles
 
     def watch(self, state: RobotState) -> None:
-        """Compare the joints with their commands."""
+        """Compare the joints with their commands; a robot that was moved has none."""
+        if state.was_moved:
+            self.forget()
         self.fault = None
         if state.joint_positions is not None and not state.problem and self._is_watched:
             self.fault = self._detector.update(
                 state.measured_at, state.joint_positions, state.joint_efforts
             )
+            self.unfollowed = self._detector.unfollowed
 
     def forget(self) -> None:
         """Know nothing of what the joints are commanded: something else has moved them."""
         self.gate.forget()
-        self._detector.forget()
-
-    def expect_nothing(self) -> None:
-        """Miss nobody who executes what was given out before."""
-        self._detector.forget()
+        self.expect_nothing()
 
     def commanded(self, state: RobotState) -> tuple[Array, Array]:
         """Return commanded positions [rad] and velocities [rad/s] now, each of shape (12,)."""
         return self.gate.command(state.time, state.joints.reshape(-1))
+
+    def expect_nothing(self) -> None:
+        """Expect no longer that what was given out before is executed."""
+        self._detector.forget()
+        self.unfollowed = 0.0
+
+    def recover(self) -> None:
+        """Trust a joint again that has failed, and stand in the initial posture."""
+        self.failed = None
+        self.expect_nothing()
+        self.stand()
 
     def give(self, trajectory: JointTrajectory, state: RobotState) -> None:
         """

@@ -1,5 +1,5 @@
 """
-Notices that nobody carries the trajectories out, and when somebody does again.
+Notices that trajectories are not executed, and when they are again.
 
 A trajectory controller that was stopped, or never started, leaves the joints where they are.
 That is no fault of a joint. The robot then stops planning, and tries again now and then:
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ExecutionOptions:
-    """When nobody carries the trajectories out, and when to try again."""
+    """Times after which trajectories count as not executed, and to try again."""
 
     silence: float = 3.0
     """Time that the joints must not follow for that [s]."""
@@ -42,7 +42,7 @@ class ExecutionCheck:
         self._since = 0.0
         self._unfollowed = 0.0
         self.is_wrong = False
-        """Whether nobody seems to carry the trajectories out."""
+        """Whether the trajectories seem not to be executed."""
         self.is_pausing = False
         """Whether nothing is to be planned now."""
         self.has_tried = False

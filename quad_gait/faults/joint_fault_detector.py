@@ -3,7 +3,7 @@ Notices joints that do not do what they are commanded to do.
 
 A sound joint follows its command, with the lag of its drive. One that stays off while all
 others follow does not answer any more: it gives way, or it is stuck. If no joint follows,
-none has failed: nobody carries out the trajectories. What the joints are commanded to do is
+none has failed: the trajectories are not executed. What the joints are commanded to do is
 told by :class:`~quad_gait.faults.command_tracker.CommandTracker`, which knows that trajectories may
 come late, or never.
 """
@@ -20,6 +20,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.faults.command_tracker import CommandTracker, Explanation, TrackerOptions
 from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_path import JointPath
+from quad_gait.faults.turning_check import TurningCheck
 
 Array = NDArray[np.float64]
 
@@ -40,9 +41,9 @@ class FaultDetectorOptions:
     """Time that a joint must stay off where it is not sure, and one starts on arrival [s]: a joint
     that turns when it arrives swings on before it turns back."""
     convergence: float = 0.1
-    """A joint that would reach its command within this time by its speed is on its way [s]."""
+    """Time within which a joint would reach its command that is approaching it [s]."""
     longest_way: float = 0.5
-    """Time that a joint may be on its way [s]."""
+    """Time for which a joint may approach its command [s]."""
     compliance: float = 0.35
     """Distance from its command at which a position drive gives all its torque [rad]."""
     turning: float = 0.3
@@ -55,11 +56,14 @@ class FaultDetectorOptions:
     """Fraction of its torque from which on a motor is overloaded, and has not failed."""
     slack: float = 0.03
     """Fraction of its torque below which a motor gives none."""
-    slack_tolerance: float = 0.03
+    slack_tolerance: float = 0.025
     """Distance that a joint may have from its command while its motor gives none [rad]; a drive
     that is farther off would pull."""
     slack_time: float = 0.06
-    """For so long it must have given none, for that to count [s]."""
+    """Time for which it must have given none, for that to count [s]."""
+    tight_tolerance: float = 0.03
+    """Distance that all joints but one have from their commands while one may be found that does
+    not turn [rad]."""
     rest: float = 0.004
     """Angle; a joint that has turned by less since it is off does not move [rad]."""
     jump: float = 0.08
@@ -86,6 +90,7 @@ class JointFaultDetector:
         # Faster than any drive.
         self._leap = 4.0 * self._fastest
         self._tracker = CommandTracker(self._options.tracker)
+        self._turning = TurningCheck(self._largest)
         self.forget()
 
     def forget(self) -> None:
@@ -95,6 +100,7 @@ class JointFaultDetector:
         self._last: tuple[float, Array] | None = None
         self._suspect = -1
         self._slack_for: Array = np.zeros(len(self._largest))
+        self._turning.forget()
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
         self._on_latest_for = self._off_latest_for = 0.0
@@ -162,7 +168,7 @@ class JointFaultDetector:
         if found is None or not found.off.any():
             self._note_following(found, step)
             self._suspect = -1
-            return None
+            return self._unturned(found, time, positions, step, efforts)
         return self._suspected(found, time, positions, moved / dt, step, efforts)
 
     def _strictness(self, efforts: Array | None, step: float) -> Array | None:
@@ -176,6 +182,32 @@ class JointFaultDetector:
         less = max(0.0, options.tracker.tolerance - options.slack_tolerance)
         strictness: Array = np.where(self._slack_for >= options.slack_time - 1e-9, less, 0.0)
         return strictness
+
+    def _unturned(
+        self,
+        found: Explanation | None,
+        time: float,
+        positions: Array,
+        step: float,
+        efforts: Array | None,
+    ) -> JointFault | None:
+        """Look for a joint that rests though it is commanded to turn, near its command."""
+        options = self._options
+        is_known = found is not None and found.is_latest and found.is_joined
+        if not is_known or efforts is None or not efforts.any() or not self._tracker.is_exact:
+            self._turning.forget()
+            return None
+        assert found is not None
+        # On the way into one that came late all joints are off, and some rest.
+        loose = options.tracker.tolerance - options.tight_tolerance
+        far = np.abs(positions - found.posture) > found.allowed - loose
+        if np.count_nonzero(far) > 1 or self._on_latest_for < options.settling - 1e-9:
+            return None
+        joint = self._turning.update(found.posture, positions, efforts, step)
+        if joint < 0:
+            return None
+        self._off_from = float(positions[joint])
+        return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
 
     def _note_following(self, found: Explanation | None, step: float) -> None:
         """Count for how long the joints have followed what should run, or have not."""
@@ -208,7 +240,7 @@ class JointFaultDetector:
             self._suspect, self._off_from = joint, float(positions[joint])
             self._off_for = self._on_way_for = 0.0
         if self._nothing_moves(joint, velocities, time):
-            # Then it is not this joint: nobody carries the trajectory out.
+            # Then it is not this joint: the trajectory is not executed.
             self._off_for = 0.0
             self.unfollowed += step
             return None

@@ -133,7 +133,7 @@ class LameLeg:
             end[others] = tried
             if self._lowest(end) < wanted:
                 continue
-            path = [now + share * (end - now) for share in (0.25, 0.5, 0.75)]
+            path = [now + fraction * (end - now) for fraction in (0.25, 0.5, 0.75)]
             if min(map(self._lowest, path)) >= least - self._scale * _SCRAPE:
                 ways.append((float(np.abs(end - now).sum()), tuple(end)))
         return np.array(min(ways)[1]) if ways else now

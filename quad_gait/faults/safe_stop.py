@@ -75,41 +75,42 @@ class SafeStop:
         self._motions = StopMotions(robot, fault.leg, commanded, self._options.sample_period)
         self._lame = LameLeg(robot, fault, self._scale * self._options.clearance)
         self._standing = standing.copy()
+        if self._options.lands_on_it and self._hangs(commanded):
+            self._standing[self._leg] = False
+        stands = bool(self._standing[self._leg])
+        # Vertical distance that its foot goes with the joint: lever of the weight that it carries.
+        lever = abs(robot.foot_jacobians(commanded)[self._leg, 2, fault.joint % 3])
         # A joint that turns about the vertical carries no weight.
-        has_lever = abs(robot.foot_jacobians(commanded)[self._leg, 2, fault.joint % 3]) > 1e-6
-        turns_freely = fault.joint % 3 == 0 and not has_lever
-        self.bears = bool(standing[self._leg]) and (not fault.is_slack or turns_freely)
+        turns_freely = fault.joint % 3 == 0 and not lever > 1e-6
+        self.bears = stands and (not fault.is_slack or turns_freely)
         """Whether the lame leg bears the body as well."""
         # In the air a motor needs no torque: one that does not move may hold.
         self._lands = (
-            self._options.lands_on_it
-            and not standing[self._leg]
-            and (turns_freely or fault.kind == 'stuck')
+            self._options.lands_on_it and not stands and (turns_freely or fault.kind == 'stuck')
         )
         # One that has not moved may be stuck, with nothing to bear: it is not given up at once.
-        self._is_lost = bool(standing[self._leg]) and not self.bears and fault.kind == 'free'
+        # Nor is one that falls to its side, slowly, or that hardly has to bear.
+        is_quick = lever >= self._options.least_lever * robot.hip_height
+        gives_way = is_quick and fault.kind == 'free' and fault.joint % 3 != 0
+        self._is_lost = stands and not self.bears and gives_way
+        slowly = self._options.slowly_giving_way
+        self._giving_way = self._options.giving_way if is_quick else slowly
         self._tilt = 0.0
         self._tilt_before = np.inf
         self._stage: _Stage | None = None
         self._attempts = 0
         self._has_fallen = False
         self._is_held = False
+        self.is_over = False
+        """Whether nothing more is to be done."""
+        self.end = self._motions.end
+        """Time at which the last motion is done [s]."""
         self.prediction = ''
         """What would have become of the stance, as a sentence."""
         self.margin = np.nan
         """Margin of the center of mass inside the feet that bear, at the end [m]."""
         self.sits = False
         """Whether the body lies on the ground in the end."""
-
-    @property
-    def is_over(self) -> bool:
-        """Whether nothing more is to be done."""
-        return self._stage is _Stage.OVER
-
-    @property
-    def end(self) -> float:
-        """When the last motion is done [s]."""
-        return self._motions.end
 
     @property
     def joint_positions(self) -> Array:
@@ -132,12 +133,12 @@ class SafeStop:
     def hold(self) -> None:
         """Do nothing more: an emergency stop holds all joints."""
         self._stage = _Stage.OVER
-        self._is_held = True
+        self.is_over = self._is_held = True
 
     def give_up(self) -> None:
         """Do nothing more: the robot has fallen."""
         self._stage = _Stage.OVER
-        self._is_lost = self._has_fallen = True
+        self.is_over = self._is_lost = self._has_fallen = True
 
     def update(self, now: Stance) -> JointTrajectory | None:
         """
@@ -153,12 +154,17 @@ class SafeStop:
         JointTrajectory or None
             What replaces the last one, if anything does.
         """
+        trajectory = self._decide(now)
+        self.end, self.is_over = self._motions.end, self._stage is _Stage.OVER
+        return trajectory
+
+    def _decide(self, now: Stance) -> JointTrajectory | None:
         if self._stage is None:
             self._predict(now)
             self._stage = _Stage.CATCH
             self._tilt = tilt_of_body(now)
             return self._catch(now)
-        if not self._is_lost and tilt_of_body(now) > self._tilt + self._options.giving_way:
+        if not self._is_lost and tilt_of_body(now) > self._tilt + self._giving_way:
             self._is_lost, self.bears = True, False
             self._motions.interrupt(now.time)
             self._stage = _Stage.CATCH
@@ -166,6 +172,17 @@ class SafeStop:
         if self._stage is _Stage.OVER or now.time < self.end + self._options.pause:
             return None
         return self._next(now)
+
+    def _hangs(self, commanded: Array) -> bool:
+        """Return whether the lame foot is over the ground, though it is planned to be down."""
+        if self._fault.kind != 'stuck':
+            # A leg that has given way is off its command because it bore.
+            return False
+        measured = commanded.copy()
+        measured[self._leg, self._fault.joint % 3] = self._fault.measured
+        robot, leg = self._robot, self._leg
+        rise = robot.foot_positions(measured)[leg, 2] - robot.foot_positions(commanded)[leg, 2]
+        return bool(rise > self._scale * self._options.press)
 
     # What to do next
 
@@ -243,8 +260,9 @@ class SafeStop:
             lame = self._lame.helpful(posture)
             crouch = -float(robot.foot_positions(crouching_joint_angles(robot))[:, 2].mean())
             shift[2] = -max(0.0, -ground - crouch)
-        elif options.shifts_at_once and not self.bears:
-            shift[:2] = self._way_over(posture, level, target)
+        elif options.shifts_at_once and not (self.bears and self._standing[self._leg]):
+            # A lame leg that is put down may give way: the body is not to rock over it.
+            shift[:2] = self._shift_over(posture, level, target)
         body = BodyShift(level, target, shift, lame)
         return self._motions.move(now.time + options.reaction, options.catch_time, body)
 
@@ -255,7 +273,7 @@ class SafeStop:
         joints = now.joint_positions.copy()
         feet = self._robot.foot_positions(joints) @ level.T
         shift = np.zeros(3)
-        shift[:2] = self._way_over(joints, level, feet)
+        shift[:2] = self._shift_over(joints, level, feet)
         time = now.time + self._options.reaction
         lame = self._as_measured(now)[self._leg]
         body = BodyShift(level, feet, shift, lame, levels=True)
@@ -291,9 +309,9 @@ class SafeStop:
 
     # How to do it
 
-    def _way_over(self, joints: Array, level: Array, feet: Array) -> Array:
-        """Return the way that brings the center of mass well inside the sound feet, (2,) [m]."""
+    def _shift_over(self, joints: Array, level: Array, feet: Array) -> Array:
+        """Return the shift that brings the center of mass well inside the sound feet, (2,) [m]."""
         center = (level @ self._robot.center_of_mass(joints))[:2]
         triangle = feet[self._sound, :2]
-        way: Array = balanced(center, triangle, self._scale * self._options.margin) - center
-        return way
+        shift: Array = balanced(center, triangle, self._scale * self._options.margin) - center
+        return shift

@@ -4,6 +4,7 @@ How a lame robot comes to a standstill, in numbers.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -39,19 +40,32 @@ class SafeStopOptions:
     """Whether a lame leg that swings is put down too, if it may bear: then it is a foot more."""
     sufficient: float = 0.8
     """Fraction of ``margin`` with which the body is not moved any more."""
+    least_lever: float = 0.0
+    """Least lever of the weight at a free joint, of the hips' height, with which its leg is lost at
+    once; with less the body goes over the sound feet before it is lowered."""
+    slowly_giving_way: float = 0.1
+    """The further tilt for a leg that has less: going over the sound feet tilts the body, too."""
     largest_tilt: float = 0.05
     """Tilt below which it is not moved either [rad]."""
 
     @classmethod
-    def hasty(cls) -> SafeStopOptions:
-        """Return the options for a gait that is not static: it leaves no time to settle."""
+    def hasty(cls, relative_size: float = 1.0) -> SafeStopOptions:
+        """
+        Return the options for a gait that is not static: it leaves no time to settle.
+
+        A small robot tips faster, in proportion to the square root of its size: so its motions are
+        as much faster than TITAN-VIII's, with relative size 1.
+        """
+        tempo = math.sqrt(relative_size)
         return cls(
-            catch_time=0.27,
-            settle_time=0.45,
-            pause=0.08,
+            catch_time=0.27 * tempo,
+            settle_time=0.45 * tempo,
+            pause=0.08 * tempo,
             attempts=2,
             shifts_at_once=True,
             lands_on_it=True,
             sufficient=0.45,
-            largest_tilt=0.08,
+            largest_tilt=0.1,
+            least_lever=0.5,
+            slowly_giving_way=0.15,
         )

@@ -33,7 +33,7 @@ class BodyShift:
     feet: Array
     """Where the feet are to be in level axes, relative to the body now, shape (4, 3) [m]."""
     shift: Array
-    """How the body moves in those axes, shape (3,) [m]."""
+    """Displacement of the body in those axes, shape (3,) [m]."""
     lame: Array
     """Joint positions of the lame leg at the end, shape (3,) [rad]."""
     levels: bool = False

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 
 TURNINGS = ('in_place', 'crab', 'arc')
-"""The ways to follow a plan."""
+"""Manners in which a plan is followed."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from quad_gait.following.step import AT_ONCE, Gear
 
 
 def pace_of(
-    walking: Gear, turning: Gear, options: FollowerOptions | None = None
+    walking: Gear, turning: Gear, options: FollowerOptions | None = None, sweep: float = 0.0
 ) -> WalkingTimeModel:
     """
     Say how many cycles a follower needs for stretches and turns, for a planner to know.
@@ -25,6 +25,8 @@ def pace_of(
         The gait for turning on the spot, with cycles as long.
     options : FollowerOptions, optional
         How plans are followed, ``in_place``.
+    sweep : float
+        Distance by which the robot's parts leave its footprint in a turn on the spot [m].
 
     Returns
     -------
@@ -41,8 +43,8 @@ def pace_of(
     options = options or FollowerOptions()
     if abs(walking.period - turning.period) > 1e-9:
         raise CyclePeriodsDiffer(walking.period, turning.period)
-    stride = walking.largest_share(BodyMotion(forward=1.0))
-    turns = [turning.largest_share(BodyMotion(turn=sign)) for sign in (1.0, -1.0)]
+    stride = walking.largest_scale(BodyMotion(forward=1.0))
+    turns = [turning.largest_scale(BodyMotion(turn=sign)) for sign in (1.0, -1.0)]
     if not stride > 0.0:
         raise CannotFollow('walk straight on', walking.reason(BodyMotion(forward=1.0)))
     if not min(turns) > 0.0:
@@ -54,4 +56,5 @@ def pace_of(
         stopping=1.0 - AT_ONCE if walking.is_steady else 0.0,
         bend=options.turn_threshold,
         heading_tolerance=options.heading_tolerance,
+        sweep=sweep,
     )

@@ -45,9 +45,9 @@ class GaitPair:
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self.walking.largest_share(BodyMotion(forward=1.0))
+        self.walking.largest_scale(BodyMotion(forward=1.0))
         for side in (1.0, -1.0):
-            self.turning.largest_share(BodyMotion(turn=side))
+            self.turning.largest_scale(BodyMotion(turn=side))
 
     def of(self, step: Step) -> MotionLimits:
         """Return the gait that does a step."""

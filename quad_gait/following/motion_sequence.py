@@ -2,7 +2,7 @@
 Cycles one after the other: what the robot is doing now, and what it will do next.
 
 A body that keeps its speed from cycle to cycle always has a last cycle planned that
-brings it to rest: if nothing more is heard, the robot stops on four feet.
+brings it to rest: if nothing more comes, the robot stops on four feet.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.cycle import Cycle
+from quad_gait.following.stoppable_cycle import StoppableCycle
 
 Array = NDArray[np.float64]
 
@@ -44,6 +45,14 @@ class ScheduledCycle:
     def pose_at(self, time: float) -> Pose2D:
         """Return where the body is to be at a time [s]."""
         return self.pose @ self.cycle.pose_at(time - self.start)
+
+
+def schedule(planned: StoppableCycle, start: float, pose: Pose2D) -> list[ScheduledCycle]:
+    """Return a cycle from a time [s] and a pose on, and the stop after it, if it needs one."""
+    cycle = ScheduledCycle(planned.cycle, start, pose)
+    if planned.stop is None:
+        return [cycle]
+    return [cycle, ScheduledCycle(planned.stop, cycle.end, cycle.end_pose)]
 
 
 class MotionSequence:

@@ -1,5 +1,5 @@
 """
-Follows a plan of turning points, one gait cycle at a time, in one of three ways.
+Follows a plan of turning points, one gait cycle at a time, in one of three manners.
 
 ``in_place``: straight between turning points, a turn on the spot at each (S0 sec. 4).
 ``crab``: the body keeps its heading and walks in any direction (S1 sec. IV).
@@ -49,7 +49,7 @@ class PathFollower:
     Raises
     ------
     ParameterError
-        If there is no such way of turning.
+        If ``turning`` is none of `TURNINGS`.
     """
 
     def __init__(self, walking: Gear, turning: Gear, options: FollowerOptions) -> None:
@@ -58,17 +58,13 @@ class PathFollower:
         self._walking = walking
         self._turning = turning
         self._options = options
-        self._plan: Plan | None = None
+        self.plan: Plan | None = None
+        """The plan that is being followed."""
         self._pieces: list[Piece] = []
         self._piece = 0
         self._final_cycles = 0
         self._crab_yaw = 0.0
         self._expected = 0.0
-
-    @property
-    def plan(self) -> Plan | None:
-        """The plan that is being followed."""
-        return self._plan
 
     def follow(self, plan: Plan | None, pose: Pose2D, pieces: list[Piece] | None = None) -> None:
         """
@@ -94,7 +90,7 @@ class PathFollower:
             )
         else:
             pieces = straight_pieces(plan, options.turn_threshold)
-        self._plan = plan
+        self.plan = plan
         self._pieces = pieces
         self._expected = 0.0
         self._final_cycles = 0
@@ -103,11 +99,11 @@ class PathFollower:
 
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the path to the goal [m]; 0 without a plan."""
-        if self._plan is None:
+        if self.plan is None:
             return 0.0
         ahead = self._pieces[self._piece :]
         if not ahead:
-            return pose.distance_to(self._plan.poses[-1])
+            return pose.distance_to(self.plan.poses[-1])
         return pose.distance_to(ahead[0].end) + sum(piece.length for piece in ahead[1:])
 
     def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:
@@ -124,7 +120,7 @@ class PathFollower:
         Returns
         -------
         Step or None
-            None when the goal is reached, or there is no plan.
+            None when the goal is reached, which ends the plan, or there is none.
 
         Raises
         ------
@@ -135,7 +131,7 @@ class PathFollower:
         GoalNotReached
             If the robot cannot correct its pose at the goal.
         """
-        plan, options = self._plan, self._options
+        plan, options = self.plan, self._options
         if plan is None:
             return None
         self._look_where_it_is(pose)
@@ -154,7 +150,10 @@ class PathFollower:
             if is_off:
                 return self._come_to_rest(entry)
             return self._walk(pose, entry, done)
-        return self._final(pose, plan.poses[-1], entry)
+        step = self._final(pose, plan.poses[-1], entry)
+        if step is None:
+            self.follow(None, pose)
+        return step
 
     def _look_where_it_is(self, pose: Pose2D) -> None:
         """Go on on another piece if something carried the robot away."""
@@ -166,7 +165,7 @@ class PathFollower:
             raise LeftPath(distance, self._options.path_tolerance)
 
     def _heading(self, on_path: Pose2D) -> float:
-        """Which way the body is to face there [rad]."""
+        """Return the heading that the body is to have there [rad]."""
         return self._crab_yaw if self._options.turning == 'crab' else on_path.yaw
 
     def _walk(self, pose: Pose2D, entry: Twist2D, done: float) -> Step:
@@ -181,7 +180,7 @@ class PathFollower:
         period = self._walking.period
         speed = math.hypot(entry.forward, entry.left) * period
         if entry:
-            # What was lost on the way is made up for, within reason.
+            # Distance that was lost is made up for, within reason.
             behind = self._expected - (self._before(self._piece) + done)
             catch_up = max(-_CATCH_UP * stride, min(_CATCH_UP * stride, behind))
             done, remaining = done + catch_up, remaining - catch_up
@@ -189,8 +188,8 @@ class PathFollower:
         if exit_speed:
             # What comes then may be slower: a bend, after a straight line.
             exit_speed = min(exit_speed, self._pace(done + length))
-            share = self._walking.acceleration_fraction
-            length = (1.0 - share) * speed + share * exit_speed
+            fraction = self._walking.acceleration_fraction
+            length = (1.0 - fraction) * speed + fraction * exit_speed
         self._expected = self._before(self._piece) + done + length
         ahead, along = self._ahead(done + length)
         target = ahead.at(along)
@@ -215,31 +214,31 @@ class PathFollower:
         return sum(piece.length for piece in self._pieces[:index])
 
     def _stride(self, done: float) -> float:
-        """How far one cycle goes along the path, of which each piece takes its share [m]."""
-        share, stride = 1.0, 0.0
+        """Return how far one cycle goes along the path, of which each piece takes its part [m]."""
+        fraction, stride = 1.0, 0.0
         for piece in self._pieces[self._piece :]:
             left = piece.length - done
             largest = self._largest_stride(piece, done)
             if left < 0.0 and not piece.ends_in_stop:
                 done -= piece.length
                 continue
-            if share * largest <= left or piece.ends_in_stop:
-                return stride + share * largest
-            stride, share, done = stride + left, share - left / largest, 0.0
+            if fraction * largest <= left or piece.ends_in_stop:
+                return stride + fraction * largest
+            stride, fraction, done = stride + left, fraction - left / largest, 0.0
         return stride
 
     def _pace(self, distance: float) -> float:
-        """How fast a robot may be at a distance from this piece's start, per cycle [m]."""
+        """Return how fast a robot may be at a distance from this piece's start, per cycle [m]."""
         return min(self._stride(distance), self._largest_stride(*self._ahead(distance)))
 
     def _largest_stride(self, piece: Piece, done: float) -> float:
-        """How far one cycle goes along a piece, were it long enough [m]."""
+        """Return how far one cycle goes along a piece, were it long enough [m]."""
         if self._options.turning == 'crab':
             course = piece.at(min(max(done, 0.0), piece.length)).yaw - self._crab_yaw
             direction = BodyMotion(math.cos(course), math.sin(course))
         else:
             direction = BodyMotion(forward=1.0, turn=piece.curvature)
-        largest = self._walking.largest_share(direction)
+        largest = self._walking.largest_scale(direction)
         if not largest > 0.0:
             raise CannotFollow('walk along its path', self._walking.reason(direction))
         return min(largest, self._options.largest_speed * self._walking.period)
@@ -253,11 +252,11 @@ class PathFollower:
         return piece, min(distance, piece.length)
 
     def _turn(self, pose: Pose2D, target: Pose2D, entry: Twist2D) -> Step:
-        """Turn by one of the equal shares that are left, drifting towards the point."""
+        """Turn by one of the equal parts that are left, drifting towards the point."""
         angle = wrap_angle(target.yaw - pose.yaw)
         period = self._turning.period
         direction = BodyMotion(turn=math.copysign(1.0, angle))
-        largest = self._turning.largest_share(direction)
+        largest = self._turning.largest_scale(direction)
         if not largest > 0.0:
             raise CannotFollow('turn on the spot', self._turning.reason(direction))
         part, exit_speed = advance(abs(angle), abs(entry.turn) * period, largest, self._turning)
@@ -290,11 +289,11 @@ class PathFollower:
         if entry:
             return self._come_to_rest(entry)
         stride = math.hypot(error.x, error.y)
-        share = 1.0
+        fraction = 1.0
         if stride > _LEAST_CORRECTION:
             direction = BodyMotion(error.x / stride, error.y / stride)
-            share = min(1.0, self._walking.largest_share(direction) / stride)
-        aim = Pose2D(share * error.x, share * error.y, error.yaw)
+            fraction = min(1.0, self._walking.largest_scale(direction) / stride)
+        aim = Pose2D(fraction * error.x, fraction * error.y, error.yaw)
         return Step(is_turn=False, motion=BodyMotion.reaching(aim))
 
     def _come_to_rest(self, entry: Twist2D) -> Step:
@@ -306,8 +305,8 @@ class PathFollower:
         """Measure how far a pose is from a piece, or, past the last one, from the goal [m]."""
         if index < len(self._pieces):
             return self._pieces[index].distance_to(pose)
-        assert self._plan is not None
-        return pose.distance_to(self._plan.poses[-1])
+        assert self.plan is not None
+        return pose.distance_to(self.plan.poses[-1])
 
     def _nearest_piece(self, pose: Pose2D) -> int:
         """Find the piece that passes nearest to a pose; the earliest of equals."""

@@ -17,7 +17,7 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_gait.cycle.body_motion import BodyMotion
 
 _SHORTEST = 1e-6
-"""Shorter pieces are left out [m]."""
+"""Length below which pieces are left out [m]."""
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def circle_pieces(start: Pose2D, radius: float, turn: float) -> list[Piece]:
 
 
 def _tangent_length(turn: float, deviation: float, radius: float) -> float:
-    """How long before a corner the arc begins [m]."""
+    """Return the distance before a corner at which the arc begins [m]."""
     half = turn / 2.0
     if half < 1e-6 or half > math.pi / 2.0 - 1e-3:
         return 0.0

@@ -37,7 +37,7 @@ _KEYS = ('gait', 'cycle_period', 'wanted', 'asked')
 _WHAT = 'calibration file'
 
 _LARGEST = 0.5
-"""A compensation larger than this share of the motion is a mistake."""
+"""A compensation larger than this fraction of the motion is a mistake."""
 
 _WEIGHT_OF_NOTHING = 4.0
 """As if the gait were known to do as it is told in a motion half as large as itself away."""
@@ -45,7 +45,7 @@ _WEIGHT_OF_NOTHING = 4.0
 
 @dataclass(frozen=True)
 class Calibration:
-    """One motion of one gait, as wanted and as it must be asked for."""
+    """One motion of one gait, as wanted and as it must be commanded."""
 
     gait: str
     """Name of the gait."""
@@ -85,7 +85,7 @@ class SlipCompensation:
         size = _size(motion)
         if not known or size == 0.0:
             return motion
-        # Motions unlike any that was calibrated are asked for as they are.
+        # Motions unlike any that was calibrated are commanded as they are.
         total = _WEIGHT_OF_NOTHING
         more = np.zeros(3)
         for calibration in known:

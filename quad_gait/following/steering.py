@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.gait_pair import GaitPair
-from quad_gait.following.step import Step
+from quad_gait.following.step import Departure, Step
 
 _LARGEST_TURN_BACK = math.radians(12.0)
 """A robot turned farther from its course than this has lost it [rad]."""
@@ -24,7 +23,7 @@ class Steered:
     step: Step | None
     """Step to do next; None: to stay, or to come to rest."""
     limit: str = ''
-    """Reason why the robot does not do all that was asked for."""
+    """Reason why the robot does not do all that was requested."""
     reason: str = ''
     """Why it is to stay."""
 
@@ -44,23 +43,20 @@ class Steering:
     def __init__(self, timeout: float, largest_correction: float) -> None:
         self._timeout = timeout
         self._largest_correction = largest_correction
-        self._twist: Twist2D | None = None
         self._since = -math.inf
         self._course: Pose2D | None = None
-
-    def __bool__(self) -> bool:
-        """Return whether there is a velocity that is wanted."""
-        return self._twist is not None
+        self.twist: Twist2D | None = None
+        """Velocity that is wanted; None if none is."""
 
     def wish(self, twist: Twist2D, time: float) -> None:
         """Take the velocity that is wanted from now [s] on."""
-        if self._twist is None:
+        if self.twist is None:
             self._course = None
-        self._twist, self._since = twist, time
+        self.twist, self._since = twist, time
 
     def end(self) -> None:
         """Forget what was wanted."""
-        self._twist = None
+        self.twist = None
 
     def lose_course(self) -> None:
         """Go on from wherever the robot will be."""
@@ -71,14 +67,7 @@ class Steering:
         self._course = None
         self._since = -math.inf
 
-    def next_step(
-        self,
-        time: float,
-        pose: Pose2D,
-        entry: Twist2D,
-        gait_pair: GaitPair,
-        in_use: MotionLimits | None,
-    ) -> Steered:
+    def next_step(self, time: float, start: Departure, gait_pair: GaitPair) -> Steered:
         """
         Turn the velocity into a step.
 
@@ -86,24 +75,21 @@ class Steering:
         ----------
         time : float
             Now [s].
-        pose : Pose2D
-            Where the next cycle begins.
-        entry : Twist2D
-            With which speed it begins.
+        start : Departure
+            Where the next cycle begins, and how. A course is kept by odometry: a correction
+            must not steer the robot.
         gait_pair : GaitPair
             The gaits.
-        in_use : MotionLimits or None
-            The gait of the cycle before.
 
         Returns
         -------
         Steered
             The step, or why there is none.
         """
-        assert self._twist is not None
-        wanted = self._twist
+        assert self.twist is not None
+        wanted, pose, entry = self.twist, start.odometry, start.entry
         if time > self._since + self._timeout:
-            self._twist = None
+            self.twist = None
             return Steered(None, reason='the steering has timed out')
         gear = gait_pair.of_twist(wanted)
         twist, limit = gear.limited(wanted)
@@ -115,14 +101,14 @@ class Steering:
                 f'steered at {_described(wanted)}, walking at {_described(twist)}, '
                 f'the most that the {gear.gait.name} gait does: {limit}'
             )
-        if entry and gear is not in_use:
+        if entry and gear is not start.gear:
             self._course = None
             return Steered(None, limit)
         period = gear.period
         motion = BodyMotion.during(twist, period)
         if gear.is_steady:
-            share = gear.acceleration_fraction
-            motion = BodyMotion.during(entry.scaled(1.0 - share).plus(twist.scaled(share)), period)
+            part = gear.acceleration_fraction
+            motion = BodyMotion.during(entry.scaled(1.0 - part).plus(twist.scaled(part)), period)
         target = self._on_course(pose) @ motion.end
         self._course = target
         step = Step(

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-from quad_common.planar_pose import STILL, Twist2D
+from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_gait.cycle.body_motion import BodyMotion
 
 AT_ONCE = 0.3
@@ -20,7 +20,7 @@ class Gear(Protocol):
 
     @property
     def period(self) -> float:
-        """How long a cycle takes [s]."""
+        """Duration of a cycle [s]."""
 
     @property
     def is_steady(self) -> bool:
@@ -28,13 +28,27 @@ class Gear(Protocol):
 
     @property
     def acceleration_fraction(self) -> float:
-        """Share of a cycle's way at speed in which it gathers that speed."""
+        """Fraction of a cycle's length at speed in which it gathers that speed."""
 
-    def largest_share(self, motion: BodyMotion) -> float:
+    def largest_scale(self, motion: BodyMotion) -> float:
         """Return how many times a motion fits into one cycle."""
 
     def reason(self, motion: BodyMotion) -> str:
         """Say what forbids more of a motion."""
+
+
+@dataclass(frozen=True)
+class Departure:
+    """Where a step begins, and how."""
+
+    pose: Pose2D
+    """Pose of the robot then, in the plan's frame."""
+    odometry: Pose2D
+    """The same by odometry alone."""
+    entry: Twist2D = STILL
+    """Velocity with which the step begins."""
+    gear: Gear | None = None
+    """Gait of the cycle before; None at rest."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +85,9 @@ def advance(remaining: float, entry: float, largest: float, gear: Gear) -> tuple
     """
     if not gear.is_steady:
         return remaining / max(1, math.ceil(remaining / largest - 1e-9)), 0.0
-    share = gear.acceleration_fraction
-    if remaining <= (1.0 - share) * entry + AT_ONCE * largest:
+    part = gear.acceleration_fraction
+    if remaining <= (1.0 - part) * entry + AT_ONCE * largest:
         return remaining, 0.0
     # In two cycles: from the entry to a speed, and from that to rest.
-    exit_speed = min(remaining - (1.0 - share) * entry, largest)
-    return (1.0 - share) * entry + share * exit_speed, exit_speed
+    exit_speed = min(remaining - (1.0 - part) * entry, largest)
+    return (1.0 - part) * entry + part * exit_speed, exit_speed

@@ -1,25 +1,38 @@
 """
-Whether cycles have the effect that was planned: a robot may be stuck, or nobody moves it.
+Whether cycles have the effect that was planned: a robot may be stuck, or its joints not driven.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from quad_common.planar_pose import Pose2D
 
 _BLOCKED_CYCLES = 3
-"""After so many cycles without the planned effect in a row the robot gives up."""
+"""Number of cycles in a row without the planned effect after which the robot gives up."""
 
 _TURN = 0.25
 """A turn of 1 rad counts as much as so many metres."""
 
 _LARGEST_LACK = 0.7
-"""A cycle of which a larger share is missing has had no effect."""
+"""A cycle of which a larger fraction is missing has had no effect; one that went too far has."""
 
 _TOO_LITTLE = 0.1
-"""A share of the largest stride that tells nothing, as the first cycle of a gait that gathers
+"""A fraction of the largest stride that tells nothing, as the first cycle of a gait that gathers
 speed."""
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A motion that was begun, and where it is to lead."""
+
+    pose: Pose2D
+    """Pose of the robot when it was planned, on the plan."""
+    odometry: Pose2D
+    """The same by odometry alone: a correction by a localiser moves nothing."""
+    expected: Pose2D
+    """Pose on the plan to which it is to bring the robot."""
 
 
 class StuckDetector:
@@ -34,47 +47,38 @@ class StuckDetector:
 
     def __init__(self, largest_stride: float) -> None:
         self._least = _TOO_LITTLE * largest_stride
-        self._begun_at: tuple[Pose2D, Pose2D] | None = None
         self._without_effect = 0
 
-    def begin(self, pose: Pose2D, odometry: Pose2D) -> None:
-        """Note where the robot is, on the plan and by odometry, when its cycle is planned."""
-        self._begun_at = pose, odometry
-
-    def forget(self) -> None:
-        """Leave the cycle out: something else moved the robot."""
-        self._begun_at = None
-
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Count from here: something new is wished for."""
         self._without_effect = 0
 
-    def problem(self, odometry: Pose2D, expected: Pose2D) -> str | None:
+    def problem(self, begun: Begun, odometry: Pose2D, expected: Pose2D | None = None) -> str | None:
         """
         Say how little came of the last cycles, if they did not move the robot.
 
         Parameters
         ----------
+        begun : Begun
+            The motion whose effect is looked at.
         odometry : Pose2D
-            Where the robot is now by odometry alone: a correction by a localiser moves nothing.
-        expected : Pose2D
-            Where the cycle that was begun last should have brought it by now, on the plan.
+            Where the robot is now, by odometry alone.
+        expected : Pose2D, optional
+            Where the motion should have brought it by now, on the plan; its end if not given.
 
         Returns
         -------
         str or None
             A sentence; None if the cycle had effect, or too few had none.
         """
-        if self._begun_at is None:
-            return None
-        pose_before, odometry_before = self._begun_at
-        self._begun_at = None
-        planned = pose_before.inverse() @ expected
-        done = odometry_before.inverse() @ odometry
+        planned = begun.pose.inverse() @ (begun.expected if expected is None else expected)
+        done = begun.odometry.inverse() @ odometry
         size = _size(planned)
         if size < self._least:
             return None
-        has_effect = _size(planned.inverse() @ done) < _LARGEST_LACK * size
+        is_near = _size(planned.inverse() @ done) < _LARGEST_LACK * size
+        # Odometry that is corrected, as a camera's is, may show more than was planned.
+        has_effect = is_near or _along(planned, done) > (1.0 - _LARGEST_LACK) * size
         self._without_effect = 0 if has_effect else self._without_effect + 1
         if self._without_effect < _BLOCKED_CYCLES:
             return None
@@ -88,5 +92,11 @@ class StuckDetector:
         )
 
 
-def _size(way: Pose2D) -> float:
-    return math.hypot(way.x, way.y, _TURN * way.yaw)
+def _size(motion: Pose2D) -> float:
+    return math.hypot(motion.x, motion.y, _TURN * motion.yaw)
+
+
+def _along(planned: Pose2D, done: Pose2D) -> float:
+    """Return how far a motion went in the direction of another one."""
+    turned = _TURN * planned.yaw * _TURN * done.yaw
+    return (planned.x * done.x + planned.y * done.y + turned) / _size(planned)

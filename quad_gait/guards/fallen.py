@@ -48,8 +48,8 @@ class Fallen(Guard):
         is_new = not self._has_fallen
         self._has_fallen = True
         failed = self._joints.failed
-        self._guidance.forget_plan()
-        self._guidance.give_up(
+        self._guidance.abandon()
+        self._report.say(
             Activity.FALLEN,
             f'the robot has fallen: the body is tilted by {math.degrees(state.tilt):.0f} degrees'
             + ('' if failed is None else f'; {failed}'),

@@ -40,8 +40,7 @@ class Frozen(Guard):
         """Take notice of the emergency stop, its release, and what may follow."""
         if isinstance(wish, Freeze):
             self._is_on = self._waits_for_stand = True
-            self._guidance.forget_plan()
-            self._guidance.halt()
+            self._guidance.abandon()
             self._routine.forget()
             self._report.limit = ''
             self._report.say(Activity.EMERGENCY_STOP, 'all joints hold until it is released')

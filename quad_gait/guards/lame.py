@@ -4,6 +4,9 @@ A joint that does not answer: the robot comes to a standstill, and stays so unti
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from quad_common.errors import RobotIsLame
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, PASS, Command, Done, Shared
@@ -15,6 +18,8 @@ from quad_gait.faults.safe_stop import SafeStop
 from quad_gait.faults.safe_stop_options import SafeStopOptions
 from quad_gait.guards.guard import Guard
 from quad_gait.state.robot_state import RobotState
+
+Array = NDArray[np.float64]
 
 
 class Lame(Guard):
@@ -56,24 +61,31 @@ class Lame(Guard):
             # Of a robot that lies on the ground little is known.
             if fault is None or self._report.activity is Activity.FALLEN:
                 return PASS
-            self._recovery = self._begin(fault, state)
+            commanded = self._commanded(state)
+            self._recovery = self._begin(fault, state, commanded)
+            return self._go_on(state, self._recovery, commanded)
         return self._go_on(state, self._recovery)
 
-    def _begin(self, fault: JointFault, state: RobotState) -> JointRecovery:
+    def _begin(self, fault: JointFault, state: RobotState, commanded: Array) -> JointRecovery:
         """Leave everything else."""
-        commanded, _ = self._joints.commanded(state)
         standing = self._routine.walk.in_contact_at(state.time)
         is_static = self._guidance.gait_pair.walking.gait.is_static
-        options = SafeStopOptions() if is_static else SafeStopOptions.hasty()
-        stop = SafeStop(self._robot, fault, commanded.reshape(4, 3), standing, options)
+        hasty = SafeStopOptions.hasty(self._robot.relative_size)
+        options = SafeStopOptions() if is_static else hasty
+        stop = SafeStop(self._robot, fault, commanded, standing, options)
         self._joints.failed = fault
-        self._guidance.forget_plan()
-        self._guidance.halt()
+        self._guidance.abandon()
         self._routine.forget()
         self._report.limit = ''
         return JointRecovery(self._robot, fault, stop)
 
-    def _go_on(self, state: RobotState, recovery: JointRecovery) -> Command:
+    def _commanded(self, state: RobotState) -> Array:
+        positions, _ = self._joints.gate.command(state.time, state.joints.reshape(-1))
+        return positions.reshape(4, 3)
+
+    def _go_on(
+        self, state: RobotState, recovery: JointRecovery, commanded: Array | None = None
+    ) -> Command:
         report, joints = self._report, self._joints
         if not state.has_joints or state.problem:
             report.limit = state.problem
@@ -81,13 +93,12 @@ class Lame(Guard):
             return GO_ON
         if self._lacks_sensors:
             self._lacks_sensors, report.limit = False, ''
-        commanded, _ = joints.commanded(state)
-        trajectory = recovery.update(state.stance(), commanded.reshape(4, 3))
+        commanded = self._commanded(state) if commanded is None else commanded
+        trajectory = recovery.update(state.stance(), commanded)
         joints.busy_until = recovery.stop.end
         report.say(Activity.LAME, str(recovery))
         if recovery.is_over:
-            self._recovery = joints.failed = None
-            joints.expect_nothing()
-            joints.stand()
+            self._recovery = None
+            joints.recover()
             report.say(Activity.STANDING, f'{recovery.fault.name} answers again')
         return Command(trajectory)

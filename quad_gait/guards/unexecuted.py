@@ -1,5 +1,5 @@
 """
-Trajectories that nobody executes: the robot plans nothing, but for a trial now and then.
+Trajectories that are not executed: the robot plans nothing, but for a trial now and then.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ class Unexecuted(Guard):
     def update(self, state: RobotState) -> Command | Done:
         """Pause or try, for as long as no joint follows."""
         if state.problem:
-            # Joints that are not heard of say nothing of who moves them.
+            # Joints that are not measured say nothing of who moves them.
             return PASS
         check = self._check
         check.update(state.time, self._joints.unfollowed)
         if not check.is_wrong:
             return PASS
         if check.has_tried and self._tried is None:
-            # Nothing is to be done, so nobody is missed.
+            # Nothing is to be done, so nothing is expected.
             self._joints.expect_nothing()
             check.end()
             self._report.say(Activity.STANDING, self._guidance.why_standing)

@@ -31,7 +31,7 @@ class BodyPose:
 
     @property
     def rotation(self) -> Array:
-        """From the body's axes to the frame's, shape (3, 3)."""
+        """Rotation from the body's axes to the frame's, shape (3, 3)."""
         return matrix_from_angles(np.array([self.roll, self.pitch, self.yaw]))
 
     def transform(self, points: Array) -> Array:
@@ -62,7 +62,7 @@ def heading_over(robot: Robot, feet: Array) -> float:
     return float(np.arctan2(across, np.sum(rests * arms)))
 
 
-def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float) -> BodyPose:
+def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, fraction: float) -> BodyPose:
     """
     Place the body where the feet are nearest to their initial posture, on average.
 
@@ -76,7 +76,7 @@ def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float)
         Heading of the body [rad].
     slope : ndarray, shape (2,)
         Rise of the ground along the frame's x and y.
-    share : float
+    fraction : float
         How much of the ground's tilt the body takes: 0 stays level, 1 goes along.
 
     Returns
@@ -85,7 +85,7 @@ def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, share: float)
     """
     ahead = np.cos(yaw) * slope[0] + np.sin(yaw) * slope[1]
     aside = np.cos(yaw) * slope[1] - np.sin(yaw) * slope[0]
-    roll, pitch = share * float(np.arctan(aside)), -share * float(np.arctan(ahead))
+    roll, pitch = fraction * float(np.arctan(aside)), -fraction * float(np.arctan(ahead))
     rotation = matrix_from_angles(np.array([roll, pitch, yaw]))
     position = (feet - robot.neutral_feet @ rotation.T).mean(axis=0)
     return BodyPose(position, roll, pitch, wrap_angle(yaw))
@@ -131,6 +131,6 @@ def _is_inside(point: Array, triangle: Array) -> bool:
 
 def _nearest_on(point: Array, start: Array, end: Array) -> Array:
     way = end - start
-    share = float((point - start) @ way) / max(float(way @ way), 1e-18)
-    nearest: Array = start + min(max(share, 0.0), 1.0) * way
+    fraction = float((point - start) @ way) / max(float(way @ way), 1e-18)
+    nearest: Array = start + min(max(fraction, 0.0), 1.0) * way
     return nearest

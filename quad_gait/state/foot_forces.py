@@ -19,7 +19,7 @@ GRAVITY = 9.80665
 """[m/s^2]"""
 
 _STEP = 1e-5
-"""Of joint angles, for a difference quotient [rad]."""
+"""Step of joint angles, for a difference quotient [rad]."""
 
 _SINGULAR = 1e-6
 """A leg whose Jacobian has a smaller determinant tells nothing [m^3]; relative to its length."""

@@ -35,7 +35,7 @@ LONGEST_HOLD = 0.1
 """Time for which the last velocity is trusted while no foot tells [s]."""
 
 SLIP = 0.02
-"""Standard deviation of the way after the first metre [m]; it grows with the root."""
+"""Standard deviation of the distance after the first metre [m]; it grows with the root."""
 
 TURNING_SLIP = 0.02
 """Likewise of the heading after the first radian by the feet, and after the first metre [rad]."""
@@ -58,7 +58,7 @@ class _Sample:
     in_contact: NDArray[np.bool_]
     """Shape (4,)."""
     heading: float | None
-    """By the imu's orientation [rad]."""
+    """Heading by the imu's orientation [rad]."""
     yaw_rate: float | None
     """[rad/s]"""
 
@@ -69,7 +69,7 @@ class LegOdometry:
 
     Between two updates with the feet's centers p_k and p'_k relative to the body, in
     axes that are level and have the body's heading, turned by dyaw, a standing foot
-    gives the body's displacement in the axes of the middle of the way::
+    gives the body's displacement in the axes of the middle of the step::
 
         u_k = R(-dyaw/2) p_k - R(dyaw/2) p'_k + r (w_k x z)
 
@@ -98,7 +98,7 @@ class LegOdometry:
 
     @property
     def pose(self) -> Pose2D:
-        """Of base_link, in the frame of the pose given to :meth:`reset`."""
+        """Pose of base_link, in the frame of the pose given to :meth:`reset`."""
         return self._pose
 
     @property
@@ -108,7 +108,7 @@ class LegOdometry:
 
     @property
     def height(self) -> float:
-        """Of base_link above the ground [m]; while no foot stands, the last one."""
+        """Height of base_link above the ground [m]; while no foot stands, the last one."""
         return self._height
 
     @property
@@ -119,7 +119,7 @@ class LegOdometry:
         A random walk, zero at a reset: :data:`SLIP` per root metre along x and y each,
         and in the heading :data:`GYRO_DRIFT` per root second by the imu, or
         :data:`TURNING_SLIP` per root radian and root metre by the feet. An error of the
-        heading carries over to the way walked after it.
+        heading carries over to the distance walked after it.
         """
         return self._covariance.copy()
 

@@ -33,7 +33,7 @@ class RestCheck:
     robot : Robot
         The robot.
     rest_speed : float
-        Joints slower than this are at rest, measured or by their way over a while [rad/s].
+        Joints slower than this are at rest, measured or by their displacement over a while [rad/s].
     """
 
     def __init__(self, robot: Robot, rest_speed: float) -> None:
@@ -80,19 +80,22 @@ class RestCheck:
         seen = self._seen
         if len(seen) < _LEAST_COUNT or seen[-1][0] - seen[0][0] < _WINDOW - 1e-9:
             return False
-        return bool((self._ways() < self._rest_speed * _WINDOW).all())
+        return bool((self._displacements() < self._rest_speed * _WINDOW).all())
 
     def what_moves(self, velocities: Array | None) -> str:
         """Say which joint moves most, with its numbers, as measured last [rad/s]."""
-        ways = self._ways()
-        joint = int(np.argmax(ways if velocities is None or ways.any() else np.abs(velocities)))
+        displacements = self._displacements()
+        has_moved = bool(displacements.any())
+        joint = int(
+            np.argmax(displacements if velocities is None or has_moved else np.abs(velocities))
+        )
         speed = '' if velocities is None else f', with {abs(velocities[joint]):.2f} rad/s now'
-        return f'{self._names[joint]} by {ways[joint]:.3f} rad within {_WINDOW:g} s{speed}'
+        return f'{self._names[joint]} by {displacements[joint]:.3f} rad within {_WINDOW:g} s{speed}'
 
-    def _ways(self) -> Array:
+    def _displacements(self) -> Array:
         """Return the range of each joint over the window, shape (12,) [rad]."""
         if not self._seen:
             return np.zeros(len(self._names))
         positions = np.array([positions for _, positions in self._seen])
-        ways: Array = np.ptp(positions, axis=0)
-        return ways
+        displacements: Array = np.ptp(positions, axis=0)
+        return displacements

@@ -28,7 +28,7 @@ class RobotState(Measurement):
     """
     A measurement, with what a behaviour asks of it.
 
-    What takes time is computed when it is asked for, and once. ``was_moved`` also says that
+    What takes time is computed when it is first needed, and once. ``was_moved`` also says that
     the clock was set back: nothing that was planned before holds then.
     """
 

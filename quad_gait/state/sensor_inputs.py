@@ -9,19 +9,20 @@ comes to rest, and the measurement says why.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import InvalidMessage
-from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.state.measurement import Measurement
+from quad_gait.state.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
 from quad_gait.state.series_check import SeriesCheck, Taken
 
 Array = NDArray[np.float64]
@@ -32,20 +33,8 @@ RANGE_MARGIN = 0.25
 LEAST_MISSED = 4
 """Number of readings of the odometry without joint states, or imu, that make those missing."""
 
-_OVERSPEED = 4.0
-"""Number of times its largest speed that a joint may turn, as when the robot falls."""
-
-_JOINT_NOISE = 0.08
-"""Angle by which two readings of a joint may differ at any rate [rad]."""
-
 _OVERLOAD = 100.0
 """Number of times its limits that a joint's measured velocity and effort may be, for noise."""
-
-_BODY_SPEED, _BODY_NOISE = 5.0, 0.15
-"""Speed of the body [m/s], and distance by which two readings may differ at any rate [m]."""
-
-_TURN_SPEED, _TURN_NOISE = 20.0, 0.3
-"""Speed with which it turns [rad/s], and angle by which two readings may differ anyway [rad]."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +80,9 @@ class SensorInputs:
         self._options = InputOptions() if options is None else options
         self._limits = JointLimits.of(robot)
         self._effort = np.broadcast_to(robot.effort, robot.lower.shape).reshape(-1)
-        self._joint_check = SeriesCheck[Array]('joint state', self._joint_step)
-        self._imu_check = SeriesCheck[Array]('imu', _attitude_step)
-        self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', _pose_step)
+        self._joint_check = SeriesCheck[Array]('joint state', partial(joint_step, self._limits))
+        self._imu_check = SeriesCheck[Array]('imu', attitude_step)
+        self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', pose_step)
         self._joints: JointReadings | None = None
         # When they were measured or, without a stamp, came.
         self._joints_time: float | None = None
@@ -179,9 +168,9 @@ class SensorInputs:
         """
         if orientation is not None and time is not None:
             self._imu_check.take(time, orientation)
-        if yaw_rate is not None and abs(yaw_rate) > _TURN_SPEED:
+        if yaw_rate is not None and abs(yaw_rate) > TURN_SPEED:
             raise InvalidMessage(
-                'imu', f'its yaw rate is {yaw_rate:.4g} rad/s; {_TURN_SPEED:g} are the most'
+                'imu', f'its yaw rate is {yaw_rate:.4g} rad/s; {TURN_SPEED:g} are the most'
             )
         self._imu = (orientation, yaw_rate)
         self._without_imu = 0
@@ -235,7 +224,7 @@ class SensorInputs:
         )
 
     def _silence_of_imu(self, time: float) -> str:
-        """Say that an imu that was heard is not heard any more; empty if it is."""
+        """Say that an imu no longer publishes; empty if it does."""
         options, since = self._options, self._imu_time
         if since is None or time - since <= options.imu_timeout:
             return ''
@@ -294,31 +283,3 @@ class SensorInputs:
                     f'the {what} of {limits.joint_names[joint]} is {values[joint]:.4g}; '
                     f'its limit is {most[joint]:.3g}',
                 )
-
-    def _joint_step(self, before: Array, after: Array, dt: float) -> str:
-        most = _OVERSPEED * self._limits.velocity * dt + _JOINT_NOISE
-        step = np.abs(after - before)
-        if np.all(step <= most):
-            return ''
-        joint = int(np.argmax(step / most))
-        return (
-            f'{self._limits.joint_names[joint]} would have turned by {step[joint]:.3f} rad '
-            f'in {dt:.3f} s; its largest speed is {self._limits.velocity[joint]:.3g} rad/s'
-        )
-
-
-def _attitude_step(before: Array, after: Array, dt: float) -> str:
-    turn = 2.0 * math.acos(min(1.0, abs(float(np.dot(before, after)))))
-    if turn <= _TURN_SPEED * dt + _TURN_NOISE:
-        return ''
-    return f'the body would have turned by {math.degrees(turn):.0f} degrees in {dt:.3f} s'
-
-
-def _pose_step(before: tuple[Pose2D, Array], after: tuple[Pose2D, Array], dt: float) -> str:
-    way = before[0].distance_to(after[0])
-    if way > _BODY_SPEED * dt + _BODY_NOISE:
-        return f'the body would have moved by {way:.3g} m in {dt:.3f} s'
-    turn = abs(wrap_angle(after[0].yaw - before[0].yaw))
-    if turn > _TURN_SPEED * dt + _TURN_NOISE:
-        return f'the body would have turned by {math.degrees(turn):.0f} degrees in {dt:.3f} s'
-    return _attitude_step(before[1], after[1], dt)

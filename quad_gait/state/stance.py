@@ -27,13 +27,13 @@ class Stance:
     time: float
     """Time at which it was measured [s]."""
     body: BodyPose
-    """Its pose; x, y and yaw in the plan's frame, z from base_link, so it is 0 here."""
+    """Pose of the body; x, y and yaw in the plan's frame, z from base_link, so it is 0 here."""
     feet: Array
     """Centers of the feet in the same frame, shape (4, 3) [m]."""
     joint_positions: Array
     """Positions of the joints, shape (4, 3) [rad]."""
     find_loads: Callable[[], Array | None]
-    """Function that finds :attr:`loads` when they are asked for: it takes longer than the rest."""
+    """Function that finds :attr:`loads` when they are needed: it takes longer than the rest."""
 
     @cached_property
     def loads(self) -> Array | None:

@@ -17,7 +17,7 @@ from quad_common.maps.height_map import HeightMap
 Array = NDArray[np.float64]
 
 _ALONG = 0.02
-"""Between the points of a path at which a plane is looked up [m]."""
+"""Distance between the points of a path at which a plane is evaluated [m]."""
 
 _FLATTEST = 1e-3
 """Feet on a line give no plane: slopes across it are taken to be level; squared [m^2]."""
@@ -103,7 +103,7 @@ class GroundModel:
         start, end : ndarray, shape (2,)
             From where to where it goes, straight [m].
         radius : float
-            How near to its way the ground counts [m].
+            Distance from the path within which the ground counts [m].
 
         Returns
         -------

@@ -1,10 +1,10 @@
 """
-A motion of the joints that is given out bit by bit, to somebody who may be slow to hear.
+A motion of the joints that is given out bit by bit, to drives that may receive it late.
 
 A foot that feels for the ground must stop when it meets it. Were its whole way down given
 out at once, it would press on for as long as the answer takes. So only as much is given out
 as does no harm, and more while nothing has been met. How far the joints are is told by the
-joints themselves, not by a clock: nobody knows when a trajectory has come to them.
+joints themselves, not by a clock: it is not known when a trajectory has come to them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _ALIKE = 5e-3
 """Samples are as good a match as the best one if no joint is off by so much more [rad]."""
 
 _PATIENCE = 1.0
-"""After so long past its end a motion is taken to be over, wherever the joints are [s]."""
+"""Time past its end after which a motion counts as over, wherever the joints are [s]."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class JointMotion:
 
     @property
     def end(self) -> float:
-        """When the last sample is reached, if all are heard of at once [s]."""
+        """When the last sample is reached, if all are received at once [s]."""
         return self.start + float(self.times[-1])
 
     @property

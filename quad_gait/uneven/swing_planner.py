@@ -39,14 +39,14 @@ _TILTS = (0.0, 0.5, 1.0)
 """Fractions of the ground's tilt that the body may take."""
 
 _LOWER = (0.0, 0.03, 0.06)
-"""How much lower than in its initial posture the body may be [m]."""
+"""Distance by which the body may be lower than in its initial posture [m]."""
 
 _STRETCHED = 0.4
 """Fraction of its speed at which a leg comes back from where there was no ground: it is stretched
 then, and its knee would be too fast."""
 
 BIT = 3
-"""So many samples of a search are given out at a time: a foot presses on for no longer."""
+"""Number of samples of a search given out at a time: a foot presses on for no longer."""
 
 
 _WAYS = sorted(
@@ -88,7 +88,7 @@ class _Swing(NamedTuple):
 
 
 class _Posture(NamedTuple):
-    """How the body stands over the other feet."""
+    """Pose of the body over the other feet."""
 
     tilt: float
     """Fraction of the ground's tilt that the body takes."""
@@ -138,7 +138,7 @@ class SwingPlanner:
         Returns
         -------
         PlannedSwing
-            The first that legs and joints can do, of many ways.
+            The first of many candidates that legs and joints can do.
 
         Raises
         ------
@@ -161,7 +161,7 @@ class SwingPlanner:
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
     ) -> PlannedSwing:
-        """Plan the way back to where a foot stood, its center, shape (3,) [m]; as `swing`."""
+        """Plan the return to where a foot stood, its center, shape (3,) [m]; as `swing`."""
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
             swing = _Swing(leg, target, _STRETCHED)
@@ -237,7 +237,7 @@ class SwingPlanner:
         if now.loads is not None:
             known = ground.height_map is not None
             depth = 0.5 * robot.roughness if known else 1.1 * robot.step_height
-        # The body need not be quite there: it is slow at the end of its way.
+        # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
         across = math.dist(start[:2], target[:2])
@@ -311,7 +311,7 @@ class SwingPlanner:
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
 
     def _lasting(self, way: float, least: float, pace: float) -> float:
-        """Return how long a foot takes for a way [s]."""
+        """Return how long a foot takes for a distance [m] at a pace [s]."""
         return max(least, float(way) / (self._scale * pace * self._options.foot_speed))
 
     def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
@@ -333,13 +333,13 @@ class SwingPlanner:
 
 
 def _first_possible(
-    plan: Callable[..., Planned], ways: Iterable[tuple[float, ...]]
+    plan: Callable[..., Planned], candidates: Iterable[tuple[float, ...]]
 ) -> tuple[Planned, GaitError | None]:
-    """Plan in one way after the other; return the first that works, and what the first lacked."""
+    """Plan by one candidate after the other; return the first that works, and what was wrong."""
     problem: GaitError | None = None
-    for way in ways:
+    for candidate in candidates:
         try:
-            return plan(*way), problem
+            return plan(*candidate), problem
         except GaitError as error:
             problem = problem or error
     assert problem is not None

@@ -18,7 +18,7 @@ class UnevenOptions:
     joints by then, and the foot presses on meanwhile."""
     margin: float = 0.035
     """Distance of the center of mass inside its three feet, if they give so much [m]."""
-    contact_share: float = 0.05
+    contact_fraction: float = 0.05
     """Fraction of the weight above which a foot stands."""
     clearance: float = 0.03
     """Height of a foot over what a height map shows in its path [m]."""

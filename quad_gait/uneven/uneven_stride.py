@@ -33,7 +33,7 @@ from quad_gait.uneven.uneven_options import UnevenOptions
 Array = NDArray[np.float64]
 
 _SURE = 3.0
-"""So many times the load that counts as contact needs no second measurement."""
+"""Multiple of the load that counts as contact that needs no second measurement."""
 
 
 def check_suits_uneven_ground(gait: Gait) -> None:
@@ -68,7 +68,7 @@ class UnevenStride:
     pose : Pose2D
         From where, in the plan's frame.
     height_map : HeightMap, optional
-        Of the ground, in the plan's frame; without one the feet feel their way.
+        Of the ground, in the plan's frame; without one the feet feel for the ground.
     options : UnevenOptions
         How.
     """
@@ -99,18 +99,12 @@ class UnevenStride:
         self._swinging: PlannedSwing | None = None
         self._left: Array = np.zeros((len(LEGS), 3))
         self._motion: JointMotion | None = None
+        self.is_over = False
+        """Whether all legs have swung and the body is where it was to go."""
+        self.end = -np.inf
+        """Time at which what was planned last is done [s]."""
         self.limit = ''
         """What kept a leg from getting as far as it was to; empty if nothing did."""
-
-    @property
-    def is_over(self) -> bool:
-        """Whether all legs have swung and the body is where it was to go."""
-        return self._phase is _Phase.OVER
-
-    @property
-    def end(self) -> float:
-        """When what was planned last is done [s]."""
-        return -np.inf if self._motion is None else self._motion.end
 
     @property
     def joint_positions(self) -> Array | None:
@@ -154,6 +148,12 @@ class UnevenStride:
         GaitError
             If the legs do not reach, or a foot finds no ground.
         """
+        trajectory = self._decide(now)
+        self.is_over = self._phase is _Phase.OVER
+        self.end = -np.inf if self._motion is None else self._motion.end
+        return trajectory
+
+    def _decide(self, now: Stance) -> JointTrajectory | None:
         if self._phase is _Phase.OVER:
             return None
         if self._motion is not None:
@@ -175,14 +175,14 @@ class UnevenStride:
         assert motion is not None
         if motion.done < swing.feels_from:
             return None
-        share = self._load_share(now, leg)
-        if share <= self._options.contact_share:
+        fraction = self._load_fraction(now, leg)
+        if fraction <= self._options.contact_fraction:
             self._untouched, self._touched = now, None
         elif self._touched is None:
             self._touched = now
         if self._touched is not None:
             is_second = now is not self._touched
-            if is_second or share > _SURE * self._options.contact_share:
+            if is_second or fraction > _SURE * self._options.contact_fraction:
                 return self._land(self._as_touched(now, leg))
             return None
         if not motion.is_done:
@@ -211,14 +211,14 @@ class UnevenStride:
         self._motion = more
         return more.trajectory(self._options.reaction_time)
 
-    def _load_share(self, now: Stance, leg: int) -> float:
-        """Return what a foot bears, as a share of the robot's weight."""
+    def _load_fraction(self, now: Stance, leg: int) -> float:
+        """Return what a foot bears, as a fraction of the robot's weight."""
         if now.loads is None:
             return 0.0
         return float(now.loads[leg]) / (self._robot.mass * GRAVITY)
 
     def _has_load(self, now: Stance, leg: int) -> bool:
-        return self._load_share(now, leg) > self._options.contact_share
+        return self._load_fraction(now, leg) > self._options.contact_fraction
 
     def _as_touched(self, now: Stance, leg: int) -> Stance:
         """
@@ -247,7 +247,7 @@ class UnevenStride:
         if now.loads is None:
             self._seeking = []
         else:
-            little = 0.2 * self._options.contact_share * self._robot.mass * GRAVITY
+            little = 0.2 * self._options.contact_fraction * self._robot.mass * GRAVITY
             self._seeking = [
                 leg
                 for leg in range(len(LEGS))

@@ -4,25 +4,15 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 
 from rich.console import Console
 
+from quad_lab.attacks.parts import PARTS, attack_of
+from quad_lab.attacks.quick_faults import attack_quickly
 from quad_lab.tools.criterion import Criterion
 
-PARTS = {
-    'messages': 'quad_lab.attacks.messages.message_attack.attack_messages',
-    'processes': 'quad_lab.attacks.processes.process_attack.attack_processes',
-    'gate': 'quad_lab.attacks.walks.gate_attack.attack_gate',
-    'silence': 'quad_lab.attacks.walks.silence.attack_by_silence',
-    'files': 'quad_lab.attacks.files.file_attack.measure_files',
-    'watch': 'quad_lab.attacks.walks.busy_machine.attack_by_load',
-    'kills': 'quad_lab.attacks.walks.kills.attack_by_kills',
-    'soak': 'quad_lab.attacks.walks.soak.soak',
-    'localisation': 'quad_lab.attacks.walks.drift.attack_by_drift',
-}
-"""What is attacked, by the name for ``--only``: the function of each part."""
+__all__ = ['PARTS', 'measure']
 
 
 def measure(
@@ -47,17 +37,17 @@ def measure(
     tuple
         The bars of all parts, and details for JSON by part.
     """
+    parts = [part for part in PARTS if part in (only or PARTS)]
+    results = {}
+    if quick:
+        results = attack_quickly(console, parts, seed)
+    else:
+        for part in parts:
+            console.rule(part)
+            results[part] = attack_of(part)(console, quick, seed)
     bars: list[Criterion] = []
     details: dict[str, object] = {'quick': quick, 'seed': seed}
-    for name, function in PARTS.items():
-        if only and name not in only:
-            continue
-        console.rule(name)
-        # Only what is run is imported: some parts need ROS, and some do not.
-        module, _, attack = function.rpartition('.')
-        part_bars, part_details = getattr(importlib.import_module(module), attack)(
-            console, quick, seed
-        )
-        bars += [replace(bar, name=f'{name}: {bar.name}') for bar in part_bars]
-        details[name] = part_details
+    for part in parts:
+        part_bars, details[part] = results[part]
+        bars += [replace(bar, name=f'{part}: {bar.name}') for bar in part_bars]
     return bars, details

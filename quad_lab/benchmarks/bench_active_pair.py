@@ -23,6 +23,7 @@ from quad_common.planar_pair.active_pair import (
 from quad_common.planar_pair.body_over_feet import pose_with_free_joint
 from quad_common.planar_pair.planar_pair import (
     ActivePair,
+    JointAngles,
     PairPoints,
     PairPosture,
     PlanarLeg,
@@ -178,7 +179,8 @@ def random_postures(
         size = count // PAIRS
         while sum(part.theta.size for part in taken) < size:
             place = rng.uniform(-1.0, 1.0, size) + 1j * rng.uniform(-1.0, 1.0, size)
-            drawn = posture_of(pair, place, *rng.uniform(-math.pi, math.pi, (5, size)))
+            theta, *angles = rng.uniform(-math.pi, math.pi, (5, size))
+            drawn = posture_of(pair, place, theta, JointAngles(*angles))
             taken.append(drawn[flatness(pair, points_of(pair, drawn)) >= FLATTEST])
         parts = [[getattr(part, field.name) for part in taken] for field in fields(PairPosture)]
         yield pair, PairPosture(*(np.concatenate(part)[:size] for part in parts))
@@ -272,7 +274,7 @@ def _free(joint: Any) -> Solve:
         angles = {name: float(getattr(p, name)) for name in ('u1_i', 'u2_i', 'u1_j', 'u2_j')}
         angles[joint] = float(getattr(previous, joint))
         feet = (complex(x.foot_i), complex(x.foot_j))
-        found = pose_with_free_joint(pair, *feet, **angles, free=joint)
+        found = pose_with_free_joint(pair, *feet, JointAngles(**angles), joint)
         if found.posture is None:
             raise FreeJointPoseNotFound(str(joint), found.why)
         return found.posture
@@ -308,15 +310,17 @@ def _start_and_end(
         bends = rng.uniform(0.5, 1.4, 2) * rng.choice([-1.0, 1.0], 2)
         hips = -math.pi / 2.0 - bends / 2.0 + rng.uniform(-0.3, 0.3, 2)
         theta, hip_i = rng.uniform(-0.3, 0.3), complex(*rng.uniform(-0.2, 0.2, 2))
-        start = posture_of(pair, hip_i, theta, bends[0], hips[0], bends[1], hips[1])
+        start = posture_of(pair, hip_i, theta, JointAngles(bends[0], hips[0], bends[1], hips[1]))
         feet = points_of(pair, start)
         other = posture_of(
             pair,
             hip_i + complex(*rng.uniform(-0.02, 0.02, 2)),
             theta + rng.uniform(-0.1, 0.1),
-            *(
-                float(angle) + rng.uniform(-0.1, 0.1)
-                for angle in (start.u1_i, start.u2_i, start.u1_j, start.u2_j)
+            JointAngles(
+                *(
+                    float(angle) + rng.uniform(-0.1, 0.1)
+                    for angle in (start.u1_i, start.u2_i, start.u1_j, start.u2_j)
+                )
             ),
         )
         try:

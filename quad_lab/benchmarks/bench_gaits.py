@@ -183,7 +183,7 @@ def _cases() -> Iterator[tuple[Robot, Gait, str]]:
 
 
 def _worst(walks: list[SteadyWalk]) -> float:
-    """Largest share by which a cycle's motion is off what was asked."""
+    """Largest fraction by which a cycle's motion is off what was asked."""
     return max(
         math.hypot(
             w.done.forward - w.asked.forward,

@@ -33,11 +33,13 @@ _WALKS = (
     ('titan_viii', 'trot', 'flat'),
     ('genibo', 'crawl', 'flat'),
     ('genibo', 'crawl', 'bumps'),
+    ('genibo', 'trot', 'flat'),
 )
 """Robot, gait and ground of each series."""
 
-_WITH_BAR = _WALKS[:2]
-"""Those that must not fall; of the others it is only to be known."""
+_MISSED = {('genibo', 'crawl', 'flat'): 1}
+"""Number of cases of a series that may take longer: its roll joints hardly turn when it walks
+straight on, and one that is free follows its leg for more than two cycles."""
 
 _BEGIN = {'flat': 2.0, 'bumps': 6.0}
 """The robot has walked for so long before a joint may fail [s]."""
@@ -53,6 +55,10 @@ _UNNOTICED = 12.0
 
 _PLACE, _TILT = 0.005, math.radians(0.5)
 """A robot stands still when nothing moves it farther any more [m] of TITAN-VIII, [rad]."""
+
+_ASKED = 0.0075
+"""A joint that jams, and whose command never goes farther from there, does what it is commanded
+[rad]: it moves like a sound one, to the last digit."""
 
 _LARGEST_TILT = math.radians(30.0)
 """A body tilted farther has fallen [rad]."""
@@ -93,6 +99,8 @@ class FailureOutcome:
     period: float
     """Of a cycle, by the clock where the ground is uneven [s]."""
     reason: str
+    is_asked: bool
+    """Whether a joint that jams was commanded to leave its place; one that is free always is."""
 
 
 def joint_failure_bars(quick: bool, seed: int) -> list[Criterion]:
@@ -125,29 +133,28 @@ def joint_failure_bars(quick: bool, seed: int) -> list[Criterion]:
             for outcome in outcomes
             if (outcome.case.robot, outcome.case.gait, outcome.case.ground) == walk
         ]
-        bars += _bars_of(' '.join(walk), series, walk in _WITH_BAR)
+        bars += _bars_of(' '.join(walk), series, _MISSED.get(walk, 0))
     return bars
 
 
-def _bars_of(name: str, series: list[FailureOutcome], has_bar: bool) -> list[Criterion]:
+def _bars_of(name: str, series: list[FailureOutcome], missed: int) -> list[Criterion]:
     name = f'a joint fails, {name}'
     count = len(series)
+    asked = [outcome for outcome in series if outcome.is_asked]
     fallen = sum(outcome.has_fallen for outcome in series)
-    still = sum(outcome.still <= 2.0 * outcome.period for outcome in series)
-    named = sum(outcome.is_named for outcome in series)
-    texts = (
-        f'{name}: falls, of {count}',
-        f'{name}: stands still within two cycles, of {count}',
-        f'{name}: says which joint, of {count}',
-    )
-    if has_bar:
-        bars = [
-            at_most(texts[0], fallen, '', 0.0),
-            at_least(texts[1], still, '', count),
-            at_least(texts[2], named, '', count),
-        ]
-    else:
-        bars = [figure(text, value, '') for text, value in zip(texts, (fallen, still, named))]
+    still = sum(outcome.still <= 2.0 * outcome.period for outcome in asked)
+    named = sum(outcome.is_named for outcome in asked)
+    bars = [
+        at_most(f'{name}: falls, of {count}', fallen, '', 0.0),
+        at_least(
+            f'{name}: stands still within two cycles, of {len(asked)} asked',
+            still,
+            '',
+            len(asked) - missed,
+        ),
+        at_least(f'{name}: says which joint, of {len(asked)} asked', named, '', len(asked)),
+        figure(f'{name}: jams where it is held all the time', count - len(asked), ''),
+    ]
     touched = sum(outcome.has_touched for outcome in series)
     tilt = math.degrees(max(outcome.largest_tilt for outcome in series))
     noticed = float(np.median([outcome.noticed for outcome in series]))
@@ -195,11 +202,10 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
     robot, controller = walk.robot, walk.controller
     name = robot.joint_names[case.joint]
     walk.simulation.plan_failure(JointFailure(name, case.kind, case.time))
-    seen: list[Observation] = []
-    walk.on_observation.append(seen.append)
+    seen, commands = _watched(walk, case.joint)
     speed = _SPEED[case.gait] * robot.largest_stride
 
-    # Over uneven ground a cycle lasts as long as its feet need: new footholds tell of the next.
+    # On uneven ground new footholds tell when a cycle begins.
     begun: list[float] = []
     planned: Array = np.empty((0, 2))
 
@@ -223,6 +229,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
     after = [observation for observation in seen if observation.time >= case.time]
     tilts = np.array(walk.record.tilts[-len(after) :])
     still = _still_after(after, tilts, robot.relative_size) - case.time if is_noticed else math.inf
+    away = np.abs(np.array(commands[-len(after) :]) - after[0].joint_positions[case.joint])
     return FailureOutcome(
         case,
         bool(tilts.max() > _LARGEST_TILT) or controller.activity is Activity.FALLEN,
@@ -235,6 +242,7 @@ def walk_and_fail(case: FailureCase) -> FailureOutcome:
         if is_uneven and len(begun) > 1
         else controller.gait.cycle_period,
         controller.reason,
+        case.kind == 'free' or bool(away.max() > _ASKED),
     )
 
 
@@ -250,6 +258,19 @@ def _begun(case: FailureCase) -> ClosedLoop:
     controller.set_height_map(course.height_map)
     controller.set_plan(course.plan)
     return ClosedLoop(robot, controller, world=course.world, start=course.start)
+
+
+def _watched(walk: ClosedLoop, joint: int) -> tuple[list[Observation], list[float]]:
+    """Keep what is observed, and what a joint is commanded then [rad]."""
+    seen: list[Observation] = []
+    commands: list[float] = []
+
+    def keep(observation: Observation) -> None:
+        seen.append(observation)
+        commands.append(float(walk.simulation.commanded[joint]))
+
+    walk.on_observation.append(keep)
+    return seen, commands
 
 
 def _still_after(seen: list[Observation], tilts: Array, scale: float) -> float:

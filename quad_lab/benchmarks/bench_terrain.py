@@ -127,8 +127,10 @@ def _walk_bars(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> list
             bars.append(at_most(f'{name}: walks that touched a large one', touches, '', 0))
         flat = groups.get((robot, course, 'flat'))
         if course == 'bumps' and way == 'uneven' and flat is not None:
-            share = _tilt_rms(outcomes) / _tilt_rms(flat)
-            bars.append(at_most(f'{name}: tilt, rms, over that of the flat gait', share, '', 0.5))
+            fraction = _tilt_rms(outcomes) / _tilt_rms(flat)
+            bars.append(
+                at_most(f'{name}: tilt, rms, over that of the flat gait', fraction, '', 0.5)
+            )
     return bars
 
 

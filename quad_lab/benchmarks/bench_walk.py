@@ -25,8 +25,9 @@ from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_lab.topic_walk.walk_record import WalkRecord, WalkResult
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.planner import Planner
-from quad_planner.planner_setup import planner_for
-from quad_sim.engines.registry import make_simulator
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import planner_from_parameters
+from quad_sim.engines.registry import AUTO, make_simulator
 
 PAIRS = 30
 QUICK_PAIRS = 4
@@ -149,9 +150,11 @@ def draw_pairs(
     if not maps:
         raise ParameterError('maps', maps, 'one map at least')
     rng = np.random.default_rng(seed)
+    # A pair counts if the node would walk it.
+    parameters = PlannerParameters(robot=_ROBOT, method='mesh')
     loaded = []
     for path in maps:
-        planner = planner_for(robot, 'mesh')
+        planner = planner_from_parameters(parameters, robot)
         grid = load_map(path)
         planner.set_map(grid)
         loaded.append((path, grid, planner))
@@ -170,7 +173,7 @@ def draw_pairs(
 
 def bare_factor(robot: Robot, duration: float) -> float:
     """Measure how much faster than real time the bare physics of a standing robot are."""
-    simulator = make_simulator('bullet', robot, None)
+    simulator = make_simulator(AUTO, robot, None)
     joints = robot.initial_joint_angles.reshape(-1)
     still = np.zeros_like(joints)
     began = time.perf_counter()
@@ -218,15 +221,17 @@ def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> 
         at_least('least planned stability margin', _least_margin(results), 'm', 0.0),
         at_least('speed, wired by topics', factor, 'x real time', 10.0),
         figure('speed of bare physics steps', bare, 'x real time'),
-        figure('share of the bare speed', factor / bare if factor else None, ''),
-        figure('wall time: physics', physics / wall if wall else None, 'share'),
-        figure('wall time: observing and publishing', publishing / wall if wall else None, 'share'),
+        figure('fraction of the bare speed', factor / bare if factor else None, ''),
+        figure('wall time: physics', physics / wall if wall else None, 'fraction'),
+        figure(
+            'wall time: observing and publishing', publishing / wall if wall else None, 'fraction'
+        ),
         figure(
             'wall time: hearing, waiting',
             1.0 - (physics + publishing) / wall if wall else None,
-            'share',
+            'fraction',
         ),
-        figure('trajectories that came late', sum(r.late_trajectories for r in results), ''),
+        at_most('trajectories that came late', sum(r.late_trajectories for r in results), '', 0),
         figure('walked', sum(r.walked_distance for r in results), 'm'),
         figure('mean walking speed along the path', _speed(results), 'm/s'),
     ]

@@ -190,8 +190,8 @@ def circles_of_s2(
         )
     for loop in ('closed', 'open'):
         for k, what in enumerate(('radius', 'steps per lap')):
-            share = worst[f'{loop}, raw'][k]
-            bars.append(figure(f'S2: {what}, {loop} loop, not calibrated', 1e2 * share, '%'))
+            fraction = worst[f'{loop}, raw'][k]
+            bars.append(figure(f'S2: {what}, {loop} loop, not calibrated', 1e2 * fraction, '%'))
     return bars
 
 
@@ -202,7 +202,7 @@ def figures_of_s4(quick: bool) -> list[Criterion]:
     # Reach alone: how fast the joints of 2008 were is not told.
     tireless = replace(robot, velocity=1e3 * robot.velocity)
     strides = [
-        MotionLimits(tireless, gait, reserve=1.0).largest_share(BodyMotion(forward=1.0))
+        MotionLimits(tireless, gait, reserve=1.0).largest_scale(BodyMotion(forward=1.0))
         for gait in (replace(wave, footholds='initial_posture'), wave)
     ]
     cycles = 4 if quick else 12

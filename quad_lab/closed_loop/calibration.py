@@ -20,6 +20,7 @@ from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.slip_compensation import Calibration
 from quad_lab.closed_loop.closed_loop import ClosedLoop, DoesNotWalk
 from quad_lab.closed_loop.controllers import controller_for
+from quad_sim.engines.registry import AUTO
 
 Array = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ DIRECTIONS = (
 )
 """Calibrated if nothing else is asked for, each at two speeds."""
 
-SHARES = (0.35, 0.7)
+FRACTIONS = (0.35, 0.7)
 """Of the largest motion in each direction."""
 
 _SKIPPED = 4
@@ -57,7 +58,7 @@ def measure_motion(
     gait: Gait,
     motion: BodyMotion,
     cycles: int = 16,
-    backend: str = 'bullet',
+    backend: str = AUTO,
 ) -> MeasuredMotion:
     """
     Walk open loop, and see how far a cycle goes.
@@ -150,9 +151,9 @@ def default_motions(robot: Robot, gait: Gait) -> list[BodyMotion]:
     """Return the six directions at two speeds that the gait is capable of."""
     limits = MotionLimits(robot, gait)
     return [
-        _rounded(direction.scaled(share * limits.largest_share(direction)))
+        _rounded(direction.scaled(fraction * limits.largest_scale(direction)))
         for direction in DIRECTIONS
-        for share in SHARES
+        for fraction in FRACTIONS
     ]
 
 

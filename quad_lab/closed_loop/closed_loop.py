@@ -23,7 +23,7 @@ from quad_gait.state.sensor_inputs import JointReadings
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_lab.closed_loop.loop_record import Record
-from quad_sim.engines.registry import make_simulator
+from quad_sim.engines.registry import AUTO, make_simulator
 from quad_sim.engines.simulator import Observation
 from quad_sim.simulation import Simulation
 from quad_sim.world.appearance import Appearance
@@ -69,7 +69,7 @@ class ClosedLoop:
     controller : Supervisor
         What moves it.
     backend : str
-        ``bullet`` or ``kinematic``.
+        One of :data:`quad_sim.engines.registry.BACKENDS`.
     world : World, optional
         A level floor if not given.
     start : Pose2D
@@ -82,14 +82,14 @@ class ClosedLoop:
         self,
         robot: Robot,
         controller: Supervisor,
-        backend: str = 'bullet',
+        backend: str = AUTO,
         world: World | None = None,
         start: Pose2D = _ORIGIN,
         appearance: Appearance | None = None,
     ) -> None:
         self.robot = robot
         self.controller = controller
-        self.record = Record()
+        self.record = Record(robot)
         self._estimator = StateEstimator(robot)
         simulator = make_simulator(backend, robot, world, appearance=appearance)
         self._simulation = Simulation(simulator, robot, start)
@@ -113,8 +113,8 @@ class ClosedLoop:
     @property
     def feet(self) -> Array:
         """Centers of the feet in the world when they were last measured, shape (4, 3) [m]."""
-        feet = self.record.feet
-        return np.full((4, 3), np.nan) if feet is None else feet[0]
+        feet = self.record.last_feet
+        return np.full((4, 3), np.nan) if feet is None else feet
 
     def run(self, duration: float, until: Callable[[], bool] | None = None) -> bool:
         """
@@ -180,7 +180,7 @@ class ClosedLoop:
         trajectory = None if state is None else self.controller.update(state)
         if trajectory is not None:
             self._send(trajectory)
-        self.record.note(self.robot, seen, self.controller.in_contact_at(seen.time))
+        self.record.note(seen, self.controller.in_contact_at(seen.time))
 
     def _state(self, seen: Observation) -> RobotState | None:
         """Return what the controller is told, checked as the node does; None for nothing."""

@@ -96,7 +96,7 @@ def steady_walk(
         gear = controller.gait_pair.of_twist(direction.rate(1.0))
         period = gear.period
         if asked is None:
-            asked = direction.scaled(0.6 * gear.largest_share(direction))
+            asked = direction.scaled(0.6 * gear.largest_scale(direction))
         controller.set_twist(asked.rate(period))
         walk.run(0.5)
         ends = []
@@ -342,7 +342,7 @@ def leg_odometry_error(
     try:
         walk.run(0.1)
         gear = controller.gait_pair.of_twist(direction.rate(1.0))
-        asked = direction.scaled(0.6 * gear.largest_share(direction))
+        asked = direction.scaled(0.6 * gear.largest_scale(direction))
         controller.set_twist(asked.rate(gear.period))
         walk.run(duration)
         last = walk.record.poses[-1]

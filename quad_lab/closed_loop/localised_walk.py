@@ -23,6 +23,7 @@ from quad_lab.closed_loop.controllers import measuring_controller
 from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.closed_loop.planner_in_loop import PlannerInLoop
 from quad_planner.parameters import PlannerParameters
+from quad_sim.engines.registry import AUTO
 from quad_sim.engines.simulator import Observation
 from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
 from quad_sim.world.world import world_from_map
@@ -67,7 +68,7 @@ class LocalisedWalk:
     localisation : LocalisationOptions
         How odometry drifts and is corrected.
     backend : str
-        ``bullet`` or ``kinematic``.
+        One of :data:`quad_sim.engines.registry.BACKENDS`.
     """
 
     def __init__(
@@ -77,7 +78,7 @@ class LocalisedWalk:
         start: Pose2D,
         goal: Pose2D,
         localisation: LocalisationOptions,
-        backend: str = 'bullet',
+        backend: str = AUTO,
     ) -> None:
         grid = load_map(map_file)
         self._goal = goal

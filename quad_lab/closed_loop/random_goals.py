@@ -22,6 +22,9 @@ from quad_planner.planner_setup import planner_for
 _TRIES = 2000
 """Goals that are drawn before it is given up."""
 
+_TRIES_AHEAD = 100
+"""Goals that are drawn ahead of the robot before any direction will do."""
+
 
 @dataclass(eq=False, repr=False)
 class NoGoalFound(QuadError):
@@ -78,7 +81,13 @@ class GoalDrawer:
         )
         self._planner.set_map(self._grid)
 
-    def draw(self, start: Pose2D, shortest: float = 0.5, longest: float = 2.0) -> Pose2D:
+    def draw(
+        self,
+        start: Pose2D,
+        shortest: float = 0.5,
+        longest: float = 2.0,
+        largest_turn: float = math.pi,
+    ) -> Pose2D:
         """
         Draw a goal.
 
@@ -88,6 +97,9 @@ class GoalDrawer:
             Where the robot is.
         shortest, longest : float
             Bounds of the plan's length [m].
+        largest_turn : float
+            Angle to the goal and of its heading from the start's heading, at most, unless there
+            are obstacles ahead [rad].
 
         Returns
         -------
@@ -99,10 +111,12 @@ class GoalDrawer:
         QuadError
             If none is found.
         """
-        for _ in range(_TRIES):
+        for attempt in range(_TRIES):
             # Not far as the crow flies either: most of the room need not be tried.
             distance = self._rng.uniform(0.5 * shortest, longest)
             direction, yaw = self._rng.uniform(-math.pi, math.pi, 2)
+            if largest_turn < math.pi and attempt < _TRIES_AHEAD:
+                direction, yaw = start.yaw + largest_turn / math.pi * np.array((direction, yaw))
             goal = Pose2D(
                 round(start.x + distance * math.cos(direction), 2),
                 round(start.y + distance * math.sin(direction), 2),

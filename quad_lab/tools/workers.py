@@ -22,7 +22,7 @@ _PRCTL: Any = getattr(ctypes.CDLL(None), 'prctl', None) if sys.platform == 'linu
 
 _PR_SET_PDEATHSIG = 1
 
-_LAST_WAIT = 1.0
+_LAST_WAIT = 2.5
 """For workers to give back what they have, before they are killed [s]."""
 
 
@@ -64,8 +64,9 @@ def end_with_parent() -> None:
 
 def _begin_worker(parent: int) -> None:
     """Let the parent alone decide when this process ends."""
-    # Ctrl-C goes to all processes of a terminal.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Ctrl-C goes to all processes of a terminal. What a worker starts would inherit that a signal
+    # is ignored; a handler ends with exec.
+    signal.signal(signal.SIGINT, lambda number, frame: None)
     signal.signal(signal.SIGTERM, _end_worker)
     end_with_parent()
     if os.getppid() != parent:

@@ -4,11 +4,13 @@ One walk over topics: starts the nodes, gives the goal, watches until it ends.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +25,9 @@ from quad_lab.topic_walk.recording import Recording
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
 from quad_sim.engines.registry import AUTO
+
+if TYPE_CHECKING:
+    from quad_lab.topic_walk.composed_nodes import ComposedNodes
 
 START_TIMEOUT = 90.0
 """For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
@@ -96,6 +101,8 @@ class WalkOptions:
     """Drift of odometry as a fraction of the way; see sim_node."""
     localiser_rate: float = 0.0
     """Corrections of odometry in a second [Hz]."""
+    composed: bool = False
+    """Whether all nodes are in this process, in step with the simulator."""
 
 
 def walk(
@@ -103,7 +110,7 @@ def walk(
     on_progress: Callable[[WalkObserver], None] = lambda observer: None,
 ) -> WalkRecord:
     """
-    Walk once, with the three nodes as processes that talk over topics only.
+    Walk once, with the three nodes as processes that talk over topics only, or composed.
 
     Parameters
     ----------
@@ -124,21 +131,39 @@ def walk(
     NodeDied
         If a node ends on its own.
     """
-    with isolated_domain(), NodeProcesses() as nodes:
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(isolated_domain())
+        nodes = _nodes(options)
+        stack.enter_context(nodes)
         _start_nodes(nodes, options)
-        by_marker = options.perception == 'camera'
-        by_truth = options.odom_drift > 0.0
-        if options.recording is None:
-            with WalkObserver(options.goal, None, by_marker, by_truth) as observer:
-                return _watch(observer, nodes, on_progress)
-        with (
-            Recording(options.recording) as recording,
-            WalkObserver(options.goal, recording, by_marker, by_truth) as observer,
-        ):
-            return _watch(observer, nodes, on_progress)
+        recording = None
+        if options.recording is not None:
+            recording = stack.enter_context(Recording(options.recording))
+        observer = stack.enter_context(
+            WalkObserver(
+                options.goal,
+                recording,
+                by_marker=options.perception == 'camera',
+                by_truth=options.odom_drift > 0.0,
+                executor=None if isinstance(nodes, NodeProcesses) else nodes.executor,
+            )
+        )
+        if isinstance(nodes, NodeProcesses):
+            return _watch(observer, nodes, observer.listen, on_progress)
+        nodes.tell(observer)
+        return _watch(observer, nodes, nodes.listen, on_progress)
 
 
-def _start_nodes(nodes: NodeProcesses, options: WalkOptions) -> None:
+def _nodes(options: WalkOptions) -> NodeProcesses | ComposedNodes:
+    if not options.composed:
+        return NodeProcesses()
+    # Only here: the nodes' own modules are imported with it.
+    from quad_lab.topic_walk.composed_nodes import ComposedNodes
+
+    return ComposedNodes()
+
+
+def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> None:
     simulator: dict[str, object] = {
         'robot': options.robot,
         'map_file': str(options.map_file.resolve()),
@@ -202,17 +227,18 @@ def camera_over(grid: OccupancyGrid) -> dict[str, object]:
 
 def _watch(
     observer: WalkObserver,
-    nodes: NodeProcesses,
+    nodes: NodeProcesses | ComposedNodes,
+    listen: Callable[[float], None],
     on_progress: Callable[[WalkObserver], None],
 ) -> WalkRecord:
-    _wait_until_ready(observer, nodes)
+    _wait_until_ready(observer, nodes, listen)
     record = observer.record
     observer.give_goal()
     began = advanced = time.monotonic()
     seen = start_time = observer.time
     end = GuidedEnd(_PATIENCE)
     while not record.has_arrived and not record.problem:
-        observer.listen(0.1)
+        listen(0.1)
         nodes.check()
         on_progress(observer)
         now = time.monotonic()
@@ -226,14 +252,18 @@ def _watch(
     return record
 
 
-def _wait_until_ready(observer: WalkObserver, nodes: NodeProcesses) -> None:
+def _wait_until_ready(
+    observer: WalkObserver,
+    nodes: NodeProcesses | ComposedNodes,
+    listen: Callable[[float], None],
+) -> None:
     deadline = time.monotonic() + START_TIMEOUT
     while not (
         observer.planner_is_ready()
         and observer.has_found_gait()
         and observer.activity is Activity.STANDING
     ):
-        observer.listen(0.05)
+        listen(0.05)
         nodes.check()
         if time.monotonic() > deadline:
             said = '; '.join(f'{name}: {status[1]}' for name, status in observer.statuses.items())

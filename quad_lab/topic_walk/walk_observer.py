@@ -52,6 +52,8 @@ class WalkObserver:
         Whether the goal is given by a marker that a camera has to see.
     by_truth : bool
         Whether the walk is judged by odom/truth, and not by odometry.
+    executor : rclpy.executors.Executor, optional
+        What runs the callbacks, of the default context; one of its own if not given.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class WalkObserver:
         recording: Recording | None = None,
         by_marker: bool = False,
         by_truth: bool = False,
+        executor: Any = None,
     ) -> None:
         self.record = WalkRecord(goal)
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
@@ -67,13 +70,16 @@ class WalkObserver:
         self.time = 0.0
         """Simulated time, as last heard [s]."""
         self.pose: Pose2D | None = None
+        self.heard = 0
+        """Number of messages that were received."""
         self._recording = recording
         self._goal_given = False
         self._spent_before = [0.0, 0.0]
-        self._context = rclpy.Context()
-        rclpy.init(context=self._context)
+        self._context = None if executor else rclpy.Context()
+        if self._context is not None:
+            rclpy.init(context=self._context)
         self._node = rclpy.create_node('quadwalk_cli', context=self._context)
-        self._executor = make_executor(self._context)
+        self._executor = executor or make_executor(self._context)
         self._executor.add_node(self._node)
         if by_marker:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_marker', 10)
@@ -104,9 +110,11 @@ class WalkObserver:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        if self._context is not None:
+            self._executor.shutdown()
         self._node.destroy_node()
-        self._executor.shutdown()
-        self._context.try_shutdown()
+        if self._context is not None:
+            self._context.try_shutdown()
 
     def listen(self, duration: float) -> None:
         """Handle what comes in for some time on the wall clock [s]."""
@@ -155,6 +163,7 @@ class WalkObserver:
         """Take messages as bytes: they are recorded as they are, and read if need be."""
 
         def on_bytes(data: bytes) -> None:
+            self.heard += 1
             if self._recording is not None:
                 self._recording.write(topic, kind, data)
             if callback is not None:

@@ -49,9 +49,9 @@ class WalkRecord:
     wall_time: float = 0.0
     """From the goal to the end, on the wall clock [s]."""
     seconds_in_physics: float = 0.0
-    """Share of the wall time that the simulator spent in its physics [s]."""
+    """Part of the wall time that the simulator spent in its physics [s]."""
     seconds_publishing: float = 0.0
-    """Share of the wall time that the simulator spent observing and publishing [s]."""
+    """Part of the wall time that the simulator spent observing and publishing [s]."""
 
     def note_pose(self, time: float, pose: Pose2D) -> None:
         """Take down where the robot is."""

@@ -24,9 +24,9 @@ from quad_perception.picture.color_segmentation import Mask, Segmentation
 
 Array = NDArray[np.float64]
 
-_LEAST_SHARE = 0.05
+_LEAST_FRACTION = 0.05
 """Least area of a spot that is no noise, as a fraction of the disc's."""
-_WHOLE_SHARE = 0.8
+_WHOLE_FRACTION = 0.8
 """A disc of which less is seen has its center elsewhere than its centroid."""
 _TOO_LARGE = 1.5
 """What is larger than a disc by this is none."""
@@ -150,7 +150,7 @@ class _Spot:
 
     center: Array
     """Center on the plane of the discs, shape (2,) [m]."""
-    share: float
+    fraction: float
     """Fraction of the area that the whole disc would have in the picture."""
     is_cut: bool
     """Whether the picture's border cuts it."""
@@ -203,7 +203,7 @@ def find_marker(segmentation: Segmentation, camera: CameraModel, shape: MarkerSh
 
 
 def _is_whole(spot: _Spot) -> bool:
-    return not spot.is_cut and spot.share >= _WHOLE_SHARE
+    return not spot.is_cut and spot.fraction >= _WHOLE_FRACTION
 
 
 def _missing(
@@ -214,10 +214,10 @@ def _missing(
         return MarkerNotSeen(shape.what, (shape.rear.color, shape.front.color))
     worst, worst_disc = None, shape.rear
     for disc, spots in ((shape.rear, rears), (shape.front, fronts)):
-        best = max(spots, key=lambda spot: spot.share, default=None)
+        best = max(spots, key=lambda spot: spot.fraction, default=None)
         if best is None:
             return MarkerHidden(shape.what, disc.color, 0.0, 'something hides it, or the light')
-        if worst is None or (not _is_whole(best) and best.share < worst.share):
+        if worst is None or (not _is_whole(best) and best.fraction < worst.fraction):
             worst, worst_disc = best, disc
     assert worst is not None
     if worst.is_cut:
@@ -229,7 +229,7 @@ def _missing(
         )
     else:
         why = 'something hides it'
-    return MarkerHidden(shape.what, worst_disc.color, min(worst.share, 1.0), why)
+    return MarkerHidden(shape.what, worst_disc.color, min(worst.fraction, 1.0), why)
 
 
 def _is_pair(rear: _Spot, front: _Spot, shape: MarkerShape) -> bool:
@@ -239,8 +239,8 @@ def _is_pair(rear: _Spot, front: _Spot, shape: MarkerShape) -> bool:
 
 def _pose(rear: _Spot, front: _Spot, shape: MarkerShape) -> Pose2D:
     along = front.center - rear.center
-    share = -shape.rear.offset / shape.distance
-    x, y = rear.center + share * along
+    fraction = -shape.rear.offset / shape.distance
+    x, y = rear.center + fraction * along
     return Pose2D(float(x), float(y), math.atan2(along[1], along[0]))
 
 
@@ -248,12 +248,12 @@ def _covariance(
     rear: _Spot, front: _Spot, pose: Pose2D, shape: MarkerShape, camera: CameraModel
 ) -> Array:
     """Add up what pixels, height and tilt do to a pose."""
-    share = -shape.rear.offset / shape.distance
+    fraction = -shape.rear.offset / shape.distance
     of_rear, of_front = rear.deviation**2, front.deviation**2
-    # position = (1 - share) rear + share front; yaw = across (front - rear) / distance.
-    of_position = (1.0 - share) ** 2 * of_rear + share**2 * of_front
+    # position = (1 - fraction) rear + fraction front; yaw = across (front - rear) / distance.
+    of_position = (1.0 - fraction) ** 2 * of_rear + fraction**2 * of_front
     of_yaw = (of_rear + of_front) / shape.distance**2
-    together = (share * of_front - (1.0 - share) * of_rear) / shape.distance
+    together = (fraction * of_front - (1.0 - fraction) * of_rear) / shape.distance
     left = np.array([-math.sin(pose.yaw), math.cos(pose.yaw)])
     covariance = np.zeros((3, 3))
     covariance[:2, :2] = np.eye(2) * (of_position + (shape.lever * shape.tilt_deviation) ** 2)
@@ -285,12 +285,12 @@ def _spots(mask: Mask, camera: CameraModel, radius: float, height: float) -> lis
         places = camera.on_plane(pixel + [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5)], height)
         (ax, ay), (bx, by) = 2.0 * (places[1:] - places[0])
         of_pixel = abs(float(ax * by - ay * bx))
-        share = area * of_pixel / (math.pi * radius**2)
-        if not (np.isfinite(places).all() and _LEAST_SHARE <= share <= _TOO_LARGE):
+        fraction = area * of_pixel / (math.pi * radius**2)
+        if not (np.isfinite(places).all() and _LEAST_FRACTION <= fraction <= _TOO_LARGE):
             continue
         is_cut = x <= 0 or y <= 0 or x + w >= camera.width or y + h >= camera.height
         side = math.sqrt(of_pixel)
         # Of n = 2 pi r edge pixels each moves the centroid by its error times r/A.
         deviation = _EDGE_DEVIATION * side / math.sqrt(math.pi * radius / side)
-        spots.append(_Spot(places[0], share, is_cut, deviation))
+        spots.append(_Spot(places[0], fraction, is_cut, deviation))
     return spots

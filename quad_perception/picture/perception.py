@@ -16,7 +16,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.vision.camera import CameraModel
-from quad_common.vision.markers import GoalMarker, RobotMarker
+from quad_common.vision.markers import OBSTACLE_COLOR, Color, GoalMarker, RobotMarker
 from quad_perception.picture.color_segmentation import (
     ColorRange,
     Mask,
@@ -42,7 +42,7 @@ _LEAST_FLOOR = 0.6
 
 
 def default_ranges(
-    obstacle: tuple[int, int, int] = (205, 50, 35),
+    obstacle: Color = OBSTACLE_COLOR,
     robot: RobotMarker | None = None,
     goal: GoalMarker | None = None,
 ) -> tuple[ColorRange, ...]:

@@ -84,7 +84,7 @@ class FusionOptions:
     memory: float = 5.0
     """Pictures may be so late [s]."""
     patience: int = 5
-    """After so many poses in a row that were not believed, the next one is: it was moved."""
+    """Number of poses in a row not believed after which the next one is: the robot was moved."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -233,10 +233,10 @@ class PoseFusion:
             after = entry
         if after[0] <= before[0]:
             return before[1]
-        share = min(1.0, (time - before[0]) / (after[0] - before[0]))
+        fraction = min(1.0, (time - before[0]) / (after[0] - before[0]))
         a, b = before[1], after[1]
         return Pose2D(
-            a.x + share * (b.x - a.x),
-            a.y + share * (b.y - a.y),
-            wrap_angle(a.yaw + share * wrap_angle(b.yaw - a.yaw)),
+            a.x + fraction * (b.x - a.x),
+            a.y + fraction * (b.y - a.y),
+            wrap_angle(a.yaw + fraction * wrap_angle(b.yaw - a.yaw)),
         )

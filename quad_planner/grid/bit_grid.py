@@ -66,7 +66,7 @@ class BitMask:
         Parameters
         ----------
         left, bottom, right, top : int
-            From column `left` up to, but without, column `right`; rows likewise. Within
+            From column `left` up to, but without, column `right`; rows in the same manner. Within
             the mask.
 
         Returns
@@ -191,7 +191,7 @@ def changed_rows(before: NDArray[np.int8], after: NDArray[np.int8]) -> tuple[int
     Returns
     -------
     tuple of int or None
-        From the first up to, but without, the second; None if the maps are equal.
+        Rows from the first up to, but without, the second; None if the maps are equal.
     """
     rows = np.flatnonzero((before != after).any(axis=1))
     return (int(rows[0]), int(rows[-1]) + 1) if rows.size else None
@@ -229,7 +229,7 @@ def _pack(
     eights: Bits,
     packed: NDArray[np.uint8],
 ) -> None:
-    """Pack cells into bytes, by way of a row that is seen as bytes and as words."""
+    """Pack cells into bytes, through a row that is seen as bytes and as words."""
     height, width = cells.shape
     for y in range(height):
         # Bytes 0 and 1, which the compiler makes and takes many at a time.

@@ -38,12 +38,12 @@ def bucket_queue(reach: int) -> BucketQueue:
     Parameters
     ----------
     reach : int
-        So many buckets ahead at most a cell is put.
+        Largest number of buckets ahead that a cell is put.
 
     Returns
     -------
     BucketQueue
-        With room for a few thousand cells.
+        A queue with room for a few thousand cells.
     """
     return BucketQueue(
         heads=np.full(1 << (reach + 1).bit_length(), -1, dtype=np.int64),

@@ -17,19 +17,19 @@ EPSILON = 1e-6
 
 
 _AT_ONCE = 2**18
-"""So many cells are laid on the grid at a time."""
+"""Number of cells that are laid on the grid at a time."""
 
 
 def cells_touched(heights: HeightMap, marked: Mask, grid: OccupancyGrid) -> Mask:
     """
-    Lay cells of a height map on an occupancy grid, which may lie in any way.
+    Lay cells of a height map on an occupancy grid, which may lie at any angle.
 
     Parameters
     ----------
     heights : HeightMap
         Says where its cells are.
     marked : ndarray of bool, shape (rows, columns)
-        Which cells are meant.
+        Cells that are marked.
     grid : OccupancyGrid
         The grid.
 
@@ -57,13 +57,13 @@ def _touch(touched: Mask, centers: Points, side: float, yaw: float) -> None:
     Parameters
     ----------
     touched : ndarray of bool, shape (height, width)
-        Where they are marked.
+        Grid in which they are marked.
     centers : ndarray, shape (n, 2)
-        Of the squares [cells].
+        Centers of the squares [cells].
     side : float
-        Of the squares [cells].
+        Side of the squares [cells].
     yaw : float
-        By which the cells are turned from the squares [rad].
+        Angle by which the cells are turned from the squares [rad].
     """
     cosine, sine = math.cos(yaw), math.sin(yaw)
     spread = abs(cosine) + abs(sine)

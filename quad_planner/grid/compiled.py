@@ -1,5 +1,5 @@
 """
-Two ways to compile the planner's inner loops.
+Decorators that compile the planner's inner loops.
 
 Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, what
 only such functions call is a `compiled_part` of them. Compiled code is kept beside the
@@ -23,7 +23,7 @@ Function = TypeVar('Function', bound=Callable[..., Any])
 
 _OPTIONS = {
     'nogil': True,
-    # Divisions are not checked, and nobody calls from C.
+    # Divisions are not checked, and nothing calls from C.
     'error_model': 'numpy',
     'no_cfunc_wrapper': True,
 }
@@ -36,7 +36,7 @@ def compiled(function: Function) -> Function:
     Parameters
     ----------
     function : callable
-        At a module's top level, so that its code can be kept.
+        Function at a module's top level, so that its code can be kept.
 
     Returns
     -------

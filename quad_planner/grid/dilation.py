@@ -19,9 +19,9 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
     Parameters
     ----------
     rows : ndarray of uint64, shape (m, n)
-        What is set.
+        Bits that are set.
     reaches : ndarray of int, shape (k,)
-        How far to either side, in a row that is 0, 1, ... k - 1 rows off, falling [cells].
+        Distance to either side, in a row that is 0, 1, ... k - 1 rows off, falling [cells].
 
     Returns
     -------

@@ -13,7 +13,7 @@ from quad_common.errors import ParameterError
 from quad_common.robot.robot import Robot
 
 LARGEST_SLOPE = 0.26
-"""Of the ground, by default: 15 degrees [rad]."""
+"""Largest slope of the ground, by default: 15 degrees [rad]."""
 
 
 STEEPEST = 1.2

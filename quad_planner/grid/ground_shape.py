@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from quad_common.maps.height_map import HeightMap
 from quad_planner.grid.array_types import Mask
@@ -19,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 _DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
-"""In which heights are compared: columns and rows."""
+"""Directions in which heights are compared: columns and rows."""
 
 
 _PARTS = 8
@@ -47,7 +46,7 @@ def high_steps(heights: HeightMap, limits: GroundLimits) -> Mask:
     heights : HeightMap
         The ground; unknown cells are compared with nothing.
     limits : GroundLimits
-        What the robot can do.
+        Limits of the robot.
 
     Returns
     -------
@@ -67,7 +66,7 @@ def high_steps(heights: HeightMap, limits: GroundLimits) -> Mask:
                 break
             here, there = _shifted(z, dx, dy)
             most = limits.step_height + rise * (count * length - 1.0)
-            # Heights were rounded on their way.
+            # Heights were rounded when they were sent.
             too_high = np.abs(there - here) > most + 1e-6
             if not too_high.any():
                 continue
@@ -97,18 +96,21 @@ def steep_slopes(heights: HeightMap, limits: GroundLimits) -> Mask:
     heights : HeightMap
         The ground.
     limits : GroundLimits
-        What the robot can do.
+        Limits of the robot.
 
     Returns
     -------
     ndarray of bool, shape (rows, columns)
-        Where the plane rises by more than the largest slope.
+        True where the plane rises by more than the largest slope.
     """
     return steep_slopes_beside(heights, limits, high_steps(heights, limits))
 
 
 def steep_slopes_beside(heights: HeightMap, limits: GroundLimits, steps: Mask) -> Mask:
     """Find ground that is too steep, apart from steps, shape (rows, columns)."""
+    # Imported late, as only a height map needs it: it takes a good part of a node's start.
+    from scipy import ndimage
+
     length, z = limits.slope_length, heights.heights
     # Slopes over a length look the same on cells that are a small part of it.
     factor = max(1, math.floor(length / _PARTS / heights.resolution + EPSILON))
@@ -138,21 +140,23 @@ def _plane_slopes(weight: Floats, value: Floats, side: float, reach: int) -> Flo
     Parameters
     ----------
     weight : ndarray, shape (rows, columns)
-        From 0 (unknown) to 1.
+        Weights from 0 (unknown) to 1.
     value : ndarray, shape (rows, columns)
-        [m]
+        Heights [m].
     side : float
-        Of a cell [m].
+        Side of a cell [m].
     reach : int
         The square goes so many cells to each side.
 
     Returns
     -------
     ndarray, shape (rows, columns)
-        Rise per way up the plane; 0 where too little is known.
+        Rise per distance up the plane; 0 where too little is known.
     """
     u = np.arange(-reach, reach + 1) * side
     powers = (np.ones_like(u), u, u**2)
+
+    from scipy import ndimage
 
     def moment(image: Floats, x: int, y: int) -> Floats:
         by_rows = ndimage.correlate1d(image, powers[y], axis=0, mode='constant')

@@ -32,10 +32,10 @@ SAME_PLACE = 1e-3
 """Start and goal nearer than this are one place: the robot only turns [m]."""
 
 _FAR = 50.0
-"""A strayed robot joins no way farther off [cells]."""
+"""Largest distance from which a robot that has strayed joins a path [cells]."""
 
 _NEARBY = 12.0
-"""So far from start and goal a free cell is looked for [cells]."""
+"""Largest distance from start and goal at which a free cell is looked for [cells]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class InflatedMap:
     """
     A map with the zone that the robot's center must keep out of.
 
-    The zones are kept as bits; as masks they are made when they are asked for.
+    The zones are kept as bits; as masks they are made when they are first needed.
     """
 
     grid: OccupancyGrid
@@ -194,7 +194,7 @@ class InflatedMap:
         point : ndarray, shape (2,)
             [cells]
         keep : float
-            Clearance on the way to a cell's center [cells].
+            Clearance between the robot and a cell's center [cells].
 
         Returns
         -------
@@ -260,9 +260,11 @@ class InflatedMap:
             (goal, points[1], 0.0, GoalOccupied),
         ):
             keep = min(segment_clearance(self.blocked_bits, point, point, radius), radius)
-            # However large the tolerance, nobody starts inside an obstacle.
+            # However large the tolerance, no path starts inside an obstacle.
+            required = radius - tolerance if tolerance < radius else radius
             if keep <= 0.0 or keep < (radius - tolerance) * (1.0 - 1e-9):
-                raise error(pose.x, pose.y, keep * grid.resolution, self.clearance_radius)
+                clearances = (length * grid.resolution for length in (keep, required))
+                raise error(pose.x, pose.y, *clearances)
             keeps.append(keep)
         return points, keeps[0]
 

@@ -123,18 +123,18 @@ def inflated_again(
     Parameters
     ----------
     forbidden : BitMask
-        What :func:`inflated` made of the cells as they were.
+        Cells that :func:`inflated` made of those as they were.
     blocked : BitMask
         The blocked cells.
     radius : float
         As for :func:`inflated`.
     changed : tuple of int
-        In rows from the first up to, but without, the second cells have changed.
+        Rows in which cells have changed: from the first up to, but without, the second.
 
     Returns
     -------
     BitMask
-        What :func:`inflated` would make of the blocked cells.
+        Cells that :func:`inflated` would make of the blocked ones.
     tuple of int
         The rows in which it may differ from what it was.
     """
@@ -163,7 +163,7 @@ def _reaches(radius: float) -> NDArray[np.int64]:
     Returns
     -------
     ndarray of int, shape (n,)
-        For 0, 1, ... n - 1 rows off.
+        Columns for 0, 1, ... n - 1 rows off.
     """
     between_rows = np.maximum(np.arange(math.ceil(radius) + 1) - 1, 0)
     between_rows = between_rows[between_rows < radius]
@@ -215,9 +215,9 @@ def segments_allowed(allowed: Mask, starts: Points, step: NDArray[np.float64]) -
     allowed : ndarray of bool, shape (height, width)
         The allowed cells.
     starts : ndarray, shape (n, 2)
-        Where the segments start, in cell coordinates.
+        Starts of the segments, in cell coordinates.
     step : ndarray, shape (2,)
-        From start to end of each [cells].
+        Vectors from start to end of each [cells].
 
     Returns
     -------

@@ -23,7 +23,7 @@ def sees(forbidden: Bits, width: int, x0: float, y0: float, x1: float, y1: float
     forbidden : ndarray of uint64, shape (height, n)
         The words of a `BitMask`: the forbidden cells.
     width : int
-        Of the map [cells].
+        Width of the map [cells].
     x0, y0, x1, y1 : float
         Ends of the segment, on the map [cells].
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import FREE, OCCUPIED, OCCUPIED_THRESHOLD, OccupancyGrid
@@ -91,6 +90,9 @@ class Ground:
 
     def _low(self, grid: OccupancyGrid, occupied_threshold: int, high: Mask) -> Mask:
         """Find obstacles of the map that are low."""
+        # Imported late, as only a height map needs it: it takes a good part of a node's start.
+        from scipy import ndimage
+
         occupied = grid.occupied(occupied_threshold)
         doubtful = high | cells_touched(self.heights, np.isnan(self.heights.heights), grid)
         rows, columns = np.nonzero(occupied)

@@ -104,7 +104,7 @@ def cell_costs(layers: Sequence[CostLayer], safety: InflatedMap) -> Floats | Non
     Returns
     -------
     ndarray, shape (height, width), or None
-        None if there is no layer: every way costs its length.
+        None if there is no layer: every path costs its length.
 
     Raises
     ------

@@ -100,7 +100,7 @@ class CellRequest:
 
     @cached_property
     def tips(self) -> tuple[Points, Points]:
-        """Return where a way at any angle begins and ends, both in allowed cells [cells]."""
+        """Return where a path at any angle begins and ends, both in allowed cells [cells]."""
         top, bottom = (
             point if self.safety.is_allowed(point) else np.array(cell) + 0.5
             for point, cell in zip((self.s, self.g), self.ends)
@@ -108,19 +108,19 @@ class CellRequest:
         return top, bottom
 
     def no_path(self) -> NoPathFound:
-        """Return the error that says why no way leads to the goal."""
+        """Return the error that says why no path leads to the goal."""
         why = self.safety.not_connected(self.s, self.g)
         why = why or 'no allowed cell is near to one of them'
         return NoPathFound((self.start.x, self.start.y), (self.goal.x, self.goal.y), why)
 
     def joined(self, between: Points) -> Points:
         """
-        Join start and goal to a way, past its first and last point where there is room.
+        Join start and goal to a path, past its first and last point where there is room.
 
         Parameters
         ----------
         between : ndarray, shape (n, 2)
-            The way [cells].
+            The path [cells].
 
         Returns
         -------

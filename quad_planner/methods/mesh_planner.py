@@ -5,7 +5,7 @@ A mesh of width delta = 2n + S_max (S0 eq. 5: the robot's length and its longest
 laid over the map, its first crossing on the map's origin and its lines along the map's
 axes. Crossings outside the safety boundary are the candidates for turning points; from
 each the robot may walk along the horizontal, the vertical and the diagonals to the next,
-where it fits all the way. Start and goal join the mesh by straight segments.
+where it fits throughout. Start and goal join the mesh by straight segments.
 
 Among the shortest paths, of which a mesh has many, one with the fewest turns is taken:
 every turn on the spot costs gait cycles.
@@ -227,7 +227,7 @@ class MeshPlanner(PlannerOptions):
         StartOccupied, GoalOccupied
             If a pose is too near to a blocked cell.
         NoPathFound
-            If no way over the mesh connects them.
+            If no path over the mesh connects them.
         PlannerTimedOut, PlanSuperseded
             As :meth:`PlannerOptions.timer`.
         """
@@ -271,7 +271,7 @@ class MeshPlanner(PlannerOptions):
             return f'no mesh crossing is reachable from the start; {coarse}'
         if not arrives:
             return f'the goal is reachable from no mesh crossing; {coarse}'
-        return f'both are in one free area, but no way over the mesh connects them; {coarse}'
+        return f'both are in one free area, but no path over the mesh connects them; {coarse}'
 
 
 def _lay(
@@ -289,12 +289,12 @@ def _lay(
     between : tuple of int
         Rows of crossings, from the first up to, but without, the second.
     columns : int
-        Of crossings.
+        Number of columns of crossings.
 
     Returns
     -------
     tuple of ndarray, both of shape (n, columns)
-        Which crossings are candidates; which of the eight moves are free between them.
+        Crossings that are candidates; moves, of eight, that are free between them.
     """
     first, last = between
     lines = [spacing * np.arange(*ends, dtype=np.float64) for ends in ((0, columns), between)]

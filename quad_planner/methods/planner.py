@@ -30,7 +30,7 @@ Prepared = TypeVar('Prepared', bound=InflatedMap)
 
 
 class PlanningMethod(Protocol[Prepared]):
-    """What a planning method can do."""
+    """A planning method, as the planner uses it."""
 
     @property
     def clearance_radius(self) -> float:
@@ -72,7 +72,7 @@ METHODS: Mapping[str, Callable[..., PlanningMethod[Any]]] = {
 
 
 _MOST = 0.5
-"""Of more of its rows a map is made ready as a new one."""
+"""Fraction of changed rows above which a map is prepared as a new one."""
 
 
 class Planner(Generic[Prepared]):
@@ -82,7 +82,7 @@ class Planner(Generic[Prepared]):
     Parameters
     ----------
     method : PlanningMethod
-        How to plan.
+        Method by which to plan.
     """
 
     def __init__(self, method: PlanningMethod[Prepared]) -> None:

@@ -47,7 +47,7 @@ class PlannerOptions:
     """Returns the time, for example `time.monotonic` [s]."""
 
     costs: tuple[CostLayer, ...] = ()
-    """Reasons why ways through some cells are dearer, for methods that know of costs."""
+    """Layers by which paths through some cells cost more, for methods that take costs."""
     is_superseded: Callable[[], bool] = _never
     """Asked again and again during a search, which ends where it returns true."""
 
@@ -85,7 +85,7 @@ class PlannerOptions:
         -------
         callable
             To be called again and again. It raises PlannerTimedOut when the time is over,
-            and PlanSuperseded when nobody waits for the plan any more.
+            and PlanSuperseded when the plan is no longer wanted.
         """
         clock, limit = self.clock, self.time_limit
         began = 0.0 if clock is None else clock()

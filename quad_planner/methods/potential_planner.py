@@ -3,7 +3,7 @@ Plan by potential functions (S1): down the paper's, or down one without local mi
 
 The paper's descent comes to rest where attraction and repulsion are equal
 (:mod:`quad_planner.potential.map_potential`); a navigation function has no such place
-(:mod:`quad_planner.potential.navigation_field`). Either way down is a smooth path, of which as few
+(:mod:`quad_planner.potential.navigation_field`). Either descent is a smooth path, of which as few
 turning points are kept as its deviation allows (:mod:`quad_planner.search.simplification`).
 """
 
@@ -47,7 +47,7 @@ _BY_PAPER = "S1's potential leads to the goal"
 _BY_NAVIGATION = 'a navigation function leads to the goal'
 
 _STEP = 1.0
-"""Length of the steps into which a way down is cut before it is simplified [cells]."""
+"""Length of the steps into which a descent is cut before it is simplified [cells]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +174,7 @@ class PotentialPlanner(PlannerOptions):
         DescentStuck
             If the paper's descent comes to rest elsewhere, and no other is allowed.
         NoPathFound
-            If no way leads to the goal.
+            If no path leads to the goal.
         PlannerTimedOut
             If it took longer than `time_limit`.
         """
@@ -184,11 +184,11 @@ class PotentialPlanner(PlannerOptions):
         first, last = (int(prepared.areas[y, x]) for x, y in request.ends)
         if first != last:
             raise request.no_path()
-        way, remark = self._way_down(prepared, request)
-        corners = self._corners(prepared, way, request.check)
+        path, remark = self._descent(prepared, request)
+        corners = self._corners(prepared, path, request.check)
         return replace(request.plan(request.joined(corners)), remark=remark)
 
-    def _way_down(self, prepared: PreparedPotential, request: CellRequest) -> tuple[Points, str]:
+    def _descent(self, prepared: PreparedPotential, request: CellRequest) -> tuple[Points, str]:
         """Descend from the start to the goal, and say by what; points in cells."""
         if self.potential == 'navigation':
             return self._navigate(prepared, request), _BY_NAVIGATION
@@ -200,12 +200,12 @@ class PotentialPlanner(PlannerOptions):
             bottom,
             self.gains,
         )
-        way, has_arrived = field.descend(top, request.check)
+        path, has_arrived = field.descend(top, request.check)
         if has_arrived:
-            return way, _BY_PAPER
-        place = prepared.grid.map_to_world(way[-1])
+            return path, _BY_PAPER
+        place = prepared.grid.map_to_world(path[-1])
         start, goal = ((pose.x, pose.y) for pose in (request.start, request.goal))
-        stuck = DescentStuck(start, goal, place.tolist(), *field.critical_point(way[-1]))
+        stuck = DescentStuck(start, goal, place.tolist(), *field.critical_point(path[-1]))
         if self.potential == 'paper':
             raise stuck
         x, y = stuck.place
@@ -223,18 +223,18 @@ class PotentialPlanner(PlannerOptions):
         if not np.isfinite(times[first[1], first[0]]):
             start, goal = ((pose.x, pose.y) for pose in (request.start, request.goal))
             raise NoPathFound(start, goal, 'the only passage is as wide as the corner of a cell')
-        way = descend_times(times, prepared.forbidden_bits, top, last, request.check)
-        return np.vstack((way, bottom))
+        path = descend_times(times, prepared.forbidden_bits, top, last, request.check)
+        return np.vstack((path, bottom))
 
     def _corners(
-        self, prepared: PreparedPotential, way: Points, check_time: Callable[[], None]
+        self, prepared: PreparedPotential, path: Points, check_time: Callable[[], None]
     ) -> Points:
-        """Keep the turning points of a way, in cells."""
+        """Keep the turning points of a descent, in cells."""
         forbidden, deviation = prepared.forbidden_bits, self.path_deviation
-        steps = steps_along(way, _STEP)[0]
+        steps = steps_along(path, _STEP)[0]
         if not all_seen(steps, forbidden):
             # A step across a bend would cut a forbidden corner.
-            steps = way
+            steps = path
         return fewest_corners(steps, deviation / prepared.grid.resolution, forbidden, check_time)
 
 

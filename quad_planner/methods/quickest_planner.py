@@ -23,12 +23,12 @@ from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
 
 _ROUNDING = 2
-"""By so many cycles a way from a cell's center may be slower than one from beside it."""
+"""Cycles by which a path from a cell's center may be slower than one from beside it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class QuickestPlanner(ShortestPlanner):
-    """Plan the way that takes the least time; prepares maps as `ShortestPlanner` does."""
+    """Plans the path that takes the least time; prepares maps as `ShortestPlanner` does."""
 
     pace: WalkingTimeModel
     """Distances and turns of the gait's cycles."""
@@ -64,7 +64,7 @@ class QuickestPlanner(ShortestPlanner):
             return Plan((goal,))
 
         def cost(plan: Plan) -> tuple[int, float]:
-            """Of two plans that take as many cycles, the shorter one is better."""
+            """Return gait cycles, and the length that decides among equals."""
             return self.pace.cycles(start, plan), plan.length
 
         best = request.plan(self._line(prepared, request))
@@ -91,13 +91,13 @@ class QuickestPlanner(ShortestPlanner):
     ) -> Plan | None:
         """Return the quickest plan over corners and a known plan's turning points."""
         between = prepared.grid.world_to_map(known.corners[1:-1])
-        way = quickest_corners(
+        path = quickest_corners(
             prepared.forbidden_bits,
             np.vstack((*request.tips, between, prepared.corners)),
             self._terms(prepared, request, bound),
             request.check,
         )
-        return None if way is None else request.plan(request.joined(way))
+        return None if path is None else request.plan(request.joined(path))
 
     def _terms(self, prepared: PreparedCells, request: CellRequest, bound: int) -> WalkTerms:
         """Return what cycles are counted by; headings are in the frame of the cells."""

@@ -43,18 +43,18 @@ class PreparedCells(InflatedMap):
 
     @cached_property
     def corners(self) -> Points:
-        """Where a path at any angle may turn, shape (n, 2) [cells]."""
+        """Corners where a path at any angle may turn, shape (n, 2) [cells]."""
         return convex_corners(self.forbidden_bits)
 
 
 @dataclass(frozen=True)
 class ShortestPlanner(PlannerOptions):
-    """Plan the shortest way, whatever turns it takes; or, with costs, the cheapest."""
+    """Plans the shortest path, whatever turns it takes; or, with costs, the cheapest."""
 
     any_angle: bool = False
     """
     Whether the path may have any direction, not only those of the cells. With costs it is
-    the cheapest path over the cells, straightened where that is no dearer.
+    the cheapest path over the cells, straightened where that costs no more.
     """
     fewest_turns: bool = False
     """
@@ -130,7 +130,7 @@ class ShortestPlanner(PlannerOptions):
         InvalidPose, StartOutsideMap, GoalOutsideMap, StartOccupied, GoalOccupied
             As :meth:`InflatedMap.check_ends`.
         NoPathFound
-            If no way over the cells connects them.
+            If no path over the cells connects them.
         PlannerTimedOut, PlanSuperseded
             As :meth:`PlannerOptions.timer`.
         """
@@ -184,14 +184,14 @@ def turns_saved(cells: NDArray[np.int64], forbidden: Bits) -> NDArray[np.int64]:
     Parameters
     ----------
     cells : ndarray, shape (n, 2)
-        Where a shortest path begins, turns and ends.
+        Places where a shortest path begins, turns and ends.
     forbidden : ndarray of uint64, shape (height, k)
         The words of a `BitMask`: the forbidden cells.
 
     Returns
     -------
     ndarray, shape (m, 2)
-        As short, with no more turns.
+        Places of a path that is as short, with no more turns.
     """
     kept = cells.copy()
     return without_straights(kept[: _save_turns(kept, forbidden)])

@@ -31,15 +31,15 @@ Floats = NDArray[np.float64]
 _STEP = 0.5
 """Longest step of the descent [cells]."""
 _SHORTEST = 1.0 / 128.0
-"""Shorter steps down the gradient are not tried [cells]."""
+"""Shortest step down the gradient that is tried [cells]."""
 _DIRECTIONS = 16
-"""In so many it looks around before it rests."""
+"""Number of directions in which the descent looks before it rests."""
 _LOWER = 1.0 - 1e-9
-"""A potential counts as lower there when it is by more than rounding."""
+"""Factor below which a potential counts as lower, and not as rounded."""
 _PATIENCE = 400
-"""So many steps must lead farther than one does, or it is at rest as well."""
+"""Number of steps that must lead farther than one does, or it is at rest as well."""
 _LEAST_DISTANCE = 0.02
-"""Nearer to the boundary than this the potential rises evenly [cells]."""
+"""Distance from the boundary within which the potential rises evenly [cells]."""
 
 _UNDER_WAY, _ARRIVED, _AT_REST = range(3)
 
@@ -83,7 +83,7 @@ def boundary_distances(
     Returns
     -------
     ndarray, shape (height, width)
-        From the middle of the side of the nearest blocked cell, less the radius [m].
+        Distances from the middle of the nearest blocked cell's side, less the radius [m].
     """
     # Imported late: other methods can do without.
     import cv2
@@ -113,25 +113,25 @@ def boundary_distances_anew(
     Parameters
     ----------
     distances : ndarray, shape (height, width)
-        What :func:`boundary_distances` made of the cells as they were [m].
+        Distances that :func:`boundary_distances` found for the cells as they were [m].
     blocked, clearance_radius, resolution, farthest
         As for :func:`boundary_distances`.
     changed : tuple of int
-        In rows from the first up to, but without, the second cells have changed.
+        Rows in which cells have changed: from the first up to, but without, the second.
 
     Returns
     -------
     ndarray, shape (height, width)
-        What :func:`boundary_distances` would make of the cells.
+        Distances that :func:`boundary_distances` would find.
     """
     far = math.ceil((farthest + clearance_radius) / resolution + 0.5)
     first, last = max(changed[0] - far, 0), min(changed[1] + far, blocked.height)
     below, above = max(first - far, 0), min(last + far, blocked.height)
     band = BitMask(blocked.words[below:above], blocked.width)
     near = boundary_distances(band, clearance_radius, resolution, farthest)
-    anew = distances.copy()
-    anew[first:last] = near[first - below : last - below]
-    return anew
+    renewed = distances.copy()
+    renewed[first:last] = near[first - below : last - below]
+    return renewed
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ It is the time of travel to the goal, T with |grad T| = slowness (the eikonal eq
 at a speed that grows with the distance to obstacles: fast marching squared (Garrido,
 Moreno, Abderrahim and Martin: Path Planning for Mobile Robot Navigation using Voronoi
 Diagram and Fast Marching, IROS 2006). Each cell that is reached has a neighbour of a
-smaller time, so that a descent ends at the goal from wherever there is a way.
+smaller time, so that a descent ends at the goal from wherever there is a path.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _EXPANSIONS = 65536
-"""Between two calls of `check`."""
+"""Number of expansions between two calls of `check`."""
 
 _MOST_BUCKETS = 2.0**16
-"""Where some cells are very slow, buckets are wider: it takes longer, and is as exact."""
+"""Largest number of buckets: where some cells are very slow they are wider, which takes longer."""
 
 _BETTER = 1.0 - 1e-12
 """A time counts as smaller when it is by more than rounding."""
@@ -47,7 +47,7 @@ _STEP = 0.5
 """Length of a step of the descent [cells]."""
 
 _PATIENCE = 8
-"""After so many steps that led to no earlier cell, it goes from cell to cell."""
+"""Number of steps to no earlier cell after which the descent goes from cell to cell."""
 
 # What is kept of a descent between two calls, in one array.
 _X, _Y, _EARLIEST, _IDLE = range(4)
@@ -62,14 +62,14 @@ def slowness_near_obstacles(distances: Floats, forbidden: Mask, influence: float
     distances : ndarray, shape (height, width)
         Distance from each cell to the safety boundary, above 0 where the robot may be [m].
     forbidden : ndarray of bool, shape (height, width)
-        Where it must not be.
+        True where the robot must not be.
     influence : float
         Farther away than this the speed does not grow, > 0 [m].
 
     Returns
     -------
     ndarray, shape (height, width)
-        At least 1, infinite where the robot must not be.
+        Factors of at least 1, infinite where the robot must not be.
     """
     slowness = np.full(distances.shape, np.inf)
     np.divide(influence, distances, out=slowness, where=~forbidden)
@@ -100,7 +100,7 @@ def travel_times(
     Returns
     -------
     ndarray, shape (height, width)
-        T; infinite where no way leads over the sides of cells.
+        T; infinite where no path leads over the sides of cells.
 
     Raises
     ------
@@ -214,11 +214,11 @@ def descend_times(
     Parameters
     ----------
     times : ndarray, shape (height, width)
-        From :func:`travel_times`.
+        Times by :func:`travel_times`.
     forbidden : BitMask
-        Where one must not be: where the slowness is infinite.
+        Cells that a path must not enter: those of infinite slowness.
     start : ndarray, shape (2,)
-        In a cell that is reached [cells].
+        Point in a cell that is reached [cells].
     goal : tuple of int
         x and y of the goal's cell.
     check : callable
@@ -227,17 +227,17 @@ def descend_times(
     Returns
     -------
     ndarray, shape (n, 2)
-        From the start to a point in the goal's cell [cells].
+        Points from the start to one in the goal's cell [cells].
 
     Raises
     ------
     ParameterError
-        If no way leads from the start.
+        If no path leads from the start.
     """
     height, width = times.shape
     x, y = min(math.floor(start[0]), width - 1), min(math.floor(start[1]), height - 1)
     if not (x >= 0 and y >= 0 and np.isfinite(times[y, x])):
-        raise ParameterError('start', tuple(start), 'in a cell from which a way leads to the goal')
+        raise ParameterError('start', tuple(start), 'in a cell from which a path leads to the goal')
     state = np.array([start[0], start[1], times[y, x], 0.0])
     parts = [np.array([start], dtype=np.float64)]
     points = np.empty((4096, 2))

@@ -27,7 +27,7 @@ def steps_along(points: Array, length: float) -> tuple[Array, Array]:
     Returns
     -------
     ends : ndarray, shape (m + 1, 2)
-        Where the steps begin and end; the last step is shorter [m].
+        Ends of the steps; the last step is shorter [m].
     headings : ndarray, shape (m,)
         S1's beta, from the x axis counterclockwise [rad].
 

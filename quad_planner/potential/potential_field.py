@@ -42,7 +42,7 @@ class PotentialField:
     goal : tuple of float
         x and y [m].
     obstacles : sequence of RoundObstacle
-        What repels.
+        Obstacles that repel.
     """
 
     goal: tuple[float, float]

@@ -18,6 +18,7 @@ from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.compiled import compiled
 from quad_planner.grid.line_of_sight import sees
+from quad_planner.search.search_loop import path_back
 
 Floats = NDArray[np.float64]
 
@@ -66,9 +67,9 @@ def any_angle_path(
     forbidden : BitMask
         The forbidden cells; their edges are allowed.
     corners : ndarray, shape (n, 2)
-        From :func:`convex_corners`.
+        Corners that :func:`convex_corners` found.
     start, goal : ndarray, shape (2,)
-        In allowed cells [cells].
+        Points in allowed cells [cells].
     bound : float
         Length of a path that is known: longer ones are not looked at [cells].
     check_time : callable
@@ -77,7 +78,7 @@ def any_angle_path(
     Returns
     -------
     ndarray, shape (m, 2) or None
-        From the start over the corners where it turns to the goal; None if there is none
+        The start, the corners where it turns, and the goal; None if there is none
         within the bound.
     """
     bound = bound * (1.0 + 1e-9) + 1e-9
@@ -97,10 +98,7 @@ def any_angle_path(
             continue
         is_done[at] = True
         if at == 1:
-            way = [1]
-            while way[-1] != 0:
-                way.append(int(parents[way[-1]]))
-            return points[way[::-1]]
+            return points[path_back(parents.__getitem__, 1, 0)]
         check_time()
         seen = _expand(
             forbidden.words, forbidden.width, points, left, lengths, parents, is_done, at, bound

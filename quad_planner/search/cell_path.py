@@ -27,7 +27,7 @@ class CellPath:
 
     @property
     def length(self) -> float:
-        """In cells."""
+        """Length of the path [cells]."""
         return float(self.straight_steps + np.sqrt(2.0) * self.diagonal_steps)
 
 
@@ -43,7 +43,7 @@ def without_straights(cells: Cells) -> Cells:
     Returns
     -------
     ndarray, shape (m, 2)
-        Where it begins, turns and ends.
+        Places where it begins, turns and ends.
     """
     return cells[: _drop_straights(cells)]
 

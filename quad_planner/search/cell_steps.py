@@ -28,7 +28,7 @@ def _pruned_directions() -> NDArray[np.uint8]:
     Tabulate where to go on, by the directions of arrival and the free neighbours.
 
     Straight on, and where a wall beside the last cell ends, also to that side: only
-    through this cell the shortest way leads there. A diagonal goes on along both its
+    through this cell the shortest path leads there. A diagonal goes on along both its
     parts too. From the start, everywhere.
 
     Returns

@@ -5,7 +5,7 @@ A state is a point and the direction in which the robot comes to it; the points 
 start, the goal, the convex corners of the forbidden zone, and any others that are given.
 Costs are those of a `WalkingTimeModel`: a stretch ends where the robot has to
 turn on the spot, and goes on through a bend. A* over the states is exact for these
-points: the bound on what is left is the length of the shortest way, without turns.
+points: the bound on what is left is the length of the shortest path, without turns.
 """
 
 from __future__ import annotations
@@ -33,22 +33,21 @@ from quad_planner.grid.bucket_queue import (
 )
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.line_of_sight import sees
+from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_DONE, _PAUSED, _FULL = 0, 1, 2
-
 _AT_A_TIME = 50_000
-"""Expansions between two looks at the time."""
+"""Number of expansions between two calls of `check`."""
 
 _TINY = 1e-9
-"""Of a cycle."""
+"""Fraction of a cycle that is rounding."""
 
 
 class _Edges(NamedTuple):
-    """Which points see which: of point v, the edges from firsts[v] to firsts[v + 1]."""
+    """Points that see one another: point v has the edges from firsts[v] to firsts[v + 1]."""
 
     firsts: Indices
     """Number of the first edge of each point."""
@@ -59,7 +58,7 @@ class _Edges(NamedTuple):
     strides: Floats
     """Length of each edge, in strides."""
     angles: Floats
-    """Its direction [rad]."""
+    """Direction of each edge [rad]."""
     left: Floats
     """Length of the shortest path from each point to the goal, in strides."""
 
@@ -93,16 +92,16 @@ def quickest_corners(
     forbidden : BitMask
         The forbidden cells; their edges are allowed.
     points : ndarray, shape (n, 2)
-        The start, the goal, and where the path may turn [cells].
+        The start, the goal, and the points where the path may turn [cells].
     terms : WalkTerms
-        What its gait cycles are counted by.
+        Times by which its gait cycles are counted.
     check : callable
         Called now and then; raises to end the search.
 
     Returns
     -------
     ndarray, shape (m, 2) or None
-        From the start over the points where it turns to the goal; None if there is none
+        The start, the points where it turns, and the goal; None if there is none
         within the bound.
     """
     pace, bound = terms.pace, terms.bound
@@ -125,15 +124,11 @@ def quickest_corners(
     goal = np.array([float(bound), -1.0])
     queue = with_room(bucket_queue(bound), len(points))
     _begin(edges, terms.start_yaw, cycles, bound, costs, queue)
-    while True:
-        result = _search(
-            edges, cycles, costs, parents, is_done, best, goal, queue, bound, _AT_A_TIME
-        )
-        if result == _DONE:
-            break
-        if result == _FULL:
-            queue = with_room(queue, max(len(points), len(queue.entries)))
-        check()
+
+    def expand(queue: BucketQueue) -> int:
+        return _search(edges, cycles, costs, parents, is_done, best, goal, queue, bound, _AT_A_TIME)
+
+    run_search(expand, queue, len(points), check)
     return _path_to(int(goal[1]), points, edges, parents)
 
 
@@ -141,11 +136,11 @@ def _path_to(edge: int, points: Points, edges: _Edges, parents: Indices) -> Poin
     """Go back from the edge that ends at the goal; None if there is none."""
     if edge < 0:
         return None
-    way = [1]
+    places = [1]
     while edge >= 0:
-        way.append(int(edges.starts[edge]))
+        places.append(int(edges.starts[edge]))
         edge = int(parents[edge])
-    return points[way[::-1]]
+    return points[places[::-1]]
 
 
 def _edges(
@@ -155,7 +150,7 @@ def _edges(
     Find out which points see which, as far as they may be on a short enough path.
 
     Dijkstra's algorithm from the goal: a point's view is looked at only if the shortest
-    way from it to the goal, and the straight line from the start, are short enough.
+    path from it to the goal, and the straight line from the start, are short enough.
     """
     count = len(points)
     from_start = np.hypot(*(points - points[0]).T)
@@ -183,7 +178,7 @@ def _edges(
                 heapq.heappush(heap, (total, seen))
     firsts: Indices = np.zeros(count + 1, dtype=np.int64)
     for at, view in views.items():
-        # Only to where the way goes on.
+        # Only to points from which the path goes on.
         views[at] = view[is_done[view]]
         firsts[at + 1] = len(views[at])
     firsts = np.cumsum(firsts)
@@ -278,17 +273,17 @@ def _search(
     """
     Go on with a search, for so many expansions at a time.
 
-    A state is an edge: the robot at its end, in its direction. Returns ``_DONE``,
-    ``_PAUSED``, or ``_FULL`` if the queue must grow.
+    A state is an edge: the robot at its end, in its direction. Returns ``DONE``,
+    ``PAUSED``, or ``FULL`` if the queue must grow.
     """
     for _ in range(at_a_time):
         if is_empty(queue.state):
-            return _DONE
+            return DONE
         bucket = next_bucket(queue.heads, queue.state)
         if goal[0] <= bucket:
-            return _DONE
+            return DONE
         if not has_room(queue.entries, queue.state, len(edges.left)):
-            return _FULL
+            return FULL
         state, _ = pop(queue.heads, queue.entries, queue.state)
         if is_done[state]:
             continue
@@ -315,7 +310,7 @@ def _search(
                     parents[edge] = state
                     is_done[edge] = False
                     push(queue.heads, queue.entries, queue.state, edge, 0, further)
-    return _PAUSED
+    return PAUSED
 
 
 @compiled_part

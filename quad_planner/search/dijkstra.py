@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Generic, TypeVar
 
+from quad_planner.search.search_loop import path_back
+
 V = TypeVar('V', bound=Hashable)
 Cost = TypeVar('Cost', int, float)
 
@@ -73,7 +75,9 @@ def shortest_path(
             continue
         visited[u] = None
         if u == goal:
-            return DijkstraResult(_path(previous, goal), cost, tuple(visited))
+            return DijkstraResult(
+                tuple(path_back(previous.__getitem__, goal, source)), cost, tuple(visited)
+            )
         if len(visited) % _VISITS_BETWEEN_CHECKS == 0:
             check()
         for v, w in neighbours(u):
@@ -83,10 +87,3 @@ def shortest_path(
                 previous[v] = u
                 heapq.heappush(queue, (through_u, next(order), v))
     return None
-
-
-def _path(previous: dict[V, V], goal: V) -> tuple[V, ...]:
-    path = [goal]
-    while path[-1] in previous:
-        path.append(previous[path[-1]])
-    return tuple(reversed(path))

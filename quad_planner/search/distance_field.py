@@ -2,7 +2,7 @@
 How far every cell of a map is from one of them, by straight and diagonal steps.
 
 The lengths are those of :mod:`quad_planner.search.jump_points`: exact, no corner cut. Harabor
-and Grastien's pruning rules (AAAI 2011) leave one way to most cells: diagonally first,
+and Grastien's pruning rules (AAAI 2011) leave one path to most cells: diagonally first,
 then straight on. So cells are reached by whole runs along rows, columns and diagonals,
 and only where a wall beside a run ends, or a run has become long, its last cell has to
 wait in a queue.
@@ -35,7 +35,7 @@ from quad_planner.search.cell_steps import DIAGONAL, ONWARD, STRAIGHT
 Integers = NDArray[np.int64]
 
 NOT_REACHED = -1
-"""The length of cells that are not allowed, or to which no way leads."""
+"""The length of cells that are not allowed, or that no path reaches."""
 
 # A word: length << 24 | arrivals << 16 | around << 8 | runs; negative if not allowed.
 # Bit k of arrivals and around stands for direction k, which is k times 45 degrees. Bit k of
@@ -50,21 +50,21 @@ _WINDOW = 64 * STRAIGHT
 _BUCKET = 12
 """Binary logarithm of the width of a bucket of the queue."""
 _MOST_PUSHES = 4 + 4 * (2 * (_WINDOW // DIAGONAL + 2) + 1)
-"""By one expansion."""
+"""Number of cells that one expansion pushes at most."""
 _EXPANSIONS = 4096
-"""Between two calls of `check`."""
+"""Number of expansions between two calls of `check`."""
 
 
 def distance_field(
     allowed: Mask, start: tuple[int, int], check: Callable[[], None] = lambda: None
 ) -> Integers:
     """
-    Measure the shortest way from one cell to every other.
+    Measure the shortest path from one cell to every other.
 
     Parameters
     ----------
     allowed : ndarray of bool, shape (height, width)
-        Where one may be.
+        Cells that a path may enter.
     start : tuple of int
         x and y of a cell of the map.
     check : callable
@@ -74,7 +74,7 @@ def distance_field(
     -------
     ndarray of int64, shape (height, width)
         `STRAIGHT` for each straight step and `DIAGONAL` for each diagonal one;
-        `NOT_REACHED` where no way leads, and everywhere if the start is not allowed.
+        `NOT_REACHED` where no path leads, and everywhere if the start is not allowed.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def _expand(
         cell, key = pop(heads, entries, state)
         word = words[cell]
         if word >> _ARRIVALS != key:
-            # A shorter way was found, or another as short: that one waits too.
+            # A shorter path was found, or another as short: that one waits too.
             continue
         length = word >> _LENGTH
         directions = onward[(word >> _ARRIVALS) & 255, (word >> _AROUND) & 255]
@@ -197,7 +197,7 @@ def _wait(words: Integers, heads: Integers, entries: Integers, state: Integers, 
 
 @compiled_part
 def _reach(words: Integers, cell: int, length: int, direction: int) -> bool:
-    """Note a way to a cell; return whether it is to be followed."""
+    """Note a path to a cell; return whether it is to be followed."""
     word = words[cell]
     known = word >> _LENGTH
     arrival = 1 << (_ARRIVALS + direction)

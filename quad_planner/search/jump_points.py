@@ -31,13 +31,13 @@ _NO_ROOM = 2
 _INTERRUPTED = 3
 
 _EXPANSIONS = 4096
-"""After so many a search looks up, whether it is to go on."""
+"""Number of expansions after which a search asks whether it is to go on."""
 
 _DIAGONAL_STEPS = 32
-"""So many cells of a diagonal are looked at; going on has to wait until it is its turn."""
+"""Number of cells of a diagonal that are looked at; what follows waits for its turn."""
 
 _ROOM = 2 * _DIAGONAL_STEPS + 2
-"""In one direction at most two cells are found beside each cell of a diagonal."""
+"""Number of cells that one direction adds at most: two beside each cell of a diagonal."""
 
 
 class JumpPointSearch:
@@ -133,7 +133,7 @@ def _search(
     onward : ndarray, shape (256, 256)
         `ONWARD`.
     nodes, slots, heap, counts
-        As in `Tree`; they are changed.
+        Arrays of a `Tree`; they are changed.
     goal : tuple of int
         x and y of the goal's cell, walls included.
 
@@ -224,7 +224,7 @@ def _reach(
     direction: int,
     goal: tuple[int, int],
 ) -> None:
-    """Note that a cell was reached from a node, unless a shorter way to it is known."""
+    """Note that a cell was reached from a node, unless a shorter path to it is known."""
     slot = slot_of(nodes, slots, x, y)
     key = length + _octile(x, y, goal)
     arrival = np.uint8(1 << direction)

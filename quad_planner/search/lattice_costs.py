@@ -48,7 +48,7 @@ LARGEST = 2**30
 
 
 class Costs(NamedTuple):
-    """What steps, cycles and turns cost, in whole numbers."""
+    """Costs of steps, cycles and turns, in whole numbers."""
 
     straight: int
     """Cost of a step to a cell beside."""
@@ -95,28 +95,28 @@ def costs_of(terms: WalkTerms) -> Costs:
 
 def least_turns_of(turns: Numbers, last_turns: Numbers) -> Numbers:
     """
-    Tabulate the least that turns may cost on the way to the goal over free ground.
+    Tabulate the least that turns may cost between a cell and the goal over free ground.
 
-    A way over free ground goes along one heading or two (of more, two would do: any
+    A path over free ground goes along one heading or two (of more, two would do: any
     displacement in the plane lies between two of those it is made of).
 
     Parameters
     ----------
     turns, last_turns : ndarray of int, shapes (8, 8) and (8,)
-        What turns cost.
+        Costs of turns.
 
     Returns
     -------
     ndarray of int, shape (8, 17)
-        By the heading of the robot and the sector in which the goal lies, see `_sector`.
+        Least costs by the heading of the robot and the sector of the goal, see `_sector`.
     """
     # To be content with nearly the goal's heading may save a cycle in an earlier turn: two
     # turns may then cost less than one.
     least_last = np.minimum(last_turns, (turns + last_turns).min(axis=1))
     to_other = np.where(np.eye(HEADINGS, dtype=np.bool_), 0, turns)
     # From the robot's heading to a, walk, to b, walk, and to the goal's.
-    ways = to_other[:, :, None] + (to_other + least_last)
-    over_ground = np.where(_LEADS, ways[:, None], NOT_REACHED).min(axis=(2, 3))
+    paths = to_other[:, :, None] + (to_other + least_last)
+    over_ground = np.where(_LEADS, paths[:, None], NOT_REACHED).min(axis=(2, 3))
     return np.column_stack((over_ground, least_last))
 
 

@@ -4,12 +4,12 @@ Quickest paths over cells and eight headings, in whole gait cycles (S0 sec. 3).
 A state is a cell and the heading in which the robot stands or walks there. Straight on it
 walks stretches, which cost whole cycles by the stride; at any cell it may end a stretch
 and turn, which costs whole cycles by the turn. So a state's cost grows by the length of
-each step and is rounded up to a whole cycle at each turn; of two ways to one state the
+each step and is rounded up to a whole cycle at each turn; of two paths to one state the
 cheaper is the better one for all that may follow, and A* is exact.
 
 Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
 for a cycle, so equal costs are equal. The bound on what is left (:func:`least_turns_of`) is
-the length over free ground, and the least turns that a way over free ground takes. States
+the length over free ground, and the least turns that a path over free ground takes. States
 wait in one bucket for each whole cycle of cost and bound together, so the first bucket in
 which the goal is reached holds the least time.
 """
@@ -32,7 +32,6 @@ from quad_planner.grid.bucket_queue import (
     next_bucket,
     pop,
     push,
-    with_room,
 )
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
@@ -45,6 +44,7 @@ from quad_planner.search.lattice_costs import (
     least_turns_of,
     total_cost,
 )
+from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms
 
 Cells = NDArray[np.int64]
@@ -57,10 +57,8 @@ _AT_THE_START = np.uint8(9)
 _PREVIOUS = np.uint8(15)
 _EXPANDED = np.uint8(16)
 
-_DONE, _PAUSED, _FULL = 0, 1, 2
-
 _AT_A_TIME = 200_000
-"""Expansions between two looks at the time."""
+"""Number of expansions between two calls of `check`."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +101,7 @@ def quickest_path(
     start, goal : tuple of int
         x and y of two different cells of the map.
     terms : WalkTerms
-        What its gait cycles are counted by.
+        Times by which its gait cycles are counted.
     check : callable
         Called now and then; raises to end the search.
 
@@ -134,7 +132,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
     grid : BitGrid
         The free cells.
     known : ndarray of int, shape (n, 2), n >= 2
-        Where a shortest path begins, turns and ends: x and y.
+        Places where a shortest path begins, turns and ends: x and y.
     check : callable
         Called now and then; raises to end the search.
 
@@ -187,13 +185,11 @@ def _find(
     )
     first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
     _begin(grid.rows, width, first, last, costs, reached, queue)
-    while True:
-        result = _search(grid.rows, width, last, costs, reached, queue, _AT_A_TIME)
-        if result == _DONE:
-            break
-        if result == _FULL:
-            queue = with_room(queue, len(queue.entries))
-        check()
+
+    def expand(queue: BucketQueue) -> int:
+        return _search(grid.rows, width, last, costs, reached, queue, _AT_A_TIME)
+
+    run_search(expand, queue, 0, check)
     best, heading, expansions = reached.best.tolist()
     if best == NOT_REACHED:
         return None
@@ -253,20 +249,20 @@ def _search(
     """
     Go on with a search, for so many expansions at a time.
 
-    Returns ``_DONE``, ``_PAUSED``, or ``_FULL`` if the queue must grow.
+    Returns ``DONE``, ``PAUSED``, or ``FULL`` if the queue must grow.
     """
     cycle, best = costs.cycle, reached.best
     goal_x, goal_y = goal % width, goal // width
     for _ in range(at_a_time):
         if is_empty(queue.state):
-            return _DONE
+            return DONE
         bucket = next_bucket(queue.heads, queue.state)
         # The first whole cycle above all that waited in the buckets before.
         if best[0] <= ((bucket - 1) * costs.bucket // cycle + 1) * cycle:
-            return _DONE
+            return DONE
         # A state lets those wait that it turns to, and the one ahead.
         if not has_room(queue.entries, queue.state, HEADINGS):
-            return _FULL
+            return FULL
         state, _ = pop(queue.heads, queue.entries, queue.state)
         by = reached.by[state]
         if by & _EXPANDED:
@@ -297,7 +293,7 @@ def _search(
             state = HEADINGS * (y * width + x) + k
             if _is_new(state, cost, total, costs, reached):
                 _reach(state, cost, _BY_A_STEP, total, bucket, costs, reached, queue)
-    return _PAUSED
+    return PAUSED
 
 
 @compiled_part

@@ -19,15 +19,16 @@ from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.line_of_sight import sees
+from quad_planner.search.search_loop import path_back
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _AT_ONCE = 32
-"""So many points are gone on from between two calls of `check`."""
+"""Number of points that are expanded between two calls of `check`."""
 
 _SLACK = 1e-9
-"""For deviations that are exactly what is allowed [cells]."""
+"""Excess of a deviation that counts as allowed still: rounding [cells]."""
 
 
 def fewest_corners(
@@ -44,7 +45,7 @@ def fewest_corners(
     points : ndarray, shape (n, 2), n >= 1
         The path; from each point to the next it enters no forbidden cell [cells].
     deviation : float
-        How far a point of the path may be from the segment that takes its place, >= 0
+        Largest distance of a point of the path from the segment that takes its place, >= 0
         [cells].
     forbidden : BitMask
         Cells that the simplified path does not enter.
@@ -55,7 +56,7 @@ def fewest_corners(
     -------
     ndarray, shape (m, 2)
         Points of the path in their order, from its first to its last: as few as can be, and
-        the shortest of those ways.
+        the shortest of those paths.
 
     Raises
     ------
@@ -83,10 +84,7 @@ def fewest_corners(
             parents,
         )
         check()
-    way = [count - 1]
-    while way[-1] != 0:
-        way.append(int(parents[way[-1]]))
-    return points[way[::-1]]
+    return points[path_back(parents.__getitem__, count - 1, 0)]
 
 
 def all_seen(points: Points, forbidden: BitMask) -> bool:

@@ -11,7 +11,7 @@ from quad_common.robot.walking_time import WalkingTimeModel
 
 @dataclass(frozen=True)
 class WalkTerms:
-    """What the gait cycles of a walk from a start to a goal are counted by."""
+    """Times and bounds by which the gait cycles of a walk to a goal are counted."""
 
     pace: WalkingTimeModel
     """Distances and turns of a cycle."""

@@ -1,5 +1,5 @@
 """
-Cheapest paths from cell to cell, where some cells are dearer than others.
+Cheapest paths from cell to cell, where some cells cost more than others.
 
 A* over straight and diagonal steps, no corner cut. A step costs its length times the
 mean factor of the two cells; costs are whole numbers, so equal costs are equal.
@@ -22,25 +22,25 @@ from quad_planner.grid.bucket_queue import (
     next_bucket,
     pop,
     push,
-    with_room,
 )
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.cell_path import without_straights
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
+from quad_planner.search.search_loop import DONE, FULL, PAUSED, path_back, run_search
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Cells = NDArray[np.int64]
 
 _PARTS = 16
-"""Factors are counted in so many parts of 1."""
+"""Number of parts of 1 in which factors are counted."""
 
 _LEAST_BUCKET = 2 * _PARTS * STRAIGHT
 _MOST_BUCKETS = 1 << 14
 
 _EXPANSIONS = 65536
-"""Between two calls of `check`."""
+"""Number of expansions between two calls of `check`."""
 
 
 _AT_THE_START = np.uint8(8)
@@ -61,7 +61,7 @@ def cheapest_path(
     grid : BitGrid
         The free cells.
     factors : ndarray, shape (height, width)
-        How many times dearer a way through each cell is, from 1 to
+        Factor by which a path through each cell costs more than its length, from 1 to
         `quad_planner.methods.cell_costs.LARGEST_FACTOR`; counted in sixteenths.
     start, goal : tuple of int
         x and y of cells of the map.
@@ -71,7 +71,7 @@ def cheapest_path(
     Returns
     -------
     ndarray of int, shape (n, 2) or None
-        Where the path begins, turns and ends; None if there is none, or an end is not free.
+        Places where the path begins, turns and ends; None if there is none, or an end is not free.
     """
     if not (grid.is_free(*start) and grid.is_free(*goal)):
         return None
@@ -92,28 +92,30 @@ def cheapest_path(
     queue.state[0] = ahead // bucket_width
     push(*queue, first, 0, ahead // bucket_width)
     flat = weights.reshape(-1)
-    while not _search(
-        grid.rows, width, flat, least, last, bucket_width, costs, by, queue, _EXPANSIONS
-    ):
-        queue = with_room(queue, max(8, len(queue.entries) // 2))
-        check()
+
+    def expand(queue: BucketQueue) -> int:
+        return _search(
+            grid.rows, width, flat, least, last, bucket_width, costs, by, queue, _EXPANSIONS
+        )
+
+    run_search(expand, queue, 8, check)
     if costs[last] < 0:
         return None
-    return without_straights(_way(by, width, last))
+    return without_straights(_cells_back(by, width, last))
 
 
 def straightened(
     points: Points, factors: Floats, forbidden: BitMask, check: Callable[[], None] = lambda: None
 ) -> Points:
     """
-    Leave out points of a path where that makes it cheaper, or no dearer.
+    Leave out points of a path where it costs no more without them.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         The path [cells].
     factors : ndarray, shape (height, width)
-        How many times dearer a way through each cell is.
+        Factor by which a path through each cell costs more than its length.
     forbidden : BitMask
         Cells that the path does not enter.
     check : callable
@@ -131,10 +133,7 @@ def straightened(
     for at in range(count):
         check()
         _straighten(points, factors, forbidden.words, forbidden.width, at, costs, before)
-    way = [count - 1]
-    while way[-1] != 0:
-        way.append(int(before[way[-1]]))
-    return points[way[::-1]]
+    return points[path_back(before.__getitem__, count - 1, 0)]
 
 
 @compiled
@@ -145,9 +144,9 @@ def line_cost(factors: Floats, x0: float, y0: float, x1: float, y1: float) -> fl
     Parameters
     ----------
     factors : ndarray, shape (height, width)
-        Of each cell.
+        Factor of each cell.
     x0, y0, x1, y1 : float
-        Its ends, on the map [cells].
+        Ends of the segment, on the map [cells].
 
     Returns
     -------
@@ -163,10 +162,10 @@ def line_cost(factors: Floats, x0: float, y0: float, x1: float, y1: float) -> fl
     while done < 1.0:
         # To where the segment next crosses a line between cells.
         after = 1.0
-        for at, way in ((x0 + done * dx, dx), (y0 + done * dy, dy)):
-            if way != 0.0:
-                line = np.floor(at + 1e-9) + 1.0 if way > 0.0 else np.ceil(at - 1e-9) - 1.0
-                after = min(after, done + (line - at) / way)
+        for at, change in ((x0 + done * dx, dx), (y0 + done * dy, dy)):
+            if change != 0.0:
+                line = np.floor(at + 1e-9) + 1.0 if change > 0.0 else np.ceil(at - 1e-9) - 1.0
+                after = min(after, done + (line - at) / change)
         middle = (done + after) / 2.0
         x = min(max(int(np.floor(x0 + middle * dx)), 0), width - 1)
         y = min(max(int(np.floor(y0 + middle * dy)), 0), height - 1)
@@ -216,24 +215,24 @@ def _search(
     by: NDArray[np.uint8],
     queue: BucketQueue,
     most: int,
-) -> bool:
+) -> int:
     """
     Go on from cells that wait, the one with the least cost and bound first.
 
-    Returns whether all is done; else `most` cells are, or there is no more room.
+    Pauses after `most` cells.
     """
     heads, entries, state = queue.heads, queue.entries, queue.state
     for _ in range(most):
         if is_empty(state):
-            return True
+            return DONE
         if not has_room(entries, state, 8):
-            return False
+            return FULL
         bucket = next_bucket(heads, state)
         if 0 <= costs[goal] < bucket * bucket_width:
-            return True
+            return DONE
         cell, key = pop(heads, entries, state)
         if costs[cell] != key:
-            # A cheaper way was found: that one waits too.
+            # A cheaper path was found: that one waits too.
             continue
         y, x = cell // width, cell % width
         for k in range(8):
@@ -250,11 +249,11 @@ def _search(
                 by[beside] = k
                 total = cost + 2 * least * _octile(beside, goal, width)
                 push(heads, entries, state, beside, cost, total // bucket_width)
-    return False
+    return PAUSED
 
 
 @compiled
-def _way(by: NDArray[np.uint8], width: int, goal: int) -> Cells:
+def _cells_back(by: NDArray[np.uint8], width: int, goal: int) -> Cells:
     """Go back from the goal to the start; list every cell of the path, in cells of the map."""
     count, cell = 1, goal
     while by[cell] != _AT_THE_START:

@@ -23,3 +23,6 @@ class ImmediateRequest:
     def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
         """Hand on the work, which is done where its result is wanted."""
         done(work)
+
+    def close(self) -> None:
+        """Do nothing: nothing runs, and nothing waits."""

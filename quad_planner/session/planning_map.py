@@ -1,5 +1,5 @@
 """
-What is planned on: the map that was heard, with the ground of the height map added to it.
+What is planned on: the map that was received, with the ground of the height map added to it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class PlanningMap:
     planner : Planner
         The planning method.
     frame : MapFrame
-        What relates frames to the map's; its name becomes that of the map that is heard.
+        Relation of frames to the map's; its name becomes that of the map that is received.
     limits : GroundLimits
         Limits of the ground that the robot walks on.
     occupied_threshold : int
@@ -51,7 +51,7 @@ class PlanningMap:
         self.planner = planner
         """The planning method."""
         self.frame = frame
-        """What relates frames to the map's."""
+        """Relation of frames to the map's."""
         self._limits = limits
         self._occupied_threshold = occupied_threshold
         self._steps_over_low = steps_over_low

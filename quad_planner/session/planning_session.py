@@ -1,7 +1,7 @@
 """
 What is planned, and when: as maps, goals, the robot's pose and the plan it follows change.
 
-The session knows no topics and no clock. Its node tells it what was heard, and publishes what it
+The session knows no topics and no clock. Its node tells it what was received, and publishes what it
 decides; searches run wherever the requests are worked on.
 """
 
@@ -22,16 +22,16 @@ from quad_planner.session.pose_age import PoseAge
 from quad_planner.session.session_ports import Output, Requests
 
 _CHECK_PERIOD = 0.2
-"""How often it is checked whether the robot has left its path [s]."""
+"""Time between two checks whether the robot has left its path [s]."""
 
 _REMEMBERED_PLANS = 64
-"""Plans of one's own that are known again when they are followed."""
+"""Number of own plans that are recognised when they are followed."""
 
 _ARRIVED = 0.1
-"""A robot whose plan has ended this near to its goal has arrived [m]."""
+"""Distance from the goal within which a robot whose plan has ended has arrived [m]."""
 
 _ARRIVED_TURN = 0.2
-"""And turned away from its heading by no more than this [rad]."""
+"""Angle from the goal's heading within which it has [rad]."""
 
 _LONG = 3.0
 """Time in which compiled searches are ready at the latest [s]."""
@@ -44,12 +44,12 @@ class _Wish:
     frame: str
     goal: Pose2D
     is_given: bool
-    """Whether it was just given; else it is planned to again."""
+    """Whether it was just given; else it is an older one that is planned to again."""
 
 
 @dataclass(frozen=True)
 class SessionOptions:
-    """When to plan, and on what."""
+    """Conditions under which a session plans, and its map."""
 
     replan_distance: float = 0.3
     """Distance from its path at which a robot is planned for again [m]."""
@@ -66,11 +66,11 @@ class PlanningSession:
     planning_map : PlanningMap
         The map, and the planning method that works on it.
     requests : Requests
-        What works on searches.
+        The part that works on searches.
     output : Output
-        What is told of decisions.
+        The receiver of decisions.
     options : SessionOptions
-        When to plan, and on what.
+        Conditions under which to plan.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class PlanningSession:
         options: SessionOptions,
     ) -> None:
         self.map = planning_map
-        """What is planned on."""
+        """Map that is planned on."""
         self._requests = requests
         self._output = output
         self._options = options
@@ -116,7 +116,7 @@ class PlanningSession:
 
     @property
     def has_pose(self) -> bool:
-        """Whether the robot's pose was heard."""
+        """Whether the robot's pose was received."""
         return self._pose is not None
 
     @property
@@ -226,7 +226,7 @@ class PlanningSession:
         if distance <= farthest:
             return
         if self._goal is not None:
-            self._output.say(f'the robot is {distance:.2f} m from its path: planning anew')
+            self._output.say(f'the robot is {distance:.2f} m from its path: planning again')
             self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
         else:
             # Who hears it late must not walk to it again.

@@ -1,5 +1,5 @@
 """
-How long no new pose was heard, while time went on.
+Time for which no new pose has been received, while time went on.
 """
 
 from __future__ import annotations

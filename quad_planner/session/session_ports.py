@@ -12,7 +12,7 @@ from quad_planner.grid.inflated_map import InflatedMap
 
 
 class Requests(Protocol):
-    """What works on searches; see :class:`quad_planner.session.latest_request.LatestRequest`."""
+    """Whoever works on searches: :class:`quad_planner.session.latest_request.LatestRequest`."""
 
     @property
     def is_busy(self) -> bool:
@@ -24,9 +24,12 @@ class Requests(Protocol):
     def submit(self, work: Callable[[], Any], done: Callable[[Callable[[], Any]], None]) -> None:
         """Take a request; those before it are given up."""
 
+    def close(self) -> None:
+        """Give up what runs and what waits."""
+
 
 class Output(Protocol):
-    """What becomes of a session's decisions."""
+    """The receiver of a session's decisions."""
 
     def publish_plan(self, plan: Plan | None) -> int:
         """Publish a plan, or take the last one back; return its stamp, each another one [ns]."""

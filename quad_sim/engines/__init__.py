@@ -1,3 +1,3 @@
 """
-Simulators behind one protocol: PyBullet, and one that follows commands exactly.
+Simulators behind one protocol: PyBullet, MuJoCo, and one that follows commands exactly.
 """

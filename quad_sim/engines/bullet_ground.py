@@ -16,7 +16,7 @@ _AROUND = 100.0
 """Width of the level ground around a height field [m]."""
 
 _DEEP = 1.0
-"""How far the ground around a field, and blocks, reach down [m]."""
+"""Depth to which the ground around a field, and blocks, reach down [m]."""
 
 
 def lay_ground(client: Any, world: World) -> frozenset[int]:

@@ -16,7 +16,14 @@ from typing import Any
 import numpy as np
 
 from quad_common.errors import ParameterError
-from quad_common.planar_pair.planar_pair import ActivePair, PairPosture, points_of, posture_of, wrap
+from quad_common.planar_pair.planar_pair import (
+    ActivePair,
+    JointAngles,
+    PairPosture,
+    points_of,
+    posture_of,
+    wrap,
+)
 from quad_common.process.temporary_folder import temporary_folder
 
 JOINTS = ('hip_x', 'hip_z', 'theta', 'u1_i', 'u2_i', 'u1_j', 'u2_j')
@@ -33,16 +40,16 @@ _FORCE = 2e3
 """The most that a motor or a pin exerts [N or N m]."""
 
 _DAMPING = 0.2
-"""Of every joint [N m s]."""
+"""Damping of every joint [N m s]."""
 
 _RAMP = 0.5
-"""How long motors take from where they start to what they hold in the end [s]."""
+"""Time that motors take from where they start to what they hold in the end [s]."""
 
 _REST = 3e-4
 """Joint speed that counts as rest [rad/s and m/s]."""
 
 _LONGEST = 2.5
-"""After which a pair that still moves is left [s]."""
+"""Time after which a pair that still moves is left [s]."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +59,11 @@ class SettledPair:
     posture: PairPosture
     """As the joints of the simulation say it."""
     foot_error: float
-    """By how much the pins gave: the larger distance of a foot from its place [m]."""
+    """Distance by which the pins gave: the larger one of a foot from its place [m]."""
     speed: float
     """Largest joint speed at the end [rad/s or m/s]."""
     time: float
-    """How long it took, in simulated time [s]."""
+    """Duration in simulated time [s]."""
 
 
 def settle(
@@ -113,8 +120,8 @@ def settle(
         client.stepSimulation()
         states = {name: client.getJointState(body, number[name])[:2] for name in JOINTS}
         speed = max(abs(state[1]) for state in states.values())
-    angles = [states[name][0] for name in JOINTS[2:]]
-    posture = posture_of(pair, complex(states['hip_x'][0], states['hip_z'][0]), *angles)
+    hip_x, hip_z, theta, *angles = (states[name][0] for name in JOINTS)
+    posture = posture_of(pair, complex(hip_x, hip_z), theta, JointAngles(*angles))
     ends = points_of(pair, posture)
     off = max(abs(ends.foot_i - points.foot_i), abs(ends.foot_j - points.foot_j))
     client.resetSimulation()

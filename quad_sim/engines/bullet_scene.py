@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.vision.markers import Color, RobotMarker
-from quad_sim.world.appearance import Appearance
+from quad_sim.world.appearance import AMBIENT, LIGHT_FROM, SQUARE_SHADE, Appearance
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import Obstacle, World
 
@@ -37,19 +37,13 @@ _PLATE = 0.004
 """Thickness of the robot's marker, and how far its discs stand out [m]."""
 
 _SIDES = 48
-"""Of the prism in place of a cylinder."""
-
-_LIGHT_FROM = (2.0, -1.0, 4.0)
-"""Direction to the light, in the world. The shadows that it would cast are left out."""
-
-_AMBIENT = 0.6
-"""Light that comes from everywhere: the brightness of faces that the lamp does not reach."""
+"""Number of sides of the prism in place of a cylinder."""
 
 # What is level has just its own color.
-_DIFFUSE = (1.0 - _AMBIENT) * float(np.linalg.norm(_LIGHT_FROM)) / _LIGHT_FROM[2]
+_DIFFUSE = (1.0 - AMBIENT) * float(np.linalg.norm(LIGHT_FROM)) / LIGHT_FROM[2]
 
 _SHADES = 8
-"""Of the floor's color, from the lowest ground to the highest."""
+"""Number of shades of the floor's color, from the lowest ground to the highest."""
 
 _DARKEST = 0.7
 """The highest ground, of the floor's color."""
@@ -58,7 +52,7 @@ _FACET = 0.05
 """Side of the squares that uneven ground is drawn with [m]."""
 
 _HALF_PIXEL = 0.5
-"""By which the renderer draws everything too far to the right and too far up."""
+"""Distance by which the renderer draws everything too far right and up [pixels]."""
 
 
 class BulletScene:
@@ -174,9 +168,9 @@ class BulletScene:
             renderer=self._bullet.ER_TINY_RENDERER,
             flags=self._bullet.ER_NO_SEGMENTATION_MASK,
             shadow=0,
-            lightDirection=_LIGHT_FROM,
+            lightDirection=LIGHT_FROM,
             lightColor=(1.0, 1.0, 1.0),
-            lightAmbientCoeff=_AMBIENT,
+            lightAmbientCoeff=AMBIENT,
             lightDiffuseCoeff=_DIFFUSE,
             lightSpecularCoeff=0.0,
         )[2]
@@ -197,7 +191,7 @@ class BulletScene:
             return
         count = int(np.ceil(_PATTERN / look.checker_size))
         places = np.arange(-count, count)
-        darker = tuple(round(0.85 * part) for part in look.floor_color)
+        darker = tuple(round(SQUARE_SHADE * part) for part in look.floor_color)
         square = _rectangle(look.checker_size / 2.0, look.checker_size / 2.0)
         shapes = [
             _prism(square + (np.array([column, row]) + 0.5) * look.checker_size, 0.0)

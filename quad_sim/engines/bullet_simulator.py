@@ -25,7 +25,7 @@ from quad_sim.engines.bullet_ground import lay_ground
 from quad_sim.engines.bullet_obstacles import BulletObstacles
 from quad_sim.engines.bullet_scene import BulletScene
 from quad_sim.engines.bullet_walls import build_walls
-from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
+from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
     FALLS,
     GRAVITY,
@@ -35,7 +35,7 @@ from quad_sim.engines.simulator import (
     check_commands,
 )
 from quad_sim.world.appearance import Appearance
-from quad_sim.world.standing import standing_on
+from quad_sim.world.standing import initial_place
 from quad_sim.world.world import OF_WORLD, Obstacle, World
 
 
@@ -150,19 +150,11 @@ class BulletSimulator:
         return self._steps * self.time_step
 
     def reset(self, pose: Pose2D) -> None:
-        """
-        Stand the robot at a pose, in its initial posture, at rest, with all joints sound.
-
-        Parameters
-        ----------
-        pose : Pose2D
-            Of base_link, in the world. On uneven ground the body is as parallel to the ground and
-            as near to it as no foot in the ground allows.
-        """
-        orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
-        base = np.array([pose.x, pose.y, self._robot.standing_height])
-        if self._world.terrain is not None:
-            base, rotation = standing_on(self._robot, self._world.terrain, pose)
+        """Stand the robot at a pose; see :meth:`Simulator.reset`."""
+        base, rotation = initial_place(self._robot, self._world.terrain, pose)
+        if rotation is None:
+            orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
+        else:
             orientation = quaternion_from_matrix(rotation)
         center = base + self._to_world(orientation) @ self._robot.body_center
         self._bullet.resetBasePositionAndOrientation(self._body, center, orientation)
@@ -176,16 +168,7 @@ class BulletSimulator:
         self._command(angles, np.zeros_like(angles))
 
     def fail_joint(self, joint: int, kind: str) -> None:
-        """
-        Let a joint fail from now on, until :meth:`reset`.
-
-        Parameters
-        ----------
-        joint : int
-            Its place in ``Robot.joint_names``.
-        kind : str
-            One of :data:`quad_sim.engines.joint_failure.FAILURES`.
-        """
+        """Let a joint fail from now on; see :meth:`Simulator.fail_joint`."""
         if kind == 'free':
             self._free.append(joint)
         else:
@@ -291,10 +274,15 @@ class BulletSimulator:
         if self._scene is not None:
             self._scene.put_goal_marker(pose)
 
-    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
-        """Draw a picture, which physics do not notice; see `simulated_camera.Scene`."""
+    def prepare_pictures(self) -> None:
+        """Make the world that pictures are taken of."""
         if self._scene is None:
             self._scene = self._make_scene()
+
+    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw a picture, which physics do not notice; see `simulated_camera.Scene`."""
+        self.prepare_pictures()
+        assert self._scene is not None
         center, orientation = self._bullet.getBasePositionAndOrientation(self._body)
         states = self._bullet.getJointStates(self._body, self._joints)
         self._scene.put_robot(center, orientation, [state[0] for state in states])
@@ -333,7 +321,7 @@ class BulletSimulator:
                 self._joints[joint],
                 pybullet.VELOCITY_CONTROL,
                 targetVelocity=0.0,
-                force=FRICTION_SHARE * self._efforts[joint],
+                force=FRICTION_FRACTION * self._efforts[joint],
             )
 
     def _make_scene(self) -> BulletScene:

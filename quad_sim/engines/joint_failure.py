@@ -14,8 +14,8 @@ Kinds of failure. A ``free`` motor gives no torque, and the joint has its gear's
 a ``stuck`` joint keeps the angle it had, whatever is commanded, with its drive's largest torque.
 """
 
-FRICTION_SHARE = 0.01
-"""Of a free joint, as a share of its drive's largest torque; chosen: a gear that gives way."""
+FRICTION_FRACTION = 0.01
+"""Friction of a free joint by its drive's largest torque; chosen: a gear gives way."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class JointFailure:
     """One joint fails."""
 
     joint: str
-    """Its name."""
+    """Name of the joint."""
     kind: str
     """One of :data:`FAILURES`."""
     time: float = 0.0

@@ -1,5 +1,5 @@
 """
-The robot in MuJoCo's physics. With ``mujoco_model`` the only files that import mujoco.
+The robot in MuJoCo's physics. Only the files ``mujoco_*`` import mujoco.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
-from quad_common.rotations import quaternion_from_matrix, tilt_from_quaternion
-from quad_sim.engines.joint_failure import FAILURES, FRICTION_SHARE
+from quad_common.rotations import quaternion_from_matrix
+from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
     FALLS,
     GRAVITY,
@@ -25,7 +25,7 @@ from quad_sim.engines.simulator import (
     check_commands,
 )
 from quad_sim.world.appearance import Appearance
-from quad_sim.world.standing import standing_on
+from quad_sim.world.standing import initial_place
 from quad_sim.world.world import Obstacle, World
 
 try:
@@ -37,6 +37,8 @@ try:
         MujocoModel,
         quaternion_of_yaw,
     )
+    from quad_sim.engines.mujoco_scene import MujocoScene
+    from quad_sim.engines.mujoco_window import MujocoWindow
 except ImportError as error:
     raise MissingOptionalDependency('mujoco', "pip install 'mujoco>=3.3,<4'") from error
 
@@ -51,6 +53,19 @@ _FAR = 10.0
 
 _TOO_FAST = 10.0
 """Largest velocity that a motor drives toward, over that of the robot's data."""
+
+_ORDINARY = 1e6
+"""Sum of the squares of a step's commands, in [rad] and [rad/s], above which they are looked at
+one by one."""
+
+_MOTORS = slice(0, 12)
+"""MuJoCo's constraints that are motors: rows of dry friction come first, one for each joint."""
+
+_LEAST_UPRIGHT = float(np.cos(TILT_OF_A_FALL))
+"""Cosine of the tilt of a body that has fallen."""
+
+_WINDOW_DISTANCE = 8.0
+"""Distance from which the window looks at the robot, in radii of its footprint."""
 
 
 def _warn(text: str) -> None:
@@ -78,9 +93,9 @@ class MujocoSimulator:
     time_step : float
         Fixed step [s].
     gui : bool
-        Not used: there is no window.
+        Show MuJoCo's own window.
     appearance : Appearance, optional
-        Not used: there are no pictures.
+        Of the world in pictures.
 
     Raises
     ------
@@ -103,13 +118,24 @@ class MujocoSimulator:
         self._steps = 0
         self._efforts_limit = robot.effort.reshape(-1)
         self._fastest = _TOO_FAST * np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
+        self._slowest = -self._fastest
+        self._last_velocity = np.zeros(3)
+        self._last_efforts: Array = np.zeros(12)
+        self._has_efforts = False
         self._feet = [f'{leg}_foot' for leg in LEGS]
-        self._parts = MujocoModel(robot, world, time_step)
+        self._appearance = Appearance() if appearance is None else appearance
+        self._parts = MujocoModel(robot, world, time_step, self._appearance)
+        self._scene: MujocoScene | None = None
+        self._goal: Pose2D | None = None
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
         self._model, self._data = self._parts.compile()
         self._find_places()
         self.reset(Pose2D(0.0, 0.0, 0.0))
+        self._window: MujocoWindow | None = None
+        if gui:
+            distance = _WINDOW_DISTANCE * robot.footprint_radius
+            self._window = MujocoWindow(self._model, self._data, distance)
 
     @property
     def time(self) -> float:
@@ -117,19 +143,11 @@ class MujocoSimulator:
         return self._steps * self.time_step
 
     def reset(self, pose: Pose2D) -> None:
-        """
-        Stand the robot at a pose, in its initial posture, at rest, with all joints sound.
-
-        Parameters
-        ----------
-        pose : Pose2D
-            Of base_link, in the world. On uneven ground the body is as parallel to the ground and
-            as near to it as no foot in the ground allows.
-        """
-        base = np.array([pose.x, pose.y, self._robot.standing_height])
-        orientation = quaternion_of_yaw(pose.yaw)
-        if self._world.terrain is not None:
-            base, rotation = standing_on(self._robot, self._world.terrain, pose)
+        """Stand the robot at a pose; see :meth:`Simulator.reset`."""
+        base, rotation = initial_place(self._robot, self._world.terrain, pose)
+        if rotation is None:
+            orientation = quaternion_of_yaw(pose.yaw)
+        else:
             x, y, z, w = quaternion_from_matrix(rotation)
             orientation = [w, x, y, z]
         self._free, self._stuck = [], {}
@@ -137,21 +155,13 @@ class MujocoSimulator:
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:3], self._data.qpos[3:7] = base, orientation
         self._data.qpos[self._angles] = self._robot.initial_joint_angles.reshape(-1)
-        self._last_velocity = np.zeros(3)
-        self._efforts = np.zeros(12)
+        self._last_velocity[:] = 0.0
+        self._has_efforts = False
+        self._last_efforts[:] = 0.0
         mujoco.mj_forward(self._model, self._data)
 
     def fail_joint(self, joint: int, kind: str) -> None:
-        """
-        Let a joint fail from now on, until :meth:`reset`.
-
-        Parameters
-        ----------
-        joint : int
-            Its place in ``Robot.joint_names``.
-        kind : str
-            One of :data:`quad_sim.engines.joint_failure.FAILURES`.
-        """
+        """Let a joint fail from now on; see :meth:`Simulator.fail_joint`."""
         if kind == 'free':
             self._free.append(joint)
             self._let_go()
@@ -174,53 +184,77 @@ class MujocoSimulator:
         ParameterError
             If one of them is not finite.
         """
-        check_commands(joint_positions, joint_velocities)
-        data = self._data
-        # No motor is asked for more than it could ever give: a command that is far off must not
-        # make MuJoCo unstable, which would put the robot back to where it began.
-        off = np.clip(joint_positions - data.qpos[self._angles], -_FAR, _FAR)
-        wanted = joint_velocities + (_POSITION_GAIN / self.time_step) * off
-        wanted = np.clip(wanted, -self._fastest, self._fastest)
-        for joint, angle in self._stuck.items():
-            missing = angle - float(data.qpos[self._angles][joint])
-            wanted[joint] = _POSITION_GAIN / self.time_step * missing
-        wanted[self._free] = 0.0
-        self._last_velocity = data.qvel[:3].copy()
-        mujoco.mj_step1(self._model, data)
+        wanted = self._velocities_toward(joint_positions, joint_velocities)
+        model, data = self._model, self._data
+        self._last_velocity[:] = self._base_velocity
+        mujoco.mj_step1(model, data)
         # Friction is toward the velocity that is wanted, not toward rest.
-        data.efc_aref[self._motors] += data.efc_KBIP[self._motors, 1] * wanted
-        mujoco.mj_step2(self._model, data)
-        self._efforts = data.efc_force[self._motors].copy()
+        wanted *= data.efc_KBIP[_MOTORS, 1]
+        data.efc_aref[_MOTORS] += wanted
+        mujoco.mj_step2(model, data)
+        self._has_efforts = True
         self._steps += 1
+        if self._window is not None:
+            self._window.show(self._model, data)
+
+    def _velocities_toward(self, joint_positions: Array, joint_velocities: Array) -> Array:
+        """Return the velocities that the motors drive toward in the next step [rad/s]."""
+        p, v = joint_positions, joint_velocities
+        if not np.dot(p, p) + np.dot(v, v) < _ORDINARY:
+            check_commands(p, v)
+            p, v = np.clip(p, -_FAR, _FAR), np.clip(v, -self._fastest, self._fastest)
+        wanted: Array = np.subtract(p, self._joint_angles)
+        wanted *= _POSITION_GAIN / self.time_step
+        wanted += v
+        # No motor is commanded more than it could ever give: a command that is far off must not
+        # make MuJoCo unstable, which would put the robot back to where it began.
+        np.minimum(wanted, self._fastest, out=wanted)
+        np.maximum(wanted, self._slowest, out=wanted)
+        for joint, angle in self._stuck.items():
+            missing = angle - float(self._joint_angles[joint])
+            wanted[joint] = _POSITION_GAIN / self.time_step * missing
+        if self._free:
+            wanted[self._free] = 0.0
+        return wanted
 
     def observe(self) -> Observation:
         """Return the robot's state."""
-        data = self._data
-        w, x, y, z = data.qpos[3:7].tolist()
+        positions, velocities = self._data.qpos.copy(), self._data.qvel.copy()
+        w, x, y, z = positions[3:7].tolist()
         orientation = np.array([x, y, z, w])
         rotation = np.empty(9)
-        mujoco.mju_quat2Mat(rotation, data.qpos[3:7])
+        mujoco.mju_quat2Mat(rotation, positions[3:7])
         to_base = rotation.reshape(3, 3).T
-        velocity = data.qvel[:3]
-        acceleration = (velocity - self._last_velocity) / self.time_step
+        velocity = velocities[:3]
+        force = velocity - self._last_velocity
+        force /= self.time_step
+        force[2] += GRAVITY
         contacts = self._contacts()
-        efforts = self._efforts.copy()
-        # What is left there is the gear's friction.
-        efforts[self._free] = 0.0
-        tilted = tilt_from_quaternion(orientation) > TILT_OF_A_FALL
+        # The cosine of the body's tilt is in the last place of its matrix.
+        has_tilted = float(rotation[8]) < _LEAST_UPRIGHT
         return Observation(
             time=self.time,
-            position=data.qpos[:3].copy(),
+            position=positions[:3],
             orientation=orientation,
-            linear_velocity_base_in_base=to_base @ velocity,
-            angular_velocity_base_in_base=data.qvel[3:6].copy(),
-            specific_force_in_base=to_base @ (acceleration + (0.0, 0.0, GRAVITY)),
-            joint_positions=data.qpos[self._angles].copy(),
-            joint_velocities=data.qvel[self._speeds].copy(),
-            joint_efforts=efforts,
+            linear_velocity_base_in_base=to_base.dot(velocity),
+            angular_velocity_base_in_base=velocities[3:6],
+            specific_force_in_base=to_base.dot(force),
+            joint_positions=positions[self._angles],
+            joint_velocities=velocities[self._speeds],
+            joint_efforts=self._joint_efforts(),
             contacts=contacts,
-            has_fallen=bool(tilted or FALLS.intersection(contacts)),
+            has_fallen=has_tilted or bool(contacts and FALLS.intersection(contacts)),
         )
+
+    def _joint_efforts(self) -> Array:
+        """Return the torques of the motors in the last step, shape (12,) [N m]."""
+        if not self._has_efforts:
+            return self._last_efforts.copy()
+        efforts: Array = self._data.efc_force[_MOTORS].copy()
+        if self._free:
+            # What is left there is the gear's friction.
+            efforts[self._free] = 0.0
+        return efforts
 
     def foot_forces(self) -> Array:
         """
@@ -258,10 +292,32 @@ class MujocoSimulator:
         """Those that stand there now, besides the walls."""
         return self._parts.obstacles
 
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it; nothing collides with it."""
+        self._goal = pose
+
+    def prepare_pictures(self) -> None:
+        """Make ready what draws pictures; NoRenderer where nothing does."""
+        if self._scene is None:
+            self._scene = MujocoScene(self._robot, self._world, self._appearance)
+
+    def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw a picture, which physics do not notice; see `simulated_camera.Scene`."""
+        self.prepare_pictures()
+        assert self._scene is not None
+        size = (width, height)
+        return self._scene.render(self._model, self._data.qpos, self._goal, view, projection, size)
+
     def close(self) -> None:
-        """Release nothing: MuJoCo's memory goes with the simulator."""
+        """Close the window, release what pictures need; memory goes with the simulator."""
+        if self._window is not None:
+            self._window.close()
+        if self._scene is not None:
+            self._scene.close()
 
     def _compile_again(self) -> None:
+        # The new data have no forces until the next step.
+        self._last_efforts, self._has_efforts = self._joint_efforts(), False
         self._model, self._data = self._parts.compile_again(self._model, self._data)
         self._find_places()
         self._model.dof_frictionloss[self._speeds] = self._efforts_limit
@@ -271,7 +327,9 @@ class MujocoSimulator:
         """Leave the free joints the friction of their gears alone."""
         if self._free:
             places = self._speeds.start + np.array(self._free)
-            self._model.dof_frictionloss[places] = FRICTION_SHARE * self._efforts_limit[self._free]
+            self._model.dof_frictionloss[places] = (
+                FRICTION_FRACTION * self._efforts_limit[self._free]
+            )
 
     def _find_places(self) -> None:
         """Look up where joints, motors and geometries are in MuJoCo's arrays."""
@@ -284,12 +342,12 @@ class MujocoSimulator:
         self._speeds = slice(int(speeds[0]), int(speeds[0]) + 12)
         if model.neq:
             raise RuntimeError("the motors are not the first of MuJoCo's constraints")
-        # Rows of dry friction come first, one for each joint.
-        self._motors = slice(0, 12)
+        # These two show MuJoCo's own numbers, whatever they become.
+        self._joint_angles = self._data.qpos[self._angles]
+        self._base_velocity = self._data.qvel[:3]
         self._names = [self._name_of(geom) for geom in range(model.ngeom)]
-        feet = np.array([name in self._feet for name in self._names])
-        ground = np.array([name == GROUND for name in self._names])
-        self._is_foot, self._is_ground = feet, ground
+        self._is_foot = [name in self._feet for name in self._names]
+        self._is_ground = [name == GROUND for name in self._names]
 
     def _name_of(self, geom: int) -> str:
         """Name what a geometry belongs to: a link, the ground or an obstacle."""
@@ -302,14 +360,17 @@ class MujocoSimulator:
         data = self._data
         if not data.ncon:
             return ()
-        geoms = data.contact.geom
-        a, b = geoms[:, 0], geoms[:, 1]
-        allowed = (self._is_foot[a] & self._is_ground[b]) | (self._is_foot[b] & self._is_ground[a])
-        found = set()
-        for index in np.flatnonzero(~allowed & (data.contact.dist <= 0.0)):
-            names = sorted(
-                (self._names[geom] for geom in geoms[index]),
-                key=lambda name: (name in (GROUND, OBSTACLE), name),
-            )
-            found.add(Contact(*names))
-        return tuple(sorted(found, key=str))
+        is_foot, is_ground = self._is_foot, self._is_ground
+        found = None
+        for index, (a, b) in enumerate(data.contact.geom.tolist()):
+            if (is_foot[a] and is_ground[b]) or (is_foot[b] and is_ground[a]):
+                continue
+            if data.contact.dist[index] <= 0.0:
+                found = found or set()
+                found.add(self._contact(a, b))
+        return tuple(sorted(found, key=str)) if found else ()
+
+    def _contact(self, a: int, b: int) -> Contact:
+        """Name two geometries that touch, the robot's first."""
+        names = (self._names[a], self._names[b])
+        return Contact(*sorted(names, key=lambda name: (name in (GROUND, OBSTACLE), name)))

@@ -6,6 +6,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,7 +50,13 @@ ENGINES = {
         has_pictures=True,
         has_window=True,
     ),
-    'mujoco': Engine('quad_sim.engines.mujoco_simulator', 'MujocoSimulator', 'mujoco'),
+    'mujoco': Engine(
+        'quad_sim.engines.mujoco_simulator',
+        'MujocoSimulator',
+        'mujoco',
+        has_pictures=True,
+        has_window=True,
+    ),
     'kinematic': Engine(
         'quad_sim.engines.kinematic_simulator', 'KinematicSimulator', has_world=False
     ),
@@ -55,6 +64,9 @@ ENGINES = {
 """Each backend; of those with physics the first that is installed is taken for ``auto``."""
 
 AUTO = 'auto'
+
+PREFERRED = 'QUADWALK_BACKEND'
+"""Environment variable with the backend that ``auto`` is to mean, here and in what is started."""
 
 BACKENDS = (AUTO, *ENGINES)
 """What ``backend`` may be."""
@@ -72,8 +84,9 @@ def resolved(backend: str) -> str:
     Returns
     -------
     str
-        One of :data:`ENGINES`. For ``auto`` the first one with physics that is installed; the
-        very first if none is, so that its own error says how to install it.
+        One of :data:`ENGINES`. For ``auto`` what :data:`PREFERRED` says; without it the first one
+        with physics that is installed; the very first if none is, so that its own error says how
+        to install it.
 
     Raises
     ------
@@ -84,8 +97,26 @@ def resolved(backend: str) -> str:
         raise ParameterError('backend', backend, f'one of {", ".join(BACKENDS)}')
     if backend != AUTO:
         return backend
+    if preferred := os.environ.get(PREFERRED):
+        if preferred not in ENGINES:
+            raise ParameterError(PREFERRED, preferred, f'one of {", ".join(ENGINES)}')
+        return preferred
     physical = [name for name, engine in ENGINES.items() if engine.has_world]
     return next((name for name in physical if ENGINES[name].is_installed), physical[0])
+
+
+@contextmanager
+def preferred(backend: str) -> Iterator[None]:
+    """Let ``auto`` mean a backend, one of :data:`ENGINES`, in this process and those it starts."""
+    before = os.environ.get(PREFERRED)
+    os.environ[PREFERRED] = backend
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[PREFERRED]
+        else:
+            os.environ[PREFERRED] = before
 
 
 def engines_with(feature: str) -> tuple[str, ...]:

@@ -50,13 +50,13 @@ class Observation:
     specific_force_in_base: Array
     """What an accelerometer measures: +g upward at rest, shape (3,) [m/s^2]."""
     joint_positions: Array
-    """In the order of ``Robot.joint_names``, shape (12,) [rad]."""
+    """Angles in the order of ``Robot.joint_names``, shape (12,) [rad]."""
     joint_velocities: Array
     """Shape (12,) [rad/s]."""
     joint_efforts: Array
     """Torques of the motors about the joints' axes in the last step, shape (12,) [N m]."""
     contacts: tuple[Contact, ...]
-    """Of anything but feet with anything, and of feet with anything but the ground."""
+    """Contacts of anything but feet with anything, and of feet with anything but the ground."""
     has_fallen: bool
     """The body lies on the ground or is tilted beyond recovery."""
 
@@ -81,10 +81,27 @@ class Simulator(Protocol):
         """Simulated time since the simulator was made [s]; a reset does not turn it back."""
 
     def reset(self, pose: Pose2D) -> None:
-        """Stand the robot at a pose, in its initial posture, at rest, with all joints sound."""
+        """
+        Stand the robot at a pose, in its initial posture, at rest, with all joints sound.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Pose of base_link in the world. On uneven ground the body is as parallel to the ground
+            and as near to it as no foot in the ground allows.
+        """
 
     def fail_joint(self, joint: int, kind: str) -> None:
-        """Let a joint fail from now on, by its place in ``Robot.joint_names``; see `FAILURES`."""
+        """
+        Let a joint fail from now on, until :meth:`reset`.
+
+        Parameters
+        ----------
+        joint : int
+            Its place in ``Robot.joint_names``.
+        kind : str
+            One of :data:`quad_sim.engines.joint_failure.FAILURES`.
+        """
 
     def step(self, joint_positions: Array, joint_velocities: Array) -> None:
         """Advance by one time step with the joints commanded as given, shape (12,)."""
@@ -120,6 +137,9 @@ class VisibleSimulator(SolidSimulator, Protocol):
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it."""
+
+    def prepare_pictures(self) -> None:
+        """Make ready what draws pictures; SimulatorError if nothing here can."""
 
     def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
         """Draw a picture; see :class:`quad_sim.world.simulated_camera.Scene`."""

@@ -7,7 +7,22 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from quad_common.errors import ParameterError
-from quad_common.vision.markers import Color, GoalMarker, RobotMarker, check_color
+from quad_common.vision.markers import (
+    OBSTACLE_COLOR,
+    Color,
+    GoalMarker,
+    RobotMarker,
+    check_color,
+)
+
+LIGHT_FROM = (2.0, -1.0, 4.0)
+"""Direction to the light, in the world. The shadows that it would cast are left out."""
+
+AMBIENT = 0.6
+"""Light that comes from everywhere: the brightness of faces that the lamp does not reach."""
+
+SQUARE_SHADE = 0.85
+"""Brightness of the darker squares of a pattern on the floor, of the lighter ones'."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +37,7 @@ class Appearance:
     """
 
     floor_color: Color = (205, 205, 200)
-    obstacle_color: Color = (205, 50, 35)
+    obstacle_color: Color = OBSTACLE_COLOR
     """Color of walls and of obstacles that have none of their own."""
     robot_color: Color = (70, 72, 76)
     """Color of body and legs."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -111,6 +110,9 @@ class SimulatedCamera:
         wide = self._rendered
         picture: Picture = scene.render(self._view, self._projection, wide.width, wide.height)
         if self._from is not None:
+            # Imported late: few simulations have a camera.
+            import cv2
+
             picture = cv2.remap(picture, *self._from, cv2.INTER_LINEAR).astype(np.uint8, copy=False)
         if self._brightness == 1.0 and self._noise == 0.0:
             return picture

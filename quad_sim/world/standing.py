@@ -59,6 +59,34 @@ def standing_on(robot: Robot, terrain: Terrain, pose: Pose2D) -> tuple[Array, Ar
     return np.array([pose.x, pose.y, height]), rotation
 
 
+def initial_place(
+    robot: Robot, terrain: Terrain | None, pose: Pose2D
+) -> tuple[Array, Array | None]:
+    """
+    Return where an engine puts a robot in its initial posture: position, and rotation if tilted.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    terrain : Terrain or None
+        The ground; None where it is level.
+    pose : Pose2D
+        Pose of base_link.
+
+    Returns
+    -------
+    position : ndarray, shape (3,)
+        Position of base_link in the world [m].
+    rotation : ndarray, shape (3, 3), or None
+        From base_link to the world, as :func:`standing_on`; None on level ground, where the body
+        has the pose's heading.
+    """
+    if terrain is None:
+        return np.array([pose.x, pose.y, robot.standing_height]), None
+    return standing_on(robot, terrain, pose)
+
+
 def _ball(radius: float) -> Array:
     """Points of a ball's lower half, and how far they are below its center, shape (n, 3) [m]."""
     rings = radius * np.arange(_RINGS + 1) / _RINGS

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
@@ -27,10 +26,10 @@ _TRIES = 30
 """Tries for each thing that is placed at random."""
 
 _SIZES = (0.6, 1.4)
-"""Sizes of bumps and boxes, as fractions of the size that was asked for."""
+"""Sizes of bumps and boxes, as fractions of the size that was requested."""
 
 _LEAST = 0.4
-"""Height of the lowest bumps and boxes, of the height that was asked for."""
+"""Height of the lowest bumps and boxes, as a fraction of the height that was requested."""
 
 _BLEND = 0.5
 """Over which noise grows around a level place [m]."""
@@ -167,6 +166,9 @@ def noise(
     """
     # A bell of deviation s makes heights with correlation exp(-d^2 / (4 s^2)).
     deviation = _SPREAD * size / cells.resolution
+    # Imported late: it takes a third of a node's start, and other ground needs none of it.
+    from scipy import ndimage
+
     heights = ndimage.gaussian_filter(rng.standard_normal(cells.heights.shape), deviation)
     for x, y in level_at:
         distance = np.hypot(*np.moveaxis(cells.centers - (x, y), -1, 0))

@@ -46,7 +46,7 @@ class Obstacle:
     width: float
     """Width of a box along y; a cylinder's diameter [m]."""
     height: float
-    """Above the ground at its middle [m]."""
+    """Height above the ground at its middle [m]."""
     color: Color | None = None
     """That of all obstacles if None."""
 

@@ -24,7 +24,7 @@ from quad_gait.following.slip_compensation import (
 )
 from quad_lab.closed_loop.calibration import (
     DIRECTIONS,
-    SHARES,
+    FRACTIONS,
     calibrate_motion,
     default_motions,
     measure_motion,
@@ -76,12 +76,12 @@ def test_a_motion_that_is_none_or_not_finite_is_refused(text):
 def test_by_default_six_directions_at_two_speeds_within_the_limits_are_measured():
     limits = MotionLimits(CUHK, TROT)
     motions = default_motions(CUHK, TROT)
-    assert len(motions) == len(DIRECTIONS) * len(SHARES)
+    assert len(motions) == len(DIRECTIONS) * len(FRACTIONS)
     for k, motion in enumerate(motions):
-        direction, share = DIRECTIONS[k // len(SHARES)], SHARES[k % len(SHARES)]
+        direction, fraction = DIRECTIONS[k // len(FRACTIONS)], FRACTIONS[k % len(FRACTIONS)]
         for done, wanted in zip(parts(motion), parts(direction)):
             assert done * wanted > 0.0 if wanted else done == 0.0
-        assert 1.0 / limits.largest_share(motion) == pytest.approx(share, rel=0.01)
+        assert 1.0 / limits.largest_scale(motion) == pytest.approx(fraction, rel=0.01)
 
 
 @each_motion
@@ -137,7 +137,7 @@ def test_the_command_writes_a_file_and_prints_one_object(tmp_path, capsys):
     wanted = [0.05, 0.0, math.radians(9.0)]
     assert row['wanted'] == pytest.approx(wanted)
     assert row['with'] == pytest.approx(wanted, rel=0.02, abs=1e-3)
-    assert 0.0 <= row['share_off'] < 0.02
+    assert 0.0 <= row['fraction_off'] < 0.02
     (calibration,) = load_compensation(path).calibrations
     assert (calibration.gait, calibration.cycle_period) == ('trot', TROT.cycle_period)
     assert parts(calibration.wanted) == pytest.approx(wanted, abs=1e-6)
@@ -148,7 +148,7 @@ def test_the_command_writes_a_file_and_prints_one_object(tmp_path, capsys):
 def fake_calibration(robot, gait, wanted):
     """Stand in for the measurement: the gait does 90 % of what is asked of it, then all."""
     measured = measure_motion(robot, gait, wanted, 1, 'kinematic')
-    before, after = (replace(measured, mean=wanted.scaled(share)) for share in (0.9, 1.0))
+    before, after = (replace(measured, mean=wanted.scaled(fraction)) for fraction in (0.9, 1.0))
     return Calibration(gait.name, gait.cycle_period, wanted, wanted.scaled(1.1)), before, after
 
 
@@ -185,7 +185,7 @@ def test_a_motion_that_cannot_be_compensated_ends_with_code_1(tmp_path, capsys, 
     arguments = ['--motion', '0.05,0,0', '--output', str(tmp_path / 'slip.yaml'), '--json']
     assert main([*COMMAND, *arguments]) == 1
     told = json.loads(capsys.readouterr().out)
-    assert told['motions'][0]['share_off'] == pytest.approx(0.03)
+    assert told['motions'][0]['fraction_off'] == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize(

@@ -23,3 +23,32 @@ def bench(domain):
 
     with Bench() as bench:
         yield bench
+
+
+@pytest.fixture
+def make_node(domain):
+    """Make gait nodes in this process, each with a simulation; see `node_in_process`."""
+    import rclpy
+    from node_in_process import NodeInProcess
+    from rclpy.parameter import Parameter
+
+    from quad_gait.gait_node import GaitNode
+
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    robots = []
+
+    def make(backend='kinematic', **parameters):
+        # Time is odometry's here: nobody publishes a clock.
+        given = {'use_sim_time': False, **parameters}
+        overrides = [Parameter(key, value=value) for key, value in given.items()]
+        robots.append(
+            NodeInProcess(GaitNode(context=context, parameter_overrides=overrides), backend)
+        )
+        return robots[-1]
+
+    yield make
+    for robot in robots:
+        robot.simulation.close()
+        robot.node.destroy_node()
+    context.try_shutdown()

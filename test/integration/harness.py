@@ -155,8 +155,8 @@ class Bench:
             self._end_nodes()
         finally:
             self._nodes.__exit__(None, None, None)
-            self.node.destroy_node()
             self._executor.shutdown()
+            self.node.destroy_node()
             self._context.try_shutdown()
 
     # ---- nodes ----

@@ -126,8 +126,8 @@ def truth(grid: OccupancyGrid, obstacles):
     covered = np.zeros(points.shape[:2], bool)
     for obstacle in obstacles:
         covered |= obstacle.holds(points)
-    shares = covered.reshape(grid.height, parts, grid.width, parts).mean(axis=(1, 3))
-    return shares >= 0.5
+    fractions = covered.reshape(grid.height, parts, grid.width, parts).mean(axis=(1, 3))
+    return fractions >= 0.5
 
 
 def random_obstacles(rng, count, side=8.0, gap=0.3):

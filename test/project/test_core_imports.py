@@ -18,7 +18,7 @@ MOST_MODULES = 16
 
 SHELLS = {
     'ros_node', 'run_node', 'map_frame_listener', 'transform_publisher', 'bullet_simulator',
-    'mujoco_simulator', 'mujoco_model',
+    'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window', 'composed_nodes',
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 
@@ -186,8 +186,8 @@ def test_mujoco_is_imported_by_its_engine_only():
         for path in SOURCES
         if any(name.partition('.')[0] == 'mujoco' for name in imports(path))
     }
-    engine = 'quad_sim/engines/mujoco_'
-    assert users == {f'{engine}simulator.py', f'{engine}model.py'}
+    parts = ('model', 'scene', 'simulator', 'window')
+    assert users == {f'quad_sim/engines/mujoco_{part}.py' for part in parts}
 
 
 def test_ros_is_imported_by_shells_only():

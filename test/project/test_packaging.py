@@ -30,6 +30,8 @@ LIBRARIES = {
     'numba': ('python3-numba', 'numba'),
     'numpy': ('python3-numpy', 'numpy'),
     'mujoco': ('python3-mujoco-pip', 'mujoco'),
+    # MuJoCo's window depends on it.
+    'glfw': ('python3-mujoco-pip', 'mujoco'),
     'pybullet': ('python3-pybullet-pip', 'pybullet'),
     'pybullet_data': ('python3-pybullet-pip', 'pybullet'),
     'pybullet_utils': ('python3-pybullet-pip', 'pybullet'),

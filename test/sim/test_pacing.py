@@ -1,8 +1,8 @@
-"""Simulated time keeps its pace by the wall clock, and does not catch up what is lost."""
+"""Simulated time keeps its pace by the wall clock, or does not leave the gait behind."""
 
 import pytest
 
-from quad_sim.pacing import Pacing
+from quad_sim.pacing import Answers, Pacing
 
 
 def test_a_simulation_that_is_early_waits_for_real_time():
@@ -31,3 +31,33 @@ def test_the_measured_factor_is_that_since_the_last_time():
     pacing = Pacing(0.0, wall=0.0)
     assert pacing.measured_factor(4.0, wall=2.0) == pytest.approx(2.0)
     assert pacing.measured_factor(5.0, wall=4.0) == pytest.approx(0.5)
+
+
+def test_nobody_is_waited_for_who_has_never_answered():
+    assert Answers().wait(100.0, wall=1.0) == 0.0
+
+
+def test_a_gait_that_is_left_behind_is_waited_for_until_it_answers():
+    answers = Answers()
+    answers.take(1.0, 1.0, wall=5.0)
+    assert answers.wait(1.1, wall=5.0) == 0.0
+    assert answers.wait(1.3, wall=5.01) == pytest.approx(0.24)
+    answers.take(1.2, 1.3, wall=5.02)
+    assert answers.wait(1.3, wall=5.02) == 0.0
+
+
+def test_a_gait_that_is_silent_is_not_waited_for_any_more():
+    answers = Answers()
+    answers.take(1.0, 1.0, wall=5.0)
+    assert answers.wait(1.3, wall=5.3) == 0.0
+    # It is waited for again once it answers.
+    answers.take(1.4, 1.5, wall=9.0)
+    assert answers.wait(1.7, wall=9.1) > 0.0
+
+
+@pytest.mark.parametrize('stamp', [0.5, 1.0, 7.0, float('nan'), float('inf')])
+def test_an_answer_that_is_old_or_of_the_future_holds_nobody_up(stamp):
+    answers = Answers()
+    answers.take(1.0, 1.0, wall=5.0)
+    answers.take(stamp, 2.0, wall=5.9)
+    assert answers.wait(2.0, wall=6.0) == 0.0

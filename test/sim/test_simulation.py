@@ -38,11 +38,15 @@ def make_simulation(kind=KinematicSimulator):
 
 def swaying(stamp, seconds=1.0, size=0.05):
     times = np.linspace(0.0, seconds, 51)
-    share = np.sin(math.pi * times / seconds) ** 2
+    fraction = np.sin(math.pi * times / seconds) ** 2
     rate = math.pi / seconds * np.sin(2.0 * math.pi * times / seconds)
     change = np.tile([size, 0.0, 0.0], 4)
     return JointTrajectory(
-        ROBOT.joint_names, stamp, times, POSTURE + share[:, None] * change, rate[:, None] * change
+        ROBOT.joint_names,
+        stamp,
+        times,
+        POSTURE + fraction[:, None] * change,
+        rate[:, None] * change,
     )
 
 

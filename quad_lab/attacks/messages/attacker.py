@@ -24,7 +24,7 @@ _SHARE_BYTES = 0.08
 """Of messages whose bytes are damaged, instead of a field."""
 
 _DISCOVERY = 0.5
-"""For publishers to be found by the node [s]."""
+"""Time in which publishers and clients are found by the node [s]."""
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -90,7 +90,11 @@ class Attacker:
             self._publishers[target.name] = node.create_publisher(
                 target.type, target.name, _LATCHED
             )
-        self._stage.spin(_DISCOVERY)
+        publishers = self._publishers.values()
+        # A node under attack may have lost one.
+        self._stage.spin_until(
+            lambda: all(each.get_subscription_count() for each in publishers), _DISCOVERY
+        )
 
     def close(self) -> None:
         """End all publishers and clients, and with them what is latched."""
@@ -115,6 +119,8 @@ class Attacker:
                 qos = QoSProfile(depth=10)
                 self._publishers[target.name] = node.create_publisher(target.type, target.name, qos)
         self.renew_latched()
+        # For services too, whose node cannot be asked whether it has found a client.
+        self._stage.spin(_DISCOVERY)
 
     def _read_parameters(self) -> list[Parameter]:
         listed = self._stage.call(f'{self.name}/list_parameters', ListParameters)

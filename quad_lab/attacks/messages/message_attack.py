@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-from dataclasses import asdict
+import math
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid
@@ -19,26 +20,21 @@ from quad_common.resources import sample_map
 from quad_common.robot.robot_file import load_robot
 from quad_lab.attacks.messages.attacker import Attacker
 from quad_lab.attacks.messages.nonsense import accepted_nonsense
+from quad_lab.attacks.stage.findings import Findings
 from quad_lab.attacks.stage.report import Report, bars_of
-from quad_lab.attacks.stage.scenes import MAP, QUICK_SCENES, ROBOT, SCENES, START
+from quad_lab.attacks.stage.scenes import (
+    MAP,
+    QUICK_SCENES,
+    ROBOT,
+    SCENES,
+    START,
+    AttackScene,
+)
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.state import growth
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion
-from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
-
-MESSAGES = 2000
-"""To each node, with the robot standing, and as many with it walking."""
-
-QUICK_MESSAGES = 20
-
-LENGTH = 1.0
-"""Longest way to the good goal after an attack [m]."""
-
-QUICK_LENGTH = 0.25
-
-QUICK_NONSENSE = 5
-"""Messages that must be refused, to each node."""
+from quad_lab.topic_walk.node_processes import NodeDied
 
 _BATCH = 20
 """Messages between two looks whether all is well."""
@@ -47,16 +43,60 @@ _WARM_UP = 0.5
 """Fraction of the messages after which memory is measured again: the first giant messages enlarge
 heaps once, and what goes on growing does so afterwards as well."""
 
-_CALMING = 2.0
-"""Time in which a node gets back to its usual work before it is measured [s]."""
-
 _GAP = 0.004
 """Between two messages [s]."""
 
-_MOMENTS, _BETWEEN = 10, 0.1
-"""At which memory is measured, and the time between two of them [s]."""
+_BETWEEN = 0.1
+"""Time between two moments at which memory is measured [s]."""
+
+_SET_OUT = 2.0
+"""Time in which a robot that was given a goal is to set out [s]."""
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Size of an attack."""
+
+    messages: int
+    """Number of messages to each node, with the robot standing, and as many with it walking."""
+    nonsense: int | None
+    """Number of messages that must be refused, to each node; None for all."""
+    longest: float
+    """Longest way to the good goal after an attack [m]."""
+    largest_turn: float
+    """Largest turn to that goal, and on it [rad]."""
+    moments: int
+    """Number of moments at which memory is measured."""
+    calming: float
+    """Time in which a node gets back to its usual work before it is measured [s]."""
+
+
+FULL = Effort(2000, None, longest=1.0, largest_turn=math.pi, moments=10, calming=2.0)
+QUICK = Effort(20, 5, longest=0.2, largest_turn=0.1, moments=2, calming=0.4)
+
+
+@dataclass
+class MessageOutcome:
+    """What came of attacks by messages."""
+
+    reports: list[Report] = field(default_factory=list)
+    findings: Findings = field(default_factory=Findings)
+
+    def add(self, others: MessageOutcome) -> None:
+        """Take in what came of other attacks."""
+        self.reports += others.reports
+        self.findings.add(others.findings)
+
+    def result(self, quick: bool) -> tuple[list[Criterion], dict[str, object]]:
+        """Work out the bars, and details for JSON."""
+        seen = self.findings
+        return bars_of(self.reports, seen.counts, seen.tracebacks, quick), {
+            'attacks': [asdict(report) for report in self.reports],
+            'violations': seen.examples,
+            'tracebacks': seen.tracebacks,
+        }
 
 
 def attack_messages(
@@ -79,39 +119,49 @@ def attack_messages(
     tuple
         The bars, and details for JSON.
     """
-    count = QUICK_MESSAGES if quick else MESSAGES
-    reports: list[Report] = []
-    violations: dict[str, list[str]] = {}
-    counts: dict[str, int] = {}
-    tracebacks: list[str] = []
+    outcome = MessageOutcome()
     for scene in QUICK_SCENES if quick else SCENES:
-        with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
-            scene.start(stage)
-            for state, node in itertools.product(scene.states, scene.targets):
-                attack = MessageAttack(
-                    stage,
-                    Report(node, state),
-                    seed,
-                    scene.clearance,
-                    QUICK_LENGTH if quick else LENGTH,
-                    2 if quick else _MOMENTS,
-                )
-                if scene.has_nonsense and state == scene.states[0]:
-                    attack.try_nonsense(QUICK_NONSENSE if quick else None)
-                attack.run(count)
-                attack.walk_on()
-                reports.append(attack.report)
-                _say(console, attack.report, stage)
-            tracebacks += stage.tracebacks()
-            for kind, number in stage.listener.counts.items():
-                counts[kind] = counts.get(kind, 0) + number
-                violations.setdefault(kind, []).extend(stage.listener.examples[kind])
-    details: dict[str, object] = {
-        'attacks': [asdict(report) for report in reports],
-        'violations': violations,
-        'tracebacks': tracebacks,
-    }
-    return bars_of(reports, counts, tracebacks, quick), details
+        with scene.running() as stage:
+            effort = QUICK if quick else FULL
+            outcome.add(attack_scene(console, stage, scene, effort, seed))
+    return outcome.result(quick)
+
+
+def attack_scene(
+    console: Console, stage: Stage, scene: AttackScene, effort: Effort, seed: int
+) -> MessageOutcome:
+    """
+    Attack the nodes of a scene, one after the other.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress goes.
+    stage : Stage
+        Where the scene's nodes run.
+    scene : AttackScene
+        Which nodes are attacked, and in which states of the robot.
+    effort : Effort
+        Size of each attack.
+    seed : int
+        Of what is sent.
+
+    Returns
+    -------
+    MessageOutcome
+        What came of it.
+    """
+    before = Findings.of(stage)
+    reports = []
+    for state, node in itertools.product(scene.states, scene.targets):
+        attack = MessageAttack(stage, Report(node, state), seed, scene.clearance, effort)
+        if scene.has_nonsense and state == scene.states[0]:
+            attack.try_nonsense(effort.nonsense)
+        attack.run(effort.messages)
+        attack.walk_on()
+        reports.append(attack.report)
+        _say(console, attack.report, stage)
+    return MessageOutcome(reports, Findings.of(stage).since(before))
 
 
 class MessageAttack:
@@ -128,10 +178,8 @@ class MessageAttack:
         Of goals and messages.
     clearance : float
         Distance that goals keep beyond the planner's own [m].
-    longest : float
-        Longest way to the good goal after the attack [m].
-    moments : int
-        Number of moments at which memory is measured.
+    effort : Effort
+        Size of the attack.
     """
 
     def __init__(
@@ -140,12 +188,10 @@ class MessageAttack:
         report: Report,
         seed: int,
         clearance: float = 0.0,
-        longest: float = 1.0,
-        moments: int = _MOMENTS,
+        effort: Effort = FULL,
     ) -> None:
         self.report = report
-        self._moments = moments
-        self._longest = longest
+        self._effort = effort
         self._stage = stage
         self._goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed, clearance=clearance)
         self._rng = np.random.default_rng(seed)
@@ -194,7 +240,7 @@ class MessageAttack:
         """Return the same as `_held`, of nodes that do their usual work again."""
         self._attacker.restore_parameters()
         self._release()
-        self._stage.spin(self._moments / _MOMENTS * _CALMING)
+        self._stage.spin(self._effort.calming)
         return self._held()
 
     def _held(self) -> dict[str, float]:
@@ -204,7 +250,7 @@ class MessageAttack:
         It is the least of some moments: what works on a picture has it several times over.
         """
         held = self._stage.memory()
-        for _ in range(self._moments):
+        for _ in range(self._effort.moments):
             self._stage.spin(_BETWEEN)
             now = self._stage.memory()
             held = {name: min(held[name], now[name]) for name in held if name in now}
@@ -240,8 +286,10 @@ class MessageAttack:
         """Take back what a stranger may rightly ask for: a pause, a seat, a wall."""
         stage = self._stage
         self._release()
-        if self.report.state == 'walking' and stage.activity not in ('walking', 'turning'):
+        if self.report.state == 'walking' and not stage.is_moving():
             stage.give_goal(self._goals.draw(START, 0.3, 1.5))
+            # Under attack it may not.
+            stage.spin_until(stage.is_moving, _SET_OUT)
 
     def _release(self) -> None:
         stage = self._stage
@@ -270,7 +318,8 @@ class MessageAttack:
             self._release()
             pose = stage.pose
             assert pose is not None
-            stage.walk_to(self._goals.draw(pose, 0.2 * self._longest, self._longest))
+            longest, turn = self._effort.longest, self._effort.largest_turn
+            stage.walk_to(self._goals.draw(pose, 0.2 * longest, longest, turn))
             report.has_reached_goal = True
         except (NotSeen, NodeDied) as error:
             report.problem = str(error)

@@ -44,6 +44,12 @@ _PATIENCE = 30.0
 _GIVE_UP = 20.0
 """Wait for an answer [s]."""
 
+_LOST = 3.0
+"""Time after which a request is repeated [s]: who has not found its client yet answers nobody."""
+
+_LOOK_PERIOD = 0.01
+"""Longest time between two looks whether it has come [s]."""
+
 NEAR = 0.05
 """Of a goal: the robot is there [m]."""
 
@@ -89,7 +95,7 @@ class Stage:
         """Every node that was started; the last one of a name."""
         self._parameters: dict[str, dict[str, object]] = {}
         self._goals = GoalTopic(self.node)
-        self._pings: dict[str, Any] = {}
+        self._clients: dict[str, Any] = {}
 
     def __enter__(self) -> Stage:
         return self
@@ -101,8 +107,8 @@ class Stage:
         trace: TracebackType | None,
     ) -> None:
         self._processes.__exit__(kind, error, trace)
-        self.node.destroy_node()
         self._executor.shutdown()
+        self.node.destroy_node()
         self._context.try_shutdown()
 
     # ---- nodes ----
@@ -116,6 +122,8 @@ class Stage:
         """Start a node that has ended, with the parameters it had."""
         self.listener.statuses.pop(name, None)
         self._goals.note_death(name)
+        for service in [each for each in self._clients if each.startswith(f'{name}/')]:
+            self.node.destroy_client(self._clients.pop(service))
         self.start(name, **self._parameters[name])
 
     def wait_until_found(self) -> None:
@@ -168,6 +176,13 @@ class Stage:
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
 
+    def spin_until(self, condition: Callable[[], bool], longest: float) -> bool:
+        """Handle what comes in until a condition holds, or some time is over [s]."""
+        end = time.monotonic() + longest
+        while not (is_so := condition()) and time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=_LOOK_PERIOD)
+        return is_so
+
     def wait_until(
         self,
         what: str,
@@ -213,16 +228,11 @@ class Stage:
 
     def ping(self, name: str) -> Reaction:
         """Measure how long a node takes to answer to a request for a parameter."""
-        if name not in self._pings:
-            self._pings[name] = self.node.create_client(GetParameters, f'{name}/get_parameters')
-        client = self._pings[name]
-        # Found first: discovery is not the node's own time.
-        began = time.monotonic()
-        while not client.service_is_ready() and time.monotonic() - began < _GIVE_UP:
-            self._executor.spin_once(timeout_sec=0.01)
-            if name in self.dead_nodes():
-                break
-        return self.reaction(name, client.call_async(GetParameters.Request(names=['robot'])))
+        service, request = f'{name}/get_parameters', GetParameters.Request(names=['robot'])
+        if service not in self._clients:
+            # Discovery is not the node's own time.
+            self.call(service, GetParameters, request)
+        return self.reaction(name, self._clients[service].call_async(request))
 
     def reaction(self, name: str, answer: Any) -> Reaction:
         """Listen until a node has answered to a request; measure how long that takes."""
@@ -237,17 +247,17 @@ class Stage:
 
     def call(self, name: str, kind: Any, request: Any = None) -> Any:
         """Call a service and return its answer; None if there is none."""
-        client = self.node.create_client(kind, name)
-        end = time.monotonic() + _GIVE_UP
-        try:
-            if not client.wait_for_service(_GIVE_UP):
-                return None
-            answer = client.call_async(kind.Request() if request is None else request)
-            while not answer.done() and time.monotonic() < end:
-                self._executor.spin_once(timeout_sec=0.01)
-            return answer.result() if answer.done() else None
-        finally:
-            self.node.destroy_client(client)
+        request = kind.Request() if request is None else request
+        # Kept: to find a service takes longer than its answer.
+        if name not in self._clients:
+            self._clients[name] = self.node.create_client(kind, name)
+        client, end = self._clients[name], time.monotonic() + _GIVE_UP
+        self.spin_until(client.service_is_ready, _GIVE_UP)
+        while time.monotonic() < end:
+            answer = client.call_async(request)
+            if self.spin_until(answer.done, _LOST):
+                return answer.result()
+        return None
 
     # ---- the robot ----
 
@@ -255,6 +265,10 @@ class Stage:
     def activity(self) -> str:
         """What the gait node says it does."""
         return self.listener.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
+
+    def is_moving(self) -> bool:
+        """Return whether the gait node says that the robot walks or turns."""
+        return self.activity in (Activity.WALKING.value, Activity.TURNING.value)
 
     @property
     def has_fallen(self) -> bool:

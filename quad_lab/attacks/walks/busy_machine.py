@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import count, islice
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -32,8 +33,9 @@ from quad_lab.closed_loop.disturbed_walk import UNDISTURBED, Disturbance, Distur
 from quad_lab.closed_loop.terrain_walk import COURSES, make_course
 from quad_lab.tools.criterion import Criterion, at_most, figure
 from quad_lab.tools.workers import worker_pool
+from quad_sim.engines.registry import AUTO, ENGINES, engines_with
 
-HOURS, QUICK_WALKS = 10.0, 6
+HOURS, QUICK_WALKS = 10.0, 4
 """Simulated time of the whole campaign [h], and number of walks of the quick one."""
 
 WALK, QUICK_WALK = 60.0, 12.0
@@ -70,6 +72,8 @@ class WatchedWalk:
     """Seed and number of the walk."""
     duration: float
     """Longest time that it takes [s]."""
+    backend: str = AUTO
+    """Physics."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +190,7 @@ def drawn_walks(seed: int, duration: float) -> Iterator[WatchedWalk]:
         Of each of them [s].
     """
     names = available_robots()
+    engines = [name for name in engines_with('has_world') if ENGINES[name].is_installed]
     for number in count():
         rng = np.random.default_rng((seed, number))
         robot = load_robot(names[number % len(names)])
@@ -198,7 +203,9 @@ def drawn_walks(seed: int, duration: float) -> Iterator[WatchedWalk]:
             kind = str(rng.choice(_courses_of(robot)))
         turning = str(rng.choice(_TURNINGS))
         is_disturbed = bool(rng.random() < 0.8)
-        yield WatchedWalk(robot.name, gait, kind, turning, is_disturbed, (seed, number), duration)
+        backend = engines[number // len(names) % len(engines)]
+        key = (seed, number)
+        yield WatchedWalk(robot.name, gait, kind, turning, is_disturbed, key, duration, backend)
 
 
 def walk_watched(walk: WatchedWalk) -> WatchedOutcome:
@@ -216,13 +223,12 @@ def walk_watched(walk: WatchedWalk) -> WatchedOutcome:
         options = for_uneven_ground(options)
     controller = controller_for(robot, gait, options)
     disturbance = Disturbance() if walk.is_disturbed else UNDISTURBED
+    place: dict[str, Any] = {}
     if is_uneven:
         course = make_course(robot, walk.kind, int(rng.integers(1000)))
         controller.set_height_map(course.height_map)
         place = {'world': course.world, 'start': course.start}
-        walked = DisturbedWalk(robot, controller, disturbance, rng, **place)
-    else:
-        walked = DisturbedWalk(robot, controller, disturbance, rng)
+    walked = DisturbedWalk(robot, controller, disturbance, rng, backend=walk.backend, **place)
     unfollowed = False
 
     def is_over() -> bool:
@@ -257,10 +263,10 @@ def _wish(kind: str, controller: Supervisor, pose: Pose2D, rng: np.random.Genera
     if kind == 'steered':
         direction = DIRECTIONS[str(rng.choice(sorted(DIRECTIONS)))]
         gear = controller.gait_pair.of_twist(direction.rate(1.0))
-        wanted = direction.scaled(rng.uniform(0.3, 1.0) * gear.largest_share(direction))
+        wanted = direction.scaled(rng.uniform(0.3, 1.0) * gear.largest_scale(direction))
         controller.set_twist(wanted.rate(gear.period))
     elif controller.activity not in (Activity.WALKING, Activity.TURNING):
-        size = 8.0 * controller.gait_pair.walking.largest_share(BodyMotion(forward=1.0))
+        size = 8.0 * controller.gait_pair.walking.largest_scale(BodyMotion(forward=1.0))
         if kind == 'circle':
             pieces = circle_pieces(pose, rng.uniform(0.3, 1.0) * size, 2.0 * math.pi)
             controller.set_plan(Plan((pose, pieces[-1].end)), pieces)

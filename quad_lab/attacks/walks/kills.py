@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 import signal
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from rich.console import Console
@@ -14,8 +14,9 @@ from rich.console import Console
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot_file import load_robot
+from quad_lab.attacks.stage.findings import Findings
 from quad_lab.attacks.stage.reasons import reason_for_standing
-from quad_lab.attacks.stage.scenes import MAP, NODES, ROBOT, START, start_nodes
+from quad_lab.attacks.stage.scenes import MAP, NODES, ROBOT, START, AttackScene
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.violations import (
     NOT_FINITE,
@@ -25,10 +26,8 @@ from quad_lab.attacks.stage.violations import (
 )
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most
-from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
-
-WALKS = 40
-QUICK_WALKS = 2
+from quad_lab.topic_walk.node_processes import NodeDied
+from quad_sim.engines.registry import AUTO
 
 WAYS = ('SIGKILL', 'SIGSTOP')
 
@@ -38,13 +37,8 @@ _STOPPED_FOR = 5.0
 _RESPAWN = 1.0
 """After which a node that was killed is started again, as ``respawn_delay`` does [s]."""
 
-_LATEST = 12.0
-"""After a walk's beginning, for the kill [s], simulated."""
-
 _PATIENCE = 20.0
-"""For the robot to go on by itself, or to say why it does not [s], simulated."""
-
-_MOVING = ('walking', 'turning')
+"""Time for the robot to go on by itself, or to say why it does not [s], simulated."""
 
 _BEGINNING = 60.0
 """For a robot that was given a goal to begin [s], simulated."""
@@ -52,8 +46,34 @@ _BEGINNING = 60.0
 _ATTEMPTS = 3
 """Times that the goal is given until it does."""
 
-_RATE = 3.0
-"""Simulated over real time."""
+_SCENE = AttackScene(AUTO, ('walking',), NODES, has_nonsense=False, rate=3.0)
+
+# A trot is soon at its goal.
+_QUICK_SCENE = replace(_SCENE, setup='kinematic', gait='trot', rate=2.0)
+
+
+@dataclass(frozen=True)
+class KillPlan:
+    """Which nodes are killed or stopped, and when."""
+
+    walks: int
+    """Number of walks."""
+    lengths: tuple[float, float]
+    """Shortest and longest way to a goal [m]."""
+    latest: float
+    """Latest moment of a kill after a walk's beginning [s], simulated."""
+
+    def drawn_ways(self, rng: np.random.Generator) -> list[tuple[str, str]]:
+        """Draw the node and the way of each walk: every pair as often, both ways by turns."""
+        orders = [rng.permutation(NODES) for _ in WAYS]
+        pairs = [(str(node), way) for nodes in zip(*orders) for node, way in zip(nodes, WAYS)]
+        return [pairs[number % len(pairs)] for number in range(self.walks)]
+
+
+FULL = KillPlan(walks=40, lengths=(0.4, 1.2), latest=12.0)
+
+# Of a robot that trots.
+QUICK = KillPlan(walks=2, lengths=(1.0, 2.0), latest=2.0)
 
 
 @dataclass
@@ -115,42 +135,43 @@ def attack_by_kills(
     tuple
         The bars, and details for JSON: every walk.
     """
+    scene, plan = (_QUICK_SCENE, QUICK) if quick else (_SCENE, FULL)
+    with scene.running() as stage:
+        return kill_in_walks(console, stage, plan, seed)
+
+
+def kill_in_walks(
+    console: Console, stage: Stage, plan: KillPlan, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
+    """Kill nodes that run on a stage; otherwise as `attack_by_kills`."""
     rng = np.random.default_rng(seed)
-    count = QUICK_WALKS if quick else WALKS
-    ways = [(node, way) for way in WAYS for node in NODES]
-    order = rng.permutation(len(ways))
-    walks: list[KilledWalk] = []
-    with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
-        start_nodes(stage, 'bullet', _RATE)
-        goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed)
-        for number in range(count):
-            node, way = ways[order[number % len(ways)]]
-            walk = KilledWalk(number, node, way)
-            _killed_walk(stage, walk, goals, float(rng.uniform(0.0, _LATEST)))
-            walks.append(walk)
-            _say(console, walk)
-            if not walk.is_good:
-                _begin_again(stage)
-        counts, examples = dict(stage.listener.counts), dict(stage.listener.examples)
-        tracebacks = stage.tracebacks()
-    return bars_of(walks, counts, len(tracebacks)), {
+    before = Findings.of(stage)
+    goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed)
+    walks = []
+    for number, (node, way) in enumerate(plan.drawn_ways(rng)):
+        walk = KilledWalk(number, node, way, float(rng.uniform(0.0, plan.latest)))
+        _killed_walk(stage, walk, plan, goals)
+        walks.append(walk)
+        _say(console, walk)
+        if not walk.is_good:
+            _begin_again(stage)
+    seen = Findings.of(stage).since(before)
+    return bars_of(walks, seen.counts, len(seen.tracebacks)), {
         'walks': [asdict(walk) for walk in walks],
-        'tracebacks': tracebacks,
-        'violations': examples,
+        'tracebacks': seen.tracebacks,
+        'violations': seen.examples,
     }
 
 
-def _killed_walk(stage: Stage, walk: KilledWalk, goals: GoalDrawer, moment: float) -> None:
+def _killed_walk(stage: Stage, walk: KilledWalk, plan: KillPlan, goals: GoalDrawer) -> None:
     """Walk to a goal; kill a node on the way."""
-    pose = stage.pose or START
-    goal = goals.draw(pose, 0.4, 1.2)
-    walk.moment = moment
+    goal = goals.draw(stage.pose or START, *plan.lengths)
     try:
         _begin(stage, walk, goal)
         begun = stage.listener.time
         stage.wait_until(
             'the moment of the kill',
-            lambda: stage.listener.time >= begun + moment or stage.is_at(goal),
+            lambda: stage.listener.time >= begun + walk.moment or stage.is_at(goal),
         )
         _kill(stage, walk)
         if not _goes_on(stage, goal):
@@ -172,7 +193,7 @@ def _begin(stage: Stage, walk: KilledWalk, goal: Pose2D) -> None:
     for attempt in range(1, _ATTEMPTS + 1):
         stage.give_goal(goal)
         try:
-            stage.wait_until('the robot walks', lambda: stage.activity in _MOVING, _BEGINNING)
+            stage.wait_until('the robot walks', stage.is_moving, _BEGINNING)
         except NotSeen:
             # An answer, and no effect: the topic is lost, and the node is not.
             ping = stage.ping('planner_node')
@@ -206,7 +227,7 @@ def _goes_on(stage: Stage, goal: Pose2D) -> bool:
         nonlocal moved_at, seen
         now = stage.listener.time
         # A simulator that is started again begins at zero.
-        if now < seen or stage.activity in (*_MOVING, 'standing up'):
+        if now < seen or stage.is_moving() or stage.activity == 'standing up':
             moved_at = now
         seen = now
         return stage.is_at(goal) or now - moved_at > _PATIENCE

@@ -4,13 +4,16 @@ A soak: hours of simulated time, one random goal after the other, over topics.
 
 from __future__ import annotations
 
+import math
 import time
+from dataclasses import dataclass
 
 from rich.console import Console
 
 from quad_common.resources import sample_map
 from quad_common.robot.robot_file import load_robot
-from quad_lab.attacks.stage.scenes import MAP, ROBOT, START, start_nodes
+from quad_lab.attacks.stage.findings import Findings
+from quad_lab.attacks.stage.scenes import MAP, QUICK_WALK, ROBOT, START, start_nodes
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.state import growth
 from quad_lab.attacks.stage.violations import violation_bars
@@ -18,20 +21,32 @@ from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.node_processes import NodeDied, isolated_domain
 
-DURATION = 6.0 * 3600.0
-"""[s], simulated."""
 
-QUICK_DURATION = 8.0
-"""Likewise."""
+@dataclass(frozen=True)
+class SoakPlan:
+    """How long a robot walks, and how far at a time."""
 
-_WARM_UP = 600.0
-"""Memory is compared with what it was then [s], simulated."""
+    duration: float
+    """Simulated time [s]."""
+    warm_up: float
+    """Simulated time from which on memory is compared [s]."""
+    lengths: tuple[float, float]
+    """Shortest and longest way to a goal [m]."""
+    largest_turn: float
+    """Largest turn to a goal, and on it [rad]."""
+    largest_growth: float | None
+    """Memory that a node may gain after the warm-up, as a fraction; None if it is only measured."""
+
+
+FULL = SoakPlan(
+    6.0 * 3600.0, warm_up=600.0, lengths=(0.3, 5.0), largest_turn=math.pi, largest_growth=0.02
+)
+
+# Nodes that have just begun still load what they need.
+QUICK = SoakPlan(8.0, warm_up=0.0, lengths=(0.2, 0.4), largest_turn=0.1, largest_growth=None)
 
 _LINE_EVERY = 30.0
 """A line of progress [s], on the wall clock."""
-
-LARGEST_GROWTH = 0.02
-"""Memory that a node may gain after the warm-up, as a fraction."""
 
 _FEWEST = 2
 """Goals, or there would be nothing to compare."""
@@ -58,47 +73,54 @@ def soak(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dic
     tuple
         The bars, and details for JSON: memory over time, and goals that were not reached.
     """
-    duration = QUICK_DURATION if quick else DURATION
+    with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
+        if quick:
+            QUICK_WALK.start(stage)
+        else:
+            # As fast as possible, a message is on its way for a good part of a simulated second.
+            start_nodes(stage, 'kinematic', rate=0.0, lead_time=2.0)
+        return walk_for_long(console, stage, QUICK if quick else FULL, seed)
+
+
+def walk_for_long(
+    console: Console, stage: Stage, plan: SoakPlan, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
+    """Walk with nodes that run on a stage; otherwise as `soak`."""
     goals = GoalDrawer(load_robot(ROBOT), sample_map(MAP), seed)
     reached, missed = 0, list[str]()
     memory: list[tuple[float, dict[str, float]]] = []
-    said_at = time.monotonic()
-    with isolated_domain(), Stage(load_robot(ROBOT)) as stage:
-        # As fast as possible, a message is on its way for a good part of a simulated second.
-        start_nodes(stage, 'kinematic', rate=0.0, lead_time=2.0)
-        while (stage.listener.time < duration or reached < _FEWEST) and len(missed) < _MOST_MISSED:
-            goal = goals.draw(stage.pose or START, 0.3, 0.6 if quick else 5.0)
-            try:
-                stage.walk_to(goal, 900.0)
-                reached += 1
-            except (NotSeen, NodeDied) as error:
-                missed.append(str(error))
-                if isinstance(error, NodeDied):
-                    break
-            memory.append((stage.listener.time, stage.memory()))
-            if time.monotonic() - said_at > _LINE_EVERY:
-                said_at = time.monotonic()
-                hours = stage.listener.time / 3600.0
-                line = f'{hours:.2f} h simulated, {reached} goals, {memory[-1][1]}'
-                console.print(line, highlight=False)
-        simulated = stage.listener.time
-        counts, examples = dict(stage.listener.counts), dict(stage.listener.examples)
-        tracebacks = stage.tracebacks()
-    # Nodes that have just begun still load what they need.
-    grown = growth_since(memory, 0.0 if quick else _WARM_UP)
+    said_at, before, began = time.monotonic(), Findings.of(stage), stage.listener.time
+    simulated = 0.0
+    while (simulated < plan.duration or reached < _FEWEST) and len(missed) < _MOST_MISSED:
+        goal = goals.draw(stage.pose or START, *plan.lengths, plan.largest_turn)
+        try:
+            stage.walk_to(goal, 900.0)
+            reached += 1
+        except (NotSeen, NodeDied) as error:
+            missed.append(str(error))
+            if isinstance(error, NodeDied):
+                break
+        simulated = stage.listener.time - began
+        memory.append((simulated, stage.memory()))
+        if time.monotonic() - said_at > _LINE_EVERY:
+            said_at = time.monotonic()
+            line = f'{simulated / 3600.0:.2f} h simulated, {reached} goals, {memory[-1][1]}'
+            console.print(line, highlight=False)
+    seen = Findings.of(stage).since(before)
+    grown = growth_since(memory, plan.warm_up)
     what, largest = 'largest growth of memory', max(grown.values(), default=None)
     bars = [
         figure('simulated', simulated / 3600.0, 'h'),
-        *bars_of(reached, len(missed), counts, len(tracebacks)),
-        figure(what, largest, 'fraction') if quick
-        else at_most(what, largest, 'fraction', LARGEST_GROWTH),
+        *bars_of(reached, len(missed), seen.counts, len(seen.tracebacks)),
+        figure(what, largest, 'fraction') if plan.largest_growth is None
+        else at_most(what, largest, 'fraction', plan.largest_growth),
     ]  # fmt: skip
     return bars, {
         'growth': grown,
         'memory': memory,
         'missed': missed,
-        'violations': examples,
-        'tracebacks': tracebacks,
+        'violations': seen.examples,
+        'tracebacks': seen.tracebacks,
     }
 
 

@@ -139,8 +139,8 @@ def _bars(
         at_least(f'walks that arrived, of {2 * count}', arrived, 'walks', 2 * count),
         at_least(f'walking time saved over mesh, mean of {count}', saved.mean(), '%', 10.0),
     ]
-    for name, share in (('least', 0), ('lower quartile', 25), ('median', 50), ('most', 100)):
-        value = float(np.nanpercentile(saved, share)) if np.isfinite(saved).any() else None
+    for name, fraction in (('least', 0), ('lower quartile', 25), ('median', 50), ('most', 100)):
+        value = float(np.nanpercentile(saved, fraction)) if np.isfinite(saved).any() else None
         bars.append(figure(f'walking time saved over mesh, {name}', value, '%'))
     bars.append(at_most('predicted walking time, largest error', 100.0 * np.max(errors), '%', 3.0))
     return bars

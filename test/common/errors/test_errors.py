@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from quad_common.errors import QuadError
+from quad_common.errors.perception import PictureFileError
+from quad_common.errors.robots import RobotFileError
 from quad_common.planar_pose import Pose2D
 
 ROOT = Path(__file__).parents[3]
@@ -54,7 +56,9 @@ def defined_errors():
 
 
 ERRORS = defined_errors()
-CATEGORIES = [kind for kind in ERRORS if kind.__init__ is Exception.__init__]
+WITH_A_FACT = (PictureFileError, RobotFileError)
+"""Categories with a fact that all their errors have."""
+CATEGORIES = [kind for kind in ERRORS if kind.__init__ is Exception.__init__ or kind in WITH_A_FACT]
 FAULTS = [kind for kind in ERRORS if kind not in CATEGORIES]
 
 

@@ -90,8 +90,8 @@ def test_noise_of_corrections_is_filtered_as_stated_however_far_odometry_has_com
         noise = Pose2D(*rng.normal(0.0, (0.02, 0.02, 0.01)).tolist())
         frame.add([transform(odometry @ noise @ odometry.inverse())])
         errors.append(frame.locate(float(second), 'odom', odometry).distance_to(odometry))
-    share = 1.0 - math.exp(-1.0 / 3.0)
-    expected = 0.02 * math.sqrt(2.0) * math.sqrt(share / (2.0 - share))
+    fraction = 1.0 - math.exp(-1.0 / 3.0)
+    expected = 0.02 * math.sqrt(2.0) * math.sqrt(fraction / (2.0 - fraction))
     assert np.sqrt(np.mean(np.square(errors[20:]))) == pytest.approx(expected, rel=0.1)
 
 

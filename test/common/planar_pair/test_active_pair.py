@@ -15,6 +15,7 @@ from quad_common.planar_pair.active_pair import (
 )
 from quad_common.planar_pair.planar_pair import (
     ActivePair,
+    JointAngles,
     PairPosture,
     PlanarLeg,
     points_of,
@@ -32,7 +33,7 @@ PAIRS = {
     'equal links': ActivePair(PlanarLeg(0.7, 0.7), PlanarLeg(0.7, 0.7), -1.0, 1.0),
 }
 PAIR = PAIRS['j in front']
-UPRIGHT = posture_of(PAIR, 0.3j, 0.05, 0.7, -1.9, 0.8, -2.0)
+UPRIGHT = posture_of(PAIR, 0.3j, 0.05, JointAngles(0.7, -1.9, 0.8, -2.0))
 FEET = points_of(PAIR, UPRIGHT)
 
 each_pair = pytest.mark.parametrize('pair', PAIRS.values(), ids=PAIRS)
@@ -66,7 +67,8 @@ each_case = pytest.mark.parametrize(('solve', 'branches', 'held'), CASES.values(
 def random_postures(pair, count, seed=0):
     rng = np.random.default_rng(seed)
     place = rng.uniform(-1.0, 1.0, count) + 1j * rng.uniform(-1.0, 1.0, count)
-    return posture_of(pair, place, *rng.uniform(-math.pi, math.pi, (5, count)))
+    theta, *angles = rng.uniform(-math.pi, math.pi, (5, count))
+    return posture_of(pair, place, theta, JointAngles(*angles))
 
 
 def off(one, other):
@@ -228,8 +230,8 @@ def test_the_mirrored_pair_has_the_mirrored_posture(solve, branches, held):
     mirrored_pair = ActivePair(PAIR.leg_i, PAIR.leg_j, -PAIR.lambda_i, -PAIR.lambda_j)
 
     def mirror(p):
-        legs = (-p.u1_i, math.pi - p.u2_i, -p.u1_j, math.pi - p.u2_j)
-        return posture_of(mirrored_pair, -p.hip_i.conj(), -p.theta, *legs)
+        legs = JointAngles(-p.u1_i, math.pi - p.u2_i, -p.u1_j, math.pi - p.u2_j)
+        return posture_of(mirrored_pair, -p.hip_i.conj(), -p.theta, legs)
 
     mirrored = mirror(posture)
     mirrored_points = points_of(mirrored_pair, mirrored)
@@ -268,10 +270,12 @@ def motion(count):
         PAIR,
         0.3j + 0.03 * np.exp(1j * t),
         0.1 * np.sin(t),
-        -1.1 - 0.3 * np.sin(2.0 * t),
-        -1.2 + 0.2 * np.cos(t),
-        0.52 + 0.5 * np.cos(t),
-        -2.0 + 0.3 * np.sin(t),
+        JointAngles(
+            -1.1 - 0.3 * np.sin(2.0 * t),
+            -1.2 + 0.2 * np.cos(t),
+            0.52 + 0.5 * np.cos(t),
+            -2.0 + 0.3 * np.sin(t),
+        ),
     )
 
 
@@ -295,7 +299,7 @@ def points_at(points, index):
 
 @each_case
 def test_the_posture_before_decides_and_not_the_named_branch(solve, branches, held):
-    posture = posture_of(PAIR, 0.3j, 0.05, 0.9, -1.9, 0.8, -2.4)
+    posture = posture_of(PAIR, 0.3j, 0.05, JointAngles(0.9, -1.9, 0.8, -2.4))
     feet = points_of(PAIR, posture)
     for names in combinations(branches):
         before = solve(PAIR, posture, feet, **names)
@@ -308,7 +312,8 @@ def test_a_motion_that_crosses_the_singularity_stays_continuous_and_may_change_i
     # Hip i swings leg j's triangle through its flat posture, where both solutions meet.
     truth = replace(motion(4000), u1_j=np.full(4000, 0.4))
     u2 = np.linspace(-0.6, 0.6, 4000)
-    truth = posture_of(PAIR, truth.hip_i, truth.theta, truth.u1_i, truth.u2_i, 0.4, u2)
+    joints = JointAngles(truth.u1_i, truth.u2_i, 0.4, u2)
+    truth = posture_of(PAIR, truth.hip_i, truth.theta, joints)
     points = points_of(PAIR, truth)
     found = knee_held(PAIR, truth, points, previous=truth[0])
     steps = np.abs(np.diff(found.u2_j))
@@ -480,10 +485,12 @@ def test_angles_of_a_robots_leg_are_those_of_the_plane_by_the_documented_formula
         pair,
         pair.lambda_i * np.exp(-1j * pitch),
         -pitch,
-        -legs[0, 2] * float(hind.signs[2]),
-        -math.pi / 2.0 - legs[0, 1] * float(hind.signs[1]),
-        -legs[1, 2] * float(front.signs[2]),
-        -math.pi / 2.0 - legs[1, 1] * float(front.signs[1]),
+        JointAngles(
+            -legs[0, 2] * float(hind.signs[2]),
+            -math.pi / 2.0 - legs[0, 1] * float(hind.signs[1]),
+            -legs[1, 2] * float(front.signs[2]),
+            -math.pi / 2.0 - legs[1, 1] * float(front.signs[1]),
+        ),
     )
     points = points_of(pair, posture)
     c, s = math.cos(pitch), math.sin(pitch)

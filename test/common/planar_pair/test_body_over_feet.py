@@ -7,12 +7,18 @@ import pytest
 
 from quad_common.errors import BodyOutOfReach, PairCannotClose, ParameterError
 from quad_common.planar_pair.body_over_feet import body_over_feet, pose_with_free_joint
-from quad_common.planar_pair.planar_pair import ActivePair, PlanarLeg, points_of, posture_of
+from quad_common.planar_pair.planar_pair import (
+    ActivePair,
+    JointAngles,
+    PlanarLeg,
+    points_of,
+    posture_of,
+)
 
 PAIR = ActivePair(PlanarLeg(0.2, 0.17), PlanarLeg(0.21, 0.19), -0.2, 0.3)
 MIRRORED = ActivePair(PAIR.leg_i, PAIR.leg_j, 0.2, -0.3)
 JOINTS = ('u1_i', 'u2_i', 'u1_j', 'u2_j')
-HELD = {'u1_i': 0.5, 'u2_i': -1.8, 'u1_j': 0.6, 'u2_j': -1.9}
+HELD = JointAngles(u1_i=0.5, u2_i=-1.8, u1_j=0.6, u2_j=-1.9)
 
 each_side = pytest.mark.parametrize('pair', [PAIR, MIRRORED], ids=['j in front', 'j behind'])
 
@@ -83,12 +89,10 @@ def test_what_the_legs_do_not_carry_is_said_with_the_range():
 @pytest.mark.parametrize('free', JOINTS)
 @each_side
 def test_with_one_joint_free_the_held_three_and_the_feet_give_the_pose(pair, free):
-    posture = posture_of(pair, 0.1 + 0.3j, 0.05, *HELD.values())
+    posture = posture_of(pair, 0.1 + 0.3j, 0.05, HELD)
     feet = points_of(pair, posture)
-    last_known = {**HELD, free: HELD[free] + 0.1}
-    found = pose_with_free_joint(
-        pair, complex(feet.foot_i), complex(feet.foot_j), **last_known, free=free
-    )
+    last_known = HELD._replace(**{free: getattr(HELD, free) + 0.1})
+    found = pose_with_free_joint(pair, complex(feet.foot_i), complex(feet.foot_j), last_known, free)
     assert found.closes
     assert found.why == ''
     for name in (*JOINTS, 'theta', 'hip_i', 'hip_j'):
@@ -98,12 +102,14 @@ def test_with_one_joint_free_the_held_three_and_the_feet_give_the_pose(pair, fre
 
 @pytest.mark.parametrize('free', JOINTS)
 def test_the_free_joint_takes_the_solution_that_is_nearer_to_its_last_angle(free):
-    posture = posture_of(PAIR, 0.1 + 0.3j, 0.05, *HELD.values())
+    posture = posture_of(PAIR, 0.1 + 0.3j, 0.05, HELD)
     feet = [complex(foot) for foot in (points_of(PAIR, posture)[2], points_of(PAIR, posture)[5])]
     angles = np.linspace(-math.pi, math.pi, 60)
     found = [
         float(
-            getattr(pose_with_free_joint(PAIR, *feet, **{**HELD, free: a}, free=free).posture, free)
+            getattr(
+                pose_with_free_joint(PAIR, *feet, HELD._replace(**{free: a}), free).posture, free
+            )
         )
         for a in angles
     ]
@@ -115,9 +121,9 @@ def test_the_free_joint_takes_the_solution_that_is_nearer_to_its_last_angle(free
 
 
 def test_a_stance_that_does_not_close_says_why():
-    gone = pose_with_free_joint(PAIR, 0.0, 2.5, **HELD, free='u1_j')
+    gone = pose_with_free_joint(PAIR, 0.0, 2.5, HELD, 'u1_j')
     assert not gone.closes
     assert gone.posture is None
     assert gone.why.startswith('the feet are 2.500 m apart; the legs, as held, reach ')
     with pytest.raises(ParameterError, match="'free' is 'u3_j'"):
-        pose_with_free_joint(PAIR, 0.0, 0.5, **HELD, free='u3_j')
+        pose_with_free_joint(PAIR, 0.0, 0.5, HELD, 'u3_j')

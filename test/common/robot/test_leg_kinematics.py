@@ -115,10 +115,10 @@ def test_a_sprawling_leg_keeps_its_knee_above_the_line_from_pitch_axis_to_foot(n
     for leg in ROBOTS[name].legs:
         feet = random_feet(np.random.default_rng(3), leg, 200)
         pitch_axis, knee, foot = leg.chain(leg.inverse(feet))
-        share = np.sum((knee - pitch_axis) * (foot - pitch_axis), axis=1) / np.sum(
+        fraction = np.sum((knee - pitch_axis) * (foot - pitch_axis), axis=1) / np.sum(
             (foot - pitch_axis) ** 2, axis=1
         )
-        off_the_line = knee - pitch_axis - share[:, None] * (foot - pitch_axis)
+        off_the_line = knee - pitch_axis - fraction[:, None] * (foot - pitch_axis)
         assert (off_the_line[:, 2] >= -1e-12).all()
 
 

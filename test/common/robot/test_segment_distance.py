@@ -9,8 +9,8 @@ HALF_SIZE = np.array([0.5, 0.3, 0.2])
 
 
 def points_on(segments, count):
-    shares = np.linspace(0.0, 1.0, count)[:, None]
-    return segments[:, None, 0] + shares * (segments[:, None, 1] - segments[:, None, 0])
+    fractions = np.linspace(0.0, 1.0, count)[:, None]
+    return segments[:, None, 0] + fractions * (segments[:, None, 1] - segments[:, None, 0])
 
 
 def random_segments(rng, count):

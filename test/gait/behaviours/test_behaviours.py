@@ -149,7 +149,7 @@ def test_a_gait_that_keeps_its_speed_goes_on_and_stops_when_nothing_is_wanted():
     walk, estimator = CycleWalk(shared), StateEstimator(ROBOT)
     now = state(1.0, estimator=estimator)
     shared.guidance.take_steering(Steer(Twist2D(0.05)), now.time, '')
-    step = shared.guidance.next_step(now.time, now.pose, now.pose, Twist2D())
+    step = shared.guidance.next_at_rest(now, is_ready=True)
     assert walk.begin(now, Done(Activity.WALKING, step)).trajectory is not None
     given, time = 0, 1.0
     for _ in range(1500):

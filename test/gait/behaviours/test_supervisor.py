@@ -105,9 +105,9 @@ class Walk:
         now = measured(self.simulation)
         moved = self.kinematic_pose.inverse() @ now.pose
         self.kinematic_pose = now.pose
-        share = self.follows
+        fraction = self.follows
         self.pose = self.pose @ Pose2D(
-            share * moved.x, share * moved.y, share * moved.yaw + self.veer * moved.x
+            fraction * moved.x, fraction * moved.y, fraction * moved.yaw + self.veer * moved.x
         )
         return replace(now, pose=self.pose)
 
@@ -910,7 +910,7 @@ def test_a_steady_gait_without_effect_is_noticed(gait, is_steered):
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 def test_a_robot_that_goes_five_percent_short_is_asked_for_as_much_more(gait):
     limits = MotionLimits(ROBOT, load_gait(gait, ROBOT), 0.005)
-    stride = 0.5 * limits.largest_share(BodyMotion(forward=1.0))
+    stride = 0.5 * limits.largest_scale(BodyMotion(forward=1.0))
     wanted = BodyMotion(forward=stride)
     calibrations = (
         Calibration(gait, limits.period, wanted, wanted.scaled(1.0 / 0.95)),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_gait.cycle.body_motion import BodyMotion, gather_speed, minimum_jerk, smooth_progress
@@ -49,18 +50,18 @@ def test_forward_motion_with_a_turn_is_an_arc_of_their_ratio(turn):
 
 
 def test_without_a_turn_the_motion_is_straight():
-    share = np.linspace(0.0, 1.0, 11)
-    poses = BodyMotion(forward=0.2, left=-0.1).pose_at(share)
-    assert poses == pytest.approx(np.outer(share, [0.2, -0.1, 0.0]))
+    fraction = np.linspace(0.0, 1.0, 11)
+    poses = BodyMotion(forward=0.2, left=-0.1).pose_at(fraction)
+    assert poses == pytest.approx(np.outer(fraction, [0.2, -0.1, 0.0]))
 
 
 def test_a_motion_is_run_through_at_a_steady_rate_in_the_bodys_own_axes():
     rng = np.random.default_rng(3)
-    share, h = np.linspace(0.05, 0.95, 50), 1e-6
+    fraction, h = np.linspace(0.05, 0.95, 50), 1e-6
     for forward, left, turn in rng.uniform(-0.5, 0.5, (20, 3)):
         motion = BodyMotion(forward, left, turn)
-        rate = (motion.pose_at(share + h) - motion.pose_at(share - h)) / (2.0 * h)
-        yaw = motion.pose_at(share)[:, 2]
+        rate = (motion.pose_at(fraction + h) - motion.pose_at(fraction - h)) / (2.0 * h)
+        yaw = motion.pose_at(fraction)[:, 2]
         along = np.cos(yaw) * rate[:, 0] + np.sin(yaw) * rate[:, 1]
         across = np.cos(yaw) * rate[:, 1] - np.sin(yaw) * rate[:, 0]
         assert along == pytest.approx(forward, abs=1e-8)
@@ -175,3 +176,20 @@ def test_the_rate_of_progress_is_its_derivative_and_continuous(knots):
     assert rate == pytest.approx((up - down) / (2.0 * h), abs=1e-4)
     steepest = np.abs(np.diff(rate)).max() / rate.max()
     assert steepest < 0.1
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_curves_through_knots_are_those_of_scipy_to_the_last_bit(seed):
+    rng = np.random.default_rng(seed)
+    for count in range(2, 9):
+        t, values = np.sort(rng.uniform(0.0, 5.0, (2, count)))
+        # Level, falling and turning pieces too.
+        values = rng.permutation(np.round(values, seed))
+        times = np.concatenate([t, rng.uniform(t[0], t[-1], 100)])
+        ends = [t[0] - 1.0], [t[-1] + 1.0]
+        curve = PchipInterpolator(
+            np.concatenate([ends[0], t, ends[1]]), np.pad(values, 1, mode='edge')
+        )
+        value, rate = smooth_progress(tuple(zip(t, values)), times)
+        np.testing.assert_array_equal(value, curve(times))
+        np.testing.assert_array_equal(rate, curve(times, 1))

@@ -343,11 +343,11 @@ def test_a_time_in_the_cycle_has_a_pose_and_a_sample(case):
 # Cycles in a row.
 
 
-def shipped(name, gait_name, direction, share=0.7):
+def shipped(name, gait_name, direction, fraction=0.7):
     """Make a good part of the largest motion in a direction."""
     robot = load_robot(name)
     limits = MotionLimits(robot, load_gait(gait_name, robot))
-    motion = direction.scaled(share * limits.largest_share(direction))
+    motion = direction.scaled(fraction * limits.largest_scale(direction))
     return robot, limits.gait_for(motion), motion
 
 
@@ -912,15 +912,15 @@ def test_the_largest_cycle_may_be_asked_for_more_than_the_legs_and_the_margin_re
 def test_the_largest_cycle_shrinks_a_motion_by_eighths_until_it_is_possible():
     motion = BodyMotion(forward=0.7, left=0.1, turn=0.2)
     cycle = generate_largest_cycle(ROBOT, CRAWL, motion, options=CycleOptions(least_margin=0.01))
-    share = cycle.motion.forward / motion.forward
-    assert 0.0 < share < 1.0
-    assert 8.0 * share == pytest.approx(round(8.0 * share))
-    assert cycle.motion.left == pytest.approx(share * motion.left)
-    assert cycle.motion.turn == pytest.approx(share * motion.turn)
+    fraction = cycle.motion.forward / motion.forward
+    assert 0.0 < fraction < 1.0
+    assert 8.0 * fraction == pytest.approx(round(8.0 * fraction))
+    assert cycle.motion.left == pytest.approx(fraction * motion.left)
+    assert cycle.motion.turn == pytest.approx(fraction * motion.turn)
     assert cycle.least_margin >= 0.01
     with pytest.raises(GaitError):
         generate_cycle(
-            ROBOT, CRAWL, motion.scaled(share + 0.125), options=CycleOptions(least_margin=0.01)
+            ROBOT, CRAWL, motion.scaled(fraction + 0.125), options=CycleOptions(least_margin=0.01)
         )
 
 
@@ -931,11 +931,11 @@ def test_a_robot_on_its_way_that_is_asked_too_much_comes_nearer_to_rest():
     cycle = generate_largest_cycle(
         ROBOT, WAVE, BodyMotion(forward=2.0), CycleEnds(feet, entry=speed, exit=speed.scaled(6.0))
     )
-    share = cycle.exit.forward / (6.0 * speed.forward)
-    assert 0.0 <= share < 1.0
-    assert 8.0 * share == pytest.approx(round(8.0 * share))
+    fraction = cycle.exit.forward / (6.0 * speed.forward)
+    assert 0.0 <= fraction < 1.0
+    assert 8.0 * fraction == pytest.approx(round(8.0 * fraction))
     # What is left of the motion: from all of it down to stopping in half a cycle's way.
-    assert cycle.motion.forward == pytest.approx(share * 2.0 + (1.0 - share) * 0.15)
+    assert cycle.motion.forward == pytest.approx(fraction * 2.0 + (1.0 - fraction) * 0.15)
     assert cycle.joint_positions[0] == pytest.approx(
         generate_steady_cycle(ROBOT, WAVE, motion).joint_positions[0], abs=1e-9
     )

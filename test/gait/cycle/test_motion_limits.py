@@ -57,8 +57,8 @@ def check(limits, robot, motion):
 @each_direction
 def test_all_of_the_share_is_possible_from_rest_steadily_and_back_to_rest(robot, gait, direction):
     limits = LIMITS[robot, gait]
-    assert limits.largest_share(direction) > 0.0
-    check(limits, ROBOTS[robot], direction.scaled(limits.largest_share(direction)))
+    assert limits.largest_scale(direction) > 0.0
+    check(limits, ROBOTS[robot], direction.scaled(limits.largest_scale(direction)))
 
 
 def is_s0s_bound(limits, direction):
@@ -70,7 +70,7 @@ def is_s0s_bound(limits, direction):
 @each_direction
 def test_well_beyond_the_limit_it_is_not_possible_but_for_s0s_reserve(robot, gait, direction):
     limits = LIMITS[robot, gait]
-    just_possible = limits.largest_share(direction) / 0.95
+    just_possible = limits.largest_scale(direction) / 0.95
     if is_s0s_bound(limits, direction):
         assert limits.gait.footholds == 'initial_posture'
     else:
@@ -92,7 +92,7 @@ def test_the_reason_names_what_forbids_more(robot, gait, direction):
 @each_gait
 def test_backward_is_as_far_as_forward(robot, gait):
     limits = LIMITS[robot, gait]
-    forward, backward = (limits.largest_share(BodyMotion(sign)) for sign in (1.0, -1.0))
+    forward, backward = (limits.largest_scale(BodyMotion(sign)) for sign in (1.0, -1.0))
     assert backward == pytest.approx(forward, rel=0.02)
 
 
@@ -104,7 +104,7 @@ def test_left_is_as_far_as_right(robot, gait):
         (BodyMotion(left=1.0), BodyMotion(left=-1.0)),
         (BodyMotion(turn=1.0), BodyMotion(turn=-1.0)),
     ):
-        assert limits.largest_share(b) == pytest.approx(limits.largest_share(a), rel=0.1)
+        assert limits.largest_scale(b) == pytest.approx(limits.largest_scale(a), rel=0.1)
 
 
 @pytest.mark.parametrize('gait', ['crawl', 'wave'])
@@ -158,10 +158,10 @@ def test_a_limited_velocity_keeps_its_direction_and_works(robot, gait):
         wanted = Twist2D(*parts)
         given, reason = limits.limited(wanted)
         assert reason
-        share = given.forward / wanted.forward
-        assert 0.0 < share < 1.0
-        assert given.left == pytest.approx(share * wanted.left)
-        assert given.turn == pytest.approx(share * wanted.turn)
+        fraction = given.forward / wanted.forward
+        assert 0.0 < fraction < 1.0
+        assert given.left == pytest.approx(fraction * wanted.left)
+        assert given.turn == pytest.approx(fraction * wanted.turn)
         motion = BodyMotion.during(given, limits.period)
         generate_steady_cycle(body, limits.gait_for(motion), motion)
         # Within the limits nothing is taken away.
@@ -177,7 +177,7 @@ def test_a_velocity_within_the_limits_is_left_as_it_is():
 
 def test_standing_still_has_no_limit():
     limits = LIMITS['titan_viii', 'wave']
-    assert limits.largest_share(BodyMotion()) == math.inf
+    assert limits.largest_scale(BodyMotion()) == math.inf
     assert limits.reason(BodyMotion()) == ''
     assert limits.gait_for(BodyMotion()) == limits.gait
     assert limits.limited(STILL) == (STILL, '')
@@ -186,25 +186,25 @@ def test_standing_still_has_no_limit():
 def test_the_share_of_a_motion_is_inverse_to_its_size():
     limits = LIMITS['titan_viii', 'wave']
     for direction in DIRECTIONS.values():
-        share = limits.largest_share(direction)
+        fraction = limits.largest_scale(direction)
         for factor in (0.01, 0.3, 7.0):
-            again = limits.largest_share(direction.scaled(factor))
-            assert factor * again == pytest.approx(share)
+            again = limits.largest_scale(direction.scaled(factor))
+            assert factor * again == pytest.approx(fraction)
 
 
 @each_direction
 def test_s0s_gaits_go_no_farther_than_s0s_bounds(direction):
     limits = LIMITS['titan_viii', 'crawl']
-    motion = direction.scaled(limits.largest_share(direction))
+    motion = direction.scaled(limits.largest_scale(direction))
     stride, turn = TITAN.largest_stride, TITAN.largest_turn
-    share = math.hypot(motion.forward, motion.left) / stride + abs(motion.turn) / turn
-    assert share <= 1.01
+    fraction = math.hypot(motion.forward, motion.left) / stride + abs(motion.turn) / turn
+    assert fraction <= 1.01
 
 
 def test_s0s_largest_stride_is_the_crawls():
     # S_max = 226 mm.
     limits = LIMITS['titan_viii', 'crawl']
-    assert limits.largest_share(BodyMotion(1.0)) == pytest.approx(0.226, abs=0.0005)
+    assert limits.largest_scale(BodyMotion(1.0)) == pytest.approx(0.226, abs=0.0005)
     assert is_s0s_bound(limits, BodyMotion(1.0))
 
 
@@ -212,7 +212,7 @@ def test_slower_joints_make_a_shorter_stride_and_are_named():
     slow = replace(CUHK, velocity=0.3 * CUHK.velocity)
     gait = load_gait('trot', CUHK)
     limits = MotionLimits(slow, gait)
-    assert limits.largest_share(BodyMotion(1.0)) < LIMITS['cuhk', 'trot'].largest_share(
+    assert limits.largest_scale(BodyMotion(1.0)) < LIMITS['cuhk', 'trot'].largest_scale(
         BodyMotion(1.0)
     )
     assert 'rad/s' in limits.reason(BodyMotion(1.0))
@@ -220,19 +220,19 @@ def test_slower_joints_make_a_shorter_stride_and_are_named():
 
 def test_a_larger_margin_allows_less_and_is_the_reason():
     gait = load_gait('wave', TITAN)
-    shares = [
-        MotionLimits(TITAN, gait, least_margin=margin).largest_share(BodyMotion(1.0))
+    fractions = [
+        MotionLimits(TITAN, gait, least_margin=margin).largest_scale(BodyMotion(1.0))
         for margin in (0.0, 0.055, 0.06)
     ]
-    assert shares == sorted(shares, reverse=True)
-    assert shares[-1] < shares[0]
+    assert fractions == sorted(fractions, reverse=True)
+    assert fractions[-1] < fractions[0]
     careful = MotionLimits(TITAN, gait, least_margin=0.06)
     assert 'margin' in careful.reason(BodyMotion(1.0))
 
 
 def test_if_nothing_is_possible_the_share_is_none():
     limits = MotionLimits(TITAN, load_gait('wave', TITAN), least_margin=1.0)
-    assert limits.largest_share(BodyMotion(1.0)) == 0.0
+    assert limits.largest_scale(BodyMotion(1.0)) == 0.0
     assert 'margin' in limits.reason(BodyMotion(1.0))
     assert limits.limited(Twist2D(0.1)) == (STILL, limits.reason(BodyMotion(1.0)))
 

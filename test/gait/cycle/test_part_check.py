@@ -45,7 +45,7 @@ def test_a_cycle_that_would_bring_a_thigh_into_the_body_is_refused_with_its_fact
 @pytest.mark.parametrize('name', ['wave', 'crawl'])
 def test_the_largest_motions_of_a_slim_robot_keep_its_parts_apart(name, direction):
     limits = MotionLimits(GENIBO, load_gait(name, GENIBO))
-    largest = direction.scaled(limits.largest_share(direction))
+    largest = direction.scaled(limits.largest_scale(direction))
     cycle = generate_steady_cycle(GENIBO, limits.gait_for(direction), largest)
     assert GENIBO.own_parts.nearest(cycle.joint_positions).spare >= 0.0
 
@@ -90,9 +90,9 @@ def test_parts_that_are_too_near_already_may_go_apart_but_not_nearer():
     near = apart.copy()
     near[0, 0] = -0.55
     assert GENIBO.own_parts.too_near(near[None]) is not None
-    shares = np.linspace(0.0, 1.0, 11)[:, None, None]
-    times = shares[:, 0, 0]
-    check_nearing_parts(GENIBO, times, near + shares * (apart - near))
+    fractions = np.linspace(0.0, 1.0, 11)[:, None, None]
+    times = fractions[:, 0, 0]
+    check_nearing_parts(GENIBO, times, near + fractions * (apart - near))
     check_nearing_parts(GENIBO, times, np.repeat(near[None], 11, axis=0))
     with pytest.raises(PartsTooNear, match='base_link and lf_thigh'):
-        check_nearing_parts(GENIBO, times, apart + shares * (near - apart))
+        check_nearing_parts(GENIBO, times, apart + fractions * (near - apart))

@@ -41,8 +41,8 @@ def rng():
 def middling(robot, parts):
     """Make a motion of two fifths of what S0's bounds allow in a direction."""
     forward, left, turn = parts
-    share = math.hypot(forward, left) / robot.largest_stride + abs(turn) / robot.largest_turn
-    return BodyMotion(*(0.4 / share * part for part in parts))
+    fraction = math.hypot(forward, left) / robot.largest_stride + abs(turn) / robot.largest_turn
+    return BodyMotion(*(0.4 / fraction * part for part in parts))
 
 
 def directions(rng, count):

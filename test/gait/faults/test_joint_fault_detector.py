@@ -114,8 +114,8 @@ def test_a_stuck_joint_is_named(watch, joint):
     fault = watch_for(2.0, measured, watch)
     assert fault.name == ROBOT.joint_names[joint]
     assert (fault.joint, fault.leg, fault.kind) == (joint, joint // 3, 'stuck')
-    off = abs(path(fault.time)[joint] - path(1.0)[joint])
-    assert 0.08 < off < 0.2
+    off = abs(fault.commanded - path(1.0)[joint])
+    assert 0.03 < off < 0.2
     words = f'{fault.name} of leg {fault.name[:2]} does not move'
     assert words in str(fault)
     assert f'{off:.2f} rad from its command, with 20 N m' in str(fault)

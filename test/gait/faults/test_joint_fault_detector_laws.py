@@ -86,8 +86,8 @@ class Robot:
                     self.executor.accept(self.under_way.popleft()[1], self.time)
             self.time += STEP / 4.0
             self.commanded, _ = self.executor.command(self.time)
-            share = 1.0 - np.exp(-STEP / 4.0 / self.lag)
-            self.joints = self.joints + share * (self.commanded - self.joints)
+            fraction = 1.0 - np.exp(-STEP / 4.0 / self.lag)
+            self.joints = self.joints + fraction * (self.commanded - self.joints)
 
     def walk(self, seconds: float, spoil=lambda time, joints: (joints, np.full(12, 20.0))):
         """Walk, and return the first fault."""

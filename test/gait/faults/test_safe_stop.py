@@ -118,6 +118,34 @@ def test_a_trotting_robot_stands_still_within_two_strides(joint, kind, time):
     assert outcome.still <= 2.0 * outcome.period
 
 
+@pytest.mark.parametrize(
+    ('joint', 'kind', 'time'),
+    [
+        # In the air: put down it hardly bears, and the body is not to rock over it.
+        (4, 'free', 2.2766),
+        # Under load, with little lever: the body goes over the others, and not down.
+        (2, 'free', 2.6771),
+        # Folded in its swing: its foot is not down when its plan says so.
+        (11, 'free', 2.1901),
+        # Jammed in the middle of its swing, never far from its command.
+        (4, 'stuck', 3.7456),
+    ],
+)
+def test_a_small_robot_that_trots_stands_still_within_two_strides_of_its_own(joint, kind, time):
+    outcome = walk_and_fail(FailureCase('genibo', 'trot', 'flat', joint, kind, time, 0))
+    assert outcome.is_named
+    assert not outcome.has_fallen
+    assert outcome.still <= 2.0 * outcome.period
+
+
+def test_a_joint_that_jams_where_it_is_held_is_not_missed():
+    # Genibo's roll joints do not turn in a trot straight on: this one does what it is told.
+    outcome = walk_and_fail(FailureCase('genibo', 'trot', 'flat', 9, 'stuck', 2.1969, 0))
+    assert not outcome.is_asked
+    assert not outcome.is_named
+    assert outcome.largest_tilt < math.radians(1.0)
+
+
 def test_a_body_that_three_feet_cannot_level_is_not_tipped_over_but_sits():
     # Genibo's lame leg is folded under it: its other feet would lever it over that.
     outcome = walk_and_fail(FailureCase('genibo', 'crawl', 'flat', 2, 'free', 2.4413, 607))

@@ -35,7 +35,7 @@ class Gear:
     def reason(self, motion):
         return 'made up'
 
-    def largest_share(self, motion):
+    def largest_scale(self, motion):
         return 1.0 / (
             math.hypot(motion.forward, motion.left) / self.stride + abs(motion.turn) / self.turn
         )
@@ -295,7 +295,7 @@ def test_a_way_of_turning_that_is_none_is_refused():
 class Lame(Gear):
     """A gait that can do nothing."""
 
-    def largest_share(self, motion):
+    def largest_scale(self, motion):
         return 0.0
 
 
@@ -375,13 +375,13 @@ def test_in_no_way_a_cycle_asks_for_more_than_the_gait_can_do(turning, gear):
         for step in walk(plan, start, options=options, gear=gear)[0]:
             # A stride over a joint of two pieces bends where the next one does.
             assert (
-                gear.largest_share(step.motion) > 0.7
+                gear.largest_scale(step.motion) > 0.7
                 or math.hypot(step.motion.forward, step.motion.left)
                 < 1.1 * options.largest_correction
             )
             if step.exit:
                 exit = BodyMotion.during(step.exit, gear.period)
-                assert gear.largest_share(exit) > 0.7
+                assert gear.largest_scale(exit) > 0.7
 
 
 @each_gear
@@ -546,8 +546,8 @@ def test_a_way_is_divided_so_that_it_ends_exactly_at_rest(is_steady):
 
 def test_a_robot_in_full_walk_comes_to_rest_at_the_end_too():
     rng = np.random.default_rng(9)
-    for extra, share, largest in rng.uniform((0.0, 0.0, 0.05), (3.0, 1.0, 0.5), (200, 3)):
-        entry = share * largest
+    for extra, fraction, largest in rng.uniform((0.0, 0.0, 0.05), (3.0, 1.0, 0.5), (200, 3)):
+        entry = fraction * largest
         remaining = 0.5 * entry + extra * largest
         advances, speeds = divided(remaining, entry, largest, True)
         assert sum(advances) == pytest.approx(remaining, abs=1e-9)

@@ -76,8 +76,8 @@ def test_a_motion_unlike_any_known_one_is_hardly_changed():
 
 def test_more_of_a_known_motion_needs_more_in_proportion():
     known = SlipCompensation((FORWARD,))
-    for share in (0.9, 1.1):
-        motion = FORWARD.wanted.scaled(share)
+    for fraction in (0.9, 1.1):
+        motion = FORWARD.wanted.scaled(fraction)
         asked = known.compensated(TROT, motion)
         assert asked.forward / motion.forward == pytest.approx(1.05, abs=0.005)
 

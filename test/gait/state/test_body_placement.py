@@ -21,16 +21,16 @@ def test_over_feet_in_the_initial_posture_the_body_is_in_it(name):
     assert (found.roll, found.pitch, found.yaw) == pytest.approx((0.0, 0.0, 0.7))
 
 
-@pytest.mark.parametrize('share', [0.0, 0.5, 1.0])
-def test_on_a_slope_the_body_takes_the_share_of_its_tilt_that_it_is_told(share):
+@pytest.mark.parametrize('fraction', [0.0, 0.5, 1.0])
+def test_on_a_slope_the_body_takes_the_share_of_its_tilt_that_it_is_told(fraction):
     robot = load_robot('titan_viii')
     slope, yaw = np.array([0.15, 0.05]), 0.4
     feet = BodyPose(np.zeros(3), 0.0, 0.0, yaw).transform(robot.neutral_feet)
     feet[:, 2] += feet[:, :2] @ slope
-    body = body_over(robot, feet, yaw, slope, share)
+    body = body_over(robot, feet, yaw, slope, fraction)
     normal = np.array([-slope[0], -slope[1], 1.0])
     tilt = math.acos(body.rotation[:, 2] @ normal / np.linalg.norm(normal))
-    assert tilt == pytest.approx((1.0 - share) * math.atan(math.hypot(*slope)), abs=0.003)
+    assert tilt == pytest.approx((1.0 - fraction) * math.atan(math.hypot(*slope)), abs=0.003)
 
 
 def test_a_balanced_point_stays_and_another_one_moves_just_inside():

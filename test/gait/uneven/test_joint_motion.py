@@ -34,8 +34,8 @@ def test_a_motion_that_is_cut_short_comes_to_rest_within_the_joints_speed(given)
 
 def test_a_motion_that_comes_to_rest_by_itself_keeps_its_times():
     times = np.arange(30) * 0.02
-    share, rate = minimum_jerk(0.0, float(times[-1]), times)
-    positions = ROBOT.initial_joint_angles + share[:, None, None]
+    fraction, rate = minimum_jerk(0.0, float(times[-1]), times)
+    positions = ROBOT.initial_joint_angles + fraction[:, None, None]
     velocities = np.broadcast_to(rate[:, None, None], positions.shape)
     motion = JointMotion(ROBOT.joint_names, times, positions, velocities, FASTEST, 0.0, 29, since=2)
     assert motion.trajectory(reaction_time=0.06).times == pytest.approx(0.02 + times[2:])

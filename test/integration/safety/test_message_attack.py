@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from quad_common.robot.robot_file import load_robot
-from quad_lab.attacks.messages.message_attack import MessageAttack
+from quad_lab.attacks.messages.message_attack import QUICK, MessageAttack
 from quad_lab.attacks.stage.report import Report
 from quad_lab.attacks.stage.scenes import NODES, start_nodes
 from quad_lab.attacks.stage.stage import Stage
@@ -21,7 +21,7 @@ def test_nodes_bear_a_short_attack_and_refuse_nonsense(domain):
         start_nodes(stage, 'kinematic')
         reports = []
         for node in NODES:
-            attack = MessageAttack(stage, Report(node, 'standing'), seed=7)
+            attack = MessageAttack(stage, Report(node, 'standing'), seed=7, effort=QUICK)
             attack.try_nonsense(4)
             attack.run(20)
             reports.append(attack.report)

@@ -1,4 +1,4 @@
-"""Sit, stand and stop; gaits that change in the middle of a walk; what the legs tell."""
+"""Sit, stand and stop; gaits that change in the middle of a walk."""
 
 from __future__ import annotations
 
@@ -17,13 +17,12 @@ from nav_msgs.msg import Odometry, Path
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
 from scipy.interpolate import CubicHermiteSpline
-from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import load_robot
-from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
+from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.trajectory.joint_trajectory import JointTrajectory as Trajectory
 from quad_gait.cycle.posture import crouching_joint_angles
 from quad_gait.ros_conversions import joints_from_message
@@ -180,47 +179,6 @@ def assert_no_jump(trajectories: list[Trajectory]) -> None:
             position, velocity = spline(begin), spline(begin, 1)
         np.testing.assert_allclose(after.positions[0], position, atol=1e-3)
         np.testing.assert_allclose(after.velocities[0], velocity, atol=0.05)
-
-
-def test_the_legs_tell_the_way_and_the_margins_are_positive_throughout_a_crawl(bench: Bench):
-    # Slowly, so that hardly any joint states are missed.
-    bench.start_robot(backend='bullet', real_time_factor=2.0)
-    margins = bench.hear(Float64, 'stability_margin')
-    measured = bench.hear(Float64, 'stability_margin/measured')
-    truth = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
-    legs = bench.hear(Odometry, 'odom/legs', EVERY_SAMPLE)
-    bench.wait_until('leg odometry and margins', lambda: bool(legs and measured))
-    goal = Pose2D(1.9, 1.2, 0.3)
-    bench.give_goal(goal)
-    bench.wait_for_arrival(goal)
-
-    for message in legs:
-        assert (message.header.frame_id, message.child_frame_id) == ('odom', 'base_link')
-        assert message.header.frame_id == bench.odometry.header.frame_id
-    stamps = [seconds_from_time(message.header.stamp) for message in legs]
-    assert all(a < b for a, b in pairwise(stamps))
-    # The instants of joint_states, 50 a second.
-    np.testing.assert_allclose(np.multiply(stamps, 50.0), np.rint(np.multiply(stamps, 50.0)))
-
-    for heard in (margins, measured):
-        assert len(heard) > 500
-        assert min(message.data for message in heard) > 0.0
-
-    missed = max(after - before for before, after in pairwise(stamps))
-    if missed > 0.3:
-        pytest.skip(f'the machine is too busy: joint states were missed for {missed:.2f} s')
-    by_stamp = {seconds_from_time(message.header.stamp): message for message in truth}
-    common = [message for message, stamp in zip(legs, stamps) if stamp in by_stamp]
-    both = [
-        [pose_from_message(by(message).pose.pose) for message in (common[0], common[-1])]
-        for by in (lambda m: m, lambda m: by_stamp[seconds_from_time(m.header.stamp)])
-    ]
-    told, true = (first.inverse() @ last for first, last in both)
-    way = math.hypot(true.x, true.y)
-    assert way > 0.65
-    assert told.distance_to(true) < 0.03 * way
-    assert abs(wrap_angle(told.yaw - true.yaw)) < 0.03
-    assert legs[-1].pose.pose.position.z == pytest.approx(height(bench), abs=0.01)
 
 
 def test_an_l_is_walked_sideways_with_crab_and_round_the_corner_with_arc(bench: Bench):

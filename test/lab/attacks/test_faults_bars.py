@@ -5,19 +5,24 @@ from __future__ import annotations
 import importlib
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 pytest.importorskip('rclpy')
 
+from quad_lab.attacks import quick_faults
 from quad_lab.attacks.bench_faults import PARTS
 from quad_lab.attacks.bench_matrix import GOALS, METHODS, ROBOTS, Combination, Outcome, combinations
 from quad_lab.attacks.bench_matrix import bars_of as matrix_bars
+from quad_lab.attacks.stage.findings import Findings
 from quad_lab.attacks.stage.reasons import reason_for_standing
 from quad_lab.attacks.stage.report import Report
 from quad_lab.attacks.stage.report import bars_of as message_bars
 from quad_lab.attacks.stage.scenes import CAMERA, NODES, QUICK_SCENES, SCENES
 from quad_lab.attacks.stage.violations import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
-from quad_lab.attacks.walks.kills import KilledWalk
+from quad_lab.attacks.walks.kills import FULL as ALL_KILLS
+from quad_lab.attacks.walks.kills import QUICK as QUICK_KILLS
+from quad_lab.attacks.walks.kills import WAYS, KilledWalk
 from quad_lab.attacks.walks.kills import bars_of as kill_bars
 from quad_lab.attacks.walks.soak import bars_of as soak_bars
 from quad_lab.attacks.walks.soak import growth_since
@@ -208,3 +213,40 @@ def test_every_part_can_be_found():
     for function in PARTS.values():
         module, _, name = function.rpartition('.')
         assert callable(getattr(importlib.import_module(module), name))
+
+
+def test_a_quick_attack_leaves_no_part_out(monkeypatch):
+    ran = []
+    monkeypatch.setattr(quick_faults, '_attack_shared_nodes', lambda parts, *_: ran.extend(parts))
+    monkeypatch.setattr(quick_faults, '_attack_camera', lambda *_: ran.append('messages'))
+    monkeypatch.setattr(quick_faults, '_attack_alone', lambda part, *_: ran.append(part))
+    for task in quick_faults._tasks(list(PARTS)):
+        task(0, 80)
+    assert sorted(ran) == sorted([*PARTS, 'messages'])
+
+
+@pytest.mark.parametrize('plan', [ALL_KILLS, QUICK_KILLS])
+def test_every_node_is_killed_and_stopped_as_often(plan):
+    rng = np.random.default_rng(0)
+    ways = [way for _, way in plan.drawn_ways(rng)]
+    assert len(ways) == plan.walks
+    assert ways.count(WAYS[0]) == ways.count(WAYS[1])
+    assert set(replace(plan, walks=6).drawn_ways(rng)) == {(n, way) for n in NODES for way in WAYS}
+
+
+def test_what_was_seen_before_belongs_to_another_attack():
+    before = Findings({UNREADABLE: 2}, {UNREADABLE: ['a', 'b']}, ['sim_node: ValueError'])
+    after = Findings(
+        {UNREADABLE: 3, NOT_FINITE: 1},
+        {UNREADABLE: ['a', 'b', 'c'], NOT_FINITE: ['d']},
+        ['gait_node: KeyError', 'sim_node: ValueError', 'sim_node: ValueError'],
+    )
+    seen = after.since(before)
+    assert seen.counts == {UNREADABLE: 1, NOT_FINITE: 1}
+    assert seen.examples == {UNREADABLE: ['c'], NOT_FINITE: ['d']}
+    assert sorted(seen.tracebacks) == ['gait_node: KeyError', 'sim_node: ValueError']
+    assert after.since(after) == Findings()
+    both = before.since(Findings())
+    both.add(seen)
+    assert both.counts == after.counts
+    assert both.examples == after.examples

@@ -7,6 +7,8 @@ change that is meant to change how the robot walks, with the benchmarks run in f
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import hashlib
 import json
 import math
@@ -96,7 +98,7 @@ def steered(robot_name: str, gait_name: str, direction: BodyMotion) -> Trace:
     try:
         walk.run(0.1)
         gear = controller.gait_pair.of_twist(direction.rate(1.0))
-        asked = direction.scaled(0.6 * gear.largest_share(direction))
+        asked = direction.scaled(0.6 * gear.largest_scale(direction))
         controller.set_twist(asked.rate(gear.period))
         walk.run(0.5 + 4.0 * gear.period)
         controller.stop()
@@ -202,7 +204,7 @@ WALKS = _walks()
 
 
 def machine() -> str:
-    """Name what decides on the last bit: processor, C library, NumPy and PyBullet."""
+    """Name what decides on the last bit: processor, linear algebra, C library and packages."""
     try:
         lines = Path('/proc/cpuinfo').read_text(encoding='utf-8').splitlines()
     except OSError:
@@ -212,16 +214,37 @@ def machine() -> str:
     processor = hashlib.sha256('\n'.join(facts.get(key, '') for key in keys).encode())
     packages = (f'{name} {metadata.version(name)}' for name in ('numpy', 'scipy', 'pybullet'))
     python = f'Python {platform.python_version()}'
-    return ', '.join([processor.hexdigest()[:16], *platform.libc_ver(), python, *packages])
+    parts = [processor.hexdigest()[:16], *_blas_kernels(), *platform.libc_ver(), python, *packages]
+    return ', '.join(parts)
+
+
+def _blas_kernels() -> list[str]:
+    """Name the processors for which OpenBLAS computes: ``OPENBLAS_CORETYPE`` may choose another."""
+    try:
+        mapped = Path('/proc/self/maps').read_text(encoding='utf-8').split()
+    except OSError:
+        return []
+    found = set()
+    for path in {part for part in mapped if 'openblas' in part}:
+        library = ctypes.CDLL(path)
+        for name in ('scipy_openblas_get_corename64_', 'scipy_openblas_get_corename'):
+            with contextlib.suppress(AttributeError):
+                tell = getattr(library, name)
+                tell.restype = ctypes.c_char_p
+                found.add(tell().decode())
+    return sorted(found)
 
 
 def main() -> None:
-    """Write the hashes."""
-    walks = {}
-    for name, walk in WALKS.items():
-        walks[name] = asdict(walk())
-        print(f'{name}: {walks[name]}', file=sys.stderr)
-    text = json.dumps({'machine': machine(), 'walks': walks}, indent=1)
+    """Write the hashes; with ``--add`` this machine's beside those of others."""
+    traces = {name: asdict(walk()) for name, walk in WALKS.items()}
+    digests = {name: trace.pop('digest') for name, trace in traces.items()}
+    machines = {}
+    if '--add' in sys.argv[1:]:
+        kept = json.loads(RECORD.read_text(encoding='utf-8'))
+        machines, traces = kept['machines'], kept['walks']
+    machines[machine()] = digests
+    text = json.dumps({'machines': machines, 'walks': traces}, indent=1)
     RECORD.write_text(text + '\n', encoding='utf-8')
 
 

@@ -88,7 +88,7 @@ def test_a_record_has_one_entry_for_each_measurement(walk):
 
 
 def test_an_empty_record_has_no_tilt():
-    assert math.isnan(Record().tilt_rms)
+    assert math.isnan(Record(CUHK).tilt_rms)
 
 
 def test_a_heading_has_no_jumps(walk):

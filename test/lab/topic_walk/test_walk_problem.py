@@ -63,8 +63,8 @@ class LameAfterAWhile:
 
 
 def test_a_robot_that_falls_lame_ends_the_walk_at_once(monkeypatch):
-    monkeypatch.setattr(walk, '_wait_until_ready', lambda observer, nodes: None)
+    monkeypatch.setattr(walk, '_wait_until_ready', lambda observer, nodes, listen: None)
     observer = LameAfterAWhile()
     nodes = SimpleNamespace(check=lambda: None)
-    record = walk._watch(observer, nodes, lambda observer: None)
+    record = walk._watch(observer, nodes, observer.listen, lambda observer: None)
     assert (record.problem, record.has_arrived, observer.time) == ('lame: a knee', False, 5.0)

@@ -104,8 +104,8 @@ def test_what_lies_outside_the_picture_is_unknown(perceivers):
     grid = view.perceive(paint(room_camera(3.0), [])).map
     assert cell(grid, 3.5, 0.0) == UNKNOWN
     assert cell(grid, 2.5, 0.0) == 0
-    share = np.mean(grid.cells == 0)
-    assert share == pytest.approx(36.0 / 64.0, abs=0.01)
+    fraction = np.mean(grid.cells == 0)
+    assert fraction == pytest.approx(36.0 / 64.0, abs=0.01)
 
 
 def test_without_bounds_the_map_is_the_visible_floor():

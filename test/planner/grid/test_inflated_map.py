@@ -17,9 +17,9 @@ def inflated_map(cells, radius=0.25):
     return InflatedMap.of(grid, radius, occupied_threshold=65, unknown_is_free=False)
 
 
-def scattered(seed, height, width, share=0.01):
+def scattered(seed, height, width, fraction=0.01):
     rng = np.random.default_rng(seed)
-    return rng, np.where(rng.random((height, width)) < share, 100, 0).astype(np.int8)
+    return rng, np.where(rng.random((height, width)) < fraction, 100, 0).astype(np.int8)
 
 
 def test_zones_are_the_same_as_bits_and_as_masks():

@@ -15,8 +15,8 @@ from quad_planner.grid.inflation import inflate, segments_allowed
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
 
-def random_cells(rng, height, width, share=0.05):
-    return np.where(rng.random((height, width)) < share, 100, 0).astype(np.int8)
+def random_cells(rng, height, width, fraction=0.05):
+    return np.where(rng.random((height, width)) < fraction, 100, 0).astype(np.int8)
 
 
 def square_distances(points, blocked):
@@ -141,12 +141,12 @@ def test_a_segment_is_allowed_if_and_only_if_all_its_points_are():
         starts = rng.uniform(8.0, 22.0, (50, 2))
         t = np.linspace(0.0, 1.0, 4001)[:, None]
         index = np.floor(starts[:, None] + t * step).astype(int)
-        share = allowed[index[..., 1], index[..., 0]].mean(axis=1)
+        fraction = allowed[index[..., 1], index[..., 0]].mean(axis=1)
         told = segments_allowed(allowed, starts, step)
-        assert (share[told] == 1.0).all()
+        assert (fraction[told] == 1.0).all()
         # What is refused may touch a forbidden cell between two samples.
-        assert (~told[share < 1.0]).all()
-        assert (share[~told] == 1.0).mean() < 0.2 if (~told).any() else True
+        assert (~told[fraction < 1.0]).all()
+        assert (fraction[~told] == 1.0).mean() < 0.2 if (~told).any() else True
 
 
 def test_a_segment_may_run_along_the_edge_of_the_allowed_zone():

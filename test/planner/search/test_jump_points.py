@@ -148,7 +148,7 @@ def test_a_long_search_asks_again_and_again_whether_to_go_on():
 
 def test_two_maps_are_searched_side_by_side():
     rng = np.random.default_rng(5)
-    maps = [rng.random((200, 200)) > share for share in (0.1, 0.3)]
+    maps = [rng.random((200, 200)) > fraction for fraction in (0.1, 0.3)]
     for free in maps:
         free[0, 0] = free[-1, -1] = True
     searches = [JumpPointSearch(BitGrid.of(free)) for free in maps]

@@ -9,13 +9,19 @@ pytest.importorskip('pybullet')
 
 from quad_common.errors import ParameterError
 from quad_common.planar_pair.active_pair import with_knee_held
-from quad_common.planar_pair.planar_pair import ActivePair, PlanarLeg, points_of, posture_of
+from quad_common.planar_pair.planar_pair import (
+    ActivePair,
+    JointAngles,
+    PlanarLeg,
+    points_of,
+    posture_of,
+)
 from quad_lab.benchmarks.bench_active_pair import settle_errors
 from quad_sim.engines.bullet_pair import difference, settle
 from quad_sim.engines.bullet_simulator import headless_client
 
 PAIR = ActivePair(PlanarLeg(0.2, 0.17), PlanarLeg(0.21, 0.19), -0.2, 0.3)
-START = posture_of(PAIR, 0.1 + 0.3j, 0.1, 0.7, -1.9, 0.8, -2.0)
+START = posture_of(PAIR, 0.1 + 0.3j, 0.1, JointAngles(0.7, -1.9, 0.8, -2.0))
 FEET = points_of(PAIR, START)
 
 

@@ -1,6 +1,7 @@
 """Engines are chosen by name, and what one of them lacks another is named for."""
 
 import importlib.util
+import os
 import sys
 from dataclasses import replace
 
@@ -9,7 +10,15 @@ import pytest
 from quad_common.errors import MissingOptionalDependency, NotSimulated, ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot_file import load_robot
-from quad_sim.engines.registry import AUTO, ENGINES, engines_with, make_simulator, resolved
+from quad_sim.engines.registry import (
+    AUTO,
+    ENGINES,
+    PREFERRED,
+    engines_with,
+    make_simulator,
+    preferred,
+    resolved,
+)
 from quad_sim.engines.simulator import SolidSimulator, VisibleSimulator
 from quad_sim.world.terrain_spec import make_terrain, specs_from_text
 from quad_sim.world.world import world_from_map
@@ -72,12 +81,26 @@ def test_an_engine_that_is_not_installed_says_how_to_install_it(monkeypatch, nam
         make_simulator(name, ROBOT, None)
 
 
-def test_what_an_engine_lacks_is_said_with_those_that_have_it():
+def test_what_an_engine_lacks_is_said_with_those_that_have_it(monkeypatch):
     start = Pose2D(0.0, 0.0, 0.0)
     terrain = make_terrain(specs_from_text('bumps'), (-2.0, -2.0, 2.0, 2.0), start)
     world = replace(world_from_map(None), terrain=terrain)
     with pytest.raises(NotSimulated, match=r"uneven ground .* 'bullet' or 'mujoco'") as caught:
         make_simulator('kinematic', ROBOT, world)
     assert caught.value.backends == engines_with('has_world')
+    monkeypatch.setitem(ENGINES, 'mujoco', replace(ENGINES['mujoco'], has_window=False))
     with pytest.raises(NotSimulated, match=r"a window cannot be had .* 'bullet'"):
         make_simulator('mujoco', ROBOT, None, gui=True)
+
+
+def test_the_environment_says_what_auto_means(monkeypatch):
+    with preferred('kinematic'):
+        assert resolved(AUTO) == 'kinematic'
+        assert os.environ[PREFERRED] == 'kinematic'
+        with preferred('mujoco'):
+            assert resolved(AUTO) == 'mujoco'
+        assert resolved(AUTO) == 'kinematic'
+        assert resolved('bullet') == 'bullet'
+    monkeypatch.setenv(PREFERRED, 'havok')
+    with pytest.raises(ParameterError, match=r"QUADWALK_BACKEND.* 'havok'.*bullet, mujoco"):
+        resolved(AUTO)

@@ -20,11 +20,11 @@ def covered(rectangles, shape):
     return count
 
 
-@pytest.mark.parametrize('share', [0.0, 0.05, 0.3, 0.5, 0.7, 0.95, 1.0])
-def test_rectangles_cover_the_true_cells_exactly_once(share):
+@pytest.mark.parametrize('fraction', [0.0, 0.05, 0.3, 0.5, 0.7, 0.95, 1.0])
+def test_rectangles_cover_the_true_cells_exactly_once(fraction):
     rng = np.random.default_rng(1)
     for _ in range(20):
-        occupied = rng.random(rng.integers(1, 30, 2)) < share
+        occupied = rng.random(rng.integers(1, 30, 2)) < fraction
         rectangles = merge_cells(occupied)
         assert (covered(rectangles, occupied.shape) == occupied).all()
         assert len(rectangles) <= max(occupied.sum(), 0)

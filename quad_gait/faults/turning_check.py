@@ -1,0 +1,98 @@
+"""
+Notices a joint that does not turn although it is commanded to, and stays within its tolerance.
+
+A joint that is jammed in the middle of a small swing is never far from its command. But it
+rests while its command turns to and fro about it, and while the joints around it turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TurningOptions:
+    """When a joint does not turn that should."""
+
+    still: float = 0.0075
+    """Angle; a joint that has turned by less has not moved [rad]."""
+    distance: float = 0.03
+    """Angle that its command has turned since, from which on it should have moved, besides what
+    its load has bent it [rad]."""
+    compliance: float = 0.35
+    """Distance from its command at which a position drive gives all its torque [rad]."""
+    patience: float = 0.12
+    """Time that its command must have been so far away [s]."""
+    recent: float = 0.06
+    """Time within which others must have moved [s]."""
+    others: int = 4
+    """Number of them."""
+
+
+class TurningCheck:
+    """
+    Counts for how long joints rest that should turn.
+
+    Parameters
+    ----------
+    largest : ndarray, shape (n,)
+        Largest torques of the motors [N m].
+    options : TurningOptions, optional
+        When a joint does not turn.
+    """
+
+    def __init__(self, largest: Array, options: TurningOptions | None = None) -> None:
+        self._largest = largest
+        self._options = TurningOptions() if options is None else options
+        self.forget()
+
+    def forget(self) -> None:
+        """Know nothing of where the joints were."""
+        count = len(self._largest)
+        # Positions, commands and torques when a joint was seen to move last.
+        self._anchors: Array = np.full((3, count), np.nan)
+        self._asked_for: Array = np.zeros(count)
+        self._rested_for: Array = np.full(count, np.inf)
+
+    def update(self, commanded: Array, positions: Array, efforts: Array, step: float) -> int:
+        """
+        Take a measurement of joints that all follow their commands within their tolerances.
+
+        Parameters
+        ----------
+        commanded, positions : ndarray, shape (n,)
+            Where the joints should be, and are [rad].
+        efforts : ndarray, shape (n,)
+            Torques of their motors [N m].
+        step : float
+            Time since the last measurement [s].
+
+        Returns
+        -------
+        int
+            The joint that does not turn; -1 for none.
+        """
+        options = self._options
+        now = np.stack([positions, commanded, efforts])
+        has_moved = ~(np.abs(positions - self._anchors[0]) <= options.still)
+        self._anchors = np.where(has_moved, now, self._anchors)
+        self._rested_for = np.where(has_moved, 0.0, self._rested_for + step)
+        moved, turned, loaded = now - self._anchors
+        behind = turned - moved
+        # A load that has come on bends a drive back; one that jams pulls as well.
+        bent = options.compliance * np.maximum(loaded * np.sign(behind), 0.0) / self._largest
+        is_asked = ~has_moved & (np.abs(behind) > options.distance + bent)
+        self._asked_for = np.where(has_moved, 0.0, self._asked_for)
+        if np.count_nonzero(is_asked) != 1:
+            # Joints that rest together wait for their trajectory.
+            return -1
+        joint = int(is_asked.argmax())
+        if np.count_nonzero(self._rested_for < options.recent) < options.others:
+            return -1
+        self._asked_for[joint] += step
+        return joint if self._asked_for[joint] >= options.patience - 1e-9 else -1

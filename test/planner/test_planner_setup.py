@@ -1,0 +1,49 @@
+"""
+A planner as the node's parameters say: how near to a wall a walk may begin.
+"""
+
+import numpy as np
+import pytest
+
+from quad_common.errors import StartOccupied
+from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot.walking_time import load_pace
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import planner_from_parameters
+
+GOAL = Pose2D(2.0, 2.0, 0.0)
+
+
+def walled_room():
+    """Return a free map of 4 m x 4 m with a wall below y = 0.5 m."""
+    cells = np.zeros((80, 80), dtype=np.int8)
+    cells[:10] = 100
+    return OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0))
+
+
+def planner_with(**parameters):
+    values = PlannerParameters(**parameters)
+    robot = load_robot(values.robot)
+    planner = planner_from_parameters(values, robot)
+    planner.set_map(walled_room())
+    return robot, planner
+
+
+@pytest.mark.parametrize('name', available_robots())
+@pytest.mark.parametrize('gait', ['crawl', 'trot'])
+def test_a_walk_begins_where_the_robot_has_room_to_sway_and_turn_and_not_nearer(name, gait):
+    robot, planner = planner_with(robot=name, gait=gait)
+    needed = robot.footprint_radius + load_pace(name, gait).sweep
+    assert planner.plan(Pose2D(2.0, 0.5 + needed + 0.001, 0.0), GOAL).length > 0.0
+    with pytest.raises(StartOccupied, match=f'the robot needs {needed:.2f} m'):
+        planner.plan(Pose2D(2.0, 0.5 + needed - 0.001, 0.0), GOAL)
+
+
+def test_another_tolerance_can_be_set():
+    robot, planner = planner_with(start_tolerance=0.1)
+    needed = robot.footprint_radius + 0.12 - 0.1
+    assert planner.plan(Pose2D(2.0, 0.5 + needed + 0.001, 0.0), GOAL).length > 0.0
+    with pytest.raises(StartOccupied):
+        planner.plan(Pose2D(2.0, 0.5 + needed - 0.001, 0.0), GOAL)
