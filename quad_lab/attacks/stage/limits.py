@@ -33,6 +33,9 @@ _RUNNING = 0.02
 _FAST = 1.5
 """A measured joint may be faster than its motor by this factor, when the leg is pushed."""
 
+_INSTANTS = 11
+"""Instants between the earliest and the latest at which a trajectory was decided on."""
+
 _OWN_TIME = 0.02
 """Of a joint, for a jump: encoders are read at one instant, commands given at another [s]."""
 
@@ -59,7 +62,9 @@ class TrajectoryChecker:
         """Compare no trajectories up to a time [s]: the robot is put elsewhere."""
         self._compared_from = until
 
-    def check(self, trajectory: JointTrajectory, now: float) -> list[str]:
+    def check(
+        self, trajectory: JointTrajectory, now: float, answered: float | None = None
+    ) -> list[str]:
         """
         Check a trajectory, and keep it for the next one.
 
@@ -68,7 +73,10 @@ class TrajectoryChecker:
         trajectory : JointTrajectory
             As published.
         now : float
-            The time at which it was published [s].
+            The time at which it came [s].
+        answered : float, optional
+            The time up to which the gait had answered before: on a busy machine it decided long
+            before the trajectory came here [s]. As `now` if not given.
 
         Returns
         -------
@@ -86,7 +94,8 @@ class TrajectoryChecker:
             trajectory.positions[:, order],
             trajectory.velocities[:, order],
         )
-        problems = [*self._outside(ordered), *self._leap(ordered, now)]
+        earliest = now if answered is None else min(answered, now)
+        problems = [*self._outside(ordered), *self._leap(ordered, earliest, now)]
         self._last = ordered
         return problems
 
@@ -113,7 +122,7 @@ class TrajectoryChecker:
                 )
         return problems
 
-    def _leap(self, trajectory: JointTrajectory, now: float) -> list[str]:
+    def _leap(self, trajectory: JointTrajectory, earliest: float, now: float) -> list[str]:
         """Compare where it begins with where the last one is then."""
         last = self._last
         if last is None or now < self._compared_from:
@@ -121,13 +130,14 @@ class TrajectoryChecker:
         start = (trajectory.stamp or now) + float(trajectory.times[0])
         first = trajectory.positions[0]
         apart = np.abs(first - position_at(last, start))
-        # Not on the last one's way: then it has to be reached from there in the time left. One that
-        # runs already, or was long on its way, may be off as far as gait_node's own gate lets it.
-        reach = self._speed * max(_RUNNING, start - now) + _SAME_PLACE
-        far = np.abs(first - position_at(last, now))
-        bad = np.flatnonzero((apart > _SAME_PLACE) & (far > reach))
+        # Not on the last one's path: then it has to be reached from there in the time left. One
+        # that runs already may be off as far as gait_node's own gate lets it.
+        instants = np.linspace(earliest, now, _INSTANTS)[:, None]
+        far = np.abs(first - np.array([position_at(last, float(time)) for time in instants[:, 0]]))
+        reach = self._speed * np.maximum(_RUNNING, start - instants) + _SAME_PLACE
+        bad = np.flatnonzero((apart > _SAME_PLACE) & (far > reach).all(axis=0))
         return [
-            f'{trajectory.joint_names[j]} is {far[j]:.4g} rad from its last command, and has '
+            f'{trajectory.joint_names[j]} is {far[-1, j]:.4g} rad from its last command, and has '
             f'{start - now:.3f} s to get there at {self._speed[j]:.3g} rad/s'
             for j in bad
         ]

@@ -4,6 +4,7 @@ Hears every topic that the nodes publish, and notes down what must never be publ
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from functools import partial
 from typing import Any
@@ -33,6 +34,9 @@ _DEPTH = 500
 
 _WHILE = 10.0
 """Until all know that the robot stands elsewhere [s], simulated."""
+
+_LONGEST_DECISION = 0.5
+"""Simulated time between a decision and its trajectory's arrival here, at most [s]."""
 
 _KEPT = 40
 """Examples of each kind of violation."""
@@ -136,8 +140,12 @@ class TopicListener:
             self._read_diagnostics(message)
 
     def _check_trajectory(self, message: Any) -> None:
+        heartbeat = self.last.get('/gait/heartbeat')
+        answered = -math.inf if heartbeat is None else seconds_from_time(heartbeat.stamp)
+        earliest = max(answered, self.time - _LONGEST_DECISION)
         try:
-            problems = self._trajectories.check(trajectory_from_message(message), self.time)
+            trajectory = trajectory_from_message(message)
+            problems = self._trajectories.check(trajectory, self.time, earliest)
         except QuadError as error:
             problems = [str(error)]
         for problem in problems:

@@ -106,6 +106,15 @@ def test_a_trajectory_that_runs_already_may_be_off_by_20_ms_of_motion(hip, is_le
     assert bool(found) == is_leap
 
 
+@pytest.mark.parametrize(('answered', 'is_leap'), [(None, True), (1.7, True), (1.1, False)])
+def test_a_trajectory_is_judged_by_when_it_was_decided_on(answered, is_leap):
+    # It leaves the last one at 1.3 s, and comes when that one has gone on for 0.3 s.
+    checker = TrajectoryChecker(ROBOT)
+    checker.check(trajectory(hip=(0.0, 0.0, 0.0, 0.0, 0.3, 0.6, 0.9)), 0.8)
+    back = trajectory(stamp=1.35, hip=(0.05, 0.05))
+    assert bool(checker.check(back, 1.7, answered)) == is_leap
+
+
 def test_a_robot_that_was_put_elsewhere_does_not_leap():
     checker = TrajectoryChecker(ROBOT)
     checker.check(trajectory(), 0.8)
