@@ -64,7 +64,7 @@ _AHEAD = 0.2
 """Simulated time by which the gait may be left behind: less than its lead before a cycle [s]."""
 
 _PATIENCE = 0.25
-"""Time on the wall clock without an answer after which nobody is waited for [s]."""
+"""Time on the wall clock without an answer after which it is not waited for [s]."""
 
 
 class Answers:

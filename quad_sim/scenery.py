@@ -28,7 +28,7 @@ _SIZES = (16, 2048)
 """Least and largest side of a picture [pixels]."""
 
 _CLEARANCE = 0.5
-"""Radius of the disc that finds a way through a room, or that of a larger robot's feet [m]."""
+"""Radius of the disc that finds a path through a room, or that of a larger robot's feet [m]."""
 
 _RESOLUTION = 0.05
 """Resolution of a room's map [m]."""

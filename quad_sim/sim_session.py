@@ -155,7 +155,7 @@ class SimSession:
         self._answers.take(stamp, self.time, self._clock())
 
     def advance(self, output: Output) -> None:
-        """Simulate up to the next observation, and publish what is measured on the way."""
+        """Simulate up to the next observation, and publish what is measured meanwhile."""
         for _ in range(self._steps_per_observation):
             began = self._clock()
             self.simulation.step()

@@ -2,10 +2,11 @@
 Odometry that drifts as real odometry does, and a localiser that corrects it.
 
 The model: between two observations the robot moves by (dx, dy, dyaw) in its own axes, and odometry
-takes it for (1 + a) dx, (1 + a) dy and (1 + b) dyaw + c ds, with ds the length of the way. For a
+takes it for (1 + a) dx, (1 + a) dy and (1 + b) dyaw + c ds, with ds the length of the path. For a
 drift of d, each of a, b [1] and c [rad/m] is d (s + w / 2). s is drawn once as 1 or -1: what a
-wrong leg length, or slip, does all the time. w wanders with the way, an Ornstein-Uhlenbeck process
-of standard deviation 1 that has forgotten a 1/e part after 1 m; a turn of 1 rad counts as 0.25 m.
+wrong leg length, or slip, does all the time. w wanders with the distance, an Ornstein-Uhlenbeck
+process of standard deviation 1 that has forgotten a 1/e part after 1 m; a turn of 1 rad counts as
+0.25 m.
 
 The localiser says at its rate where the robot is in the map, with normal noise, and publishes what
 that makes of map -> odom.
@@ -23,10 +24,10 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_sim.engines.simulator import Observation
 
 _FORGETS = 1.0
-"""Way after which a 1/e part is left of what drift was [m]."""
+"""Distance after which a 1/e part is left of what drift was [m]."""
 
 _TURN = 0.25
-"""A turn of 1 rad counts as so much way [m]."""
+"""A turn of 1 rad counts as so much distance [m]."""
 
 _ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
@@ -36,7 +37,7 @@ class LocalisationOptions:
     """How odometry drifts, and how a localiser corrects it."""
 
     drift: float = 0.0
-    """Drift of odometry as a fraction of the way and of the angle turned, and in rad/m [1]."""
+    """Drift of odometry as a fraction of the distance and of the angle turned, and in rad/m [1]."""
     rate: float = 0.0
     """Corrections in a second [Hz]; 0: none."""
     noise: float = 0.02
@@ -85,9 +86,11 @@ class DriftingOdometry:
             self._true = self._pose = true
         moved = self._true.inverse() @ true
         self._true = true
-        way = math.hypot(moved.x, moved.y)
-        along, turning, veering = self._rates(way + _TURN * abs(wrap_angle(moved.yaw))).tolist()
-        yaw = (1.0 + turning) * wrap_angle(moved.yaw) + veering * way
+        distance = math.hypot(moved.x, moved.y)
+        along, turning, veering = self._rates(
+            distance + _TURN * abs(wrap_angle(moved.yaw))
+        ).tolist()
+        yaw = (1.0 + turning) * wrap_angle(moved.yaw) + veering * distance
         self._pose = self._pose @ Pose2D((1.0 + along) * moved.x, (1.0 + along) * moved.y, yaw)
         return self._pose
 
@@ -95,9 +98,9 @@ class DriftingOdometry:
         """Begin again with the true pose: the robot was put elsewhere."""
         self._true = None
 
-    def _rates(self, way: float) -> NDArray[np.float64]:
+    def _rates(self, distance: float) -> NDArray[np.float64]:
         """Let the drift wander; return the rates a, b and c."""
-        kept = math.exp(-way / _FORGETS)
+        kept = math.exp(-distance / _FORGETS)
         spread = math.sqrt(1.0 - kept * kept)
         self._wandering = kept * self._wandering + spread * self._rng.standard_normal(3)
         rates: NDArray[np.float64] = self._drift * (self._signs + 0.5 * self._wandering)

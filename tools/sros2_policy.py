@@ -1,7 +1,7 @@
 """
 Writes the SROS2 policy of quadwalk from the pages of its interfaces.
 
-``python tools/sros2_policy.py`` writes ``config/sros2_policy.xml`` anew; ``--namespace``
+``python tools/sros2_policy.py`` writes ``config/sros2_policy.xml`` again; ``--namespace``
 and ``--output`` make one for a robot in a namespace. Each node gets an enclave in which it
 may publish, hear and offer what ``msg_docs`` says, and what every node of rclpy has;
 people with their tools and a real robot's own nodes get one each. The format is that of "ROS 2

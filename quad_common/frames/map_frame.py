@@ -29,7 +29,7 @@ _LEAP_TURN = math.radians(20.0)
 """Or one that turns it by more [rad]."""
 
 _QUIET = 1.0
-"""Leaps are told at most so often [s]."""
+"""Leaps are reported at most so often [s]."""
 
 
 class MapFrame:

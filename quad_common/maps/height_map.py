@@ -207,8 +207,8 @@ class HeightMap:
         Returns
         -------
         ndarray, shape (..., 2)
-            Rise in height per way along x and along y: differences over two cells, over one beside
-            what is unknown; NaN off the map and where nothing is known.
+            Slopes along x and along y [m/m]: differences over two cells, over one beside what is
+            unknown; NaN off the map and where nothing is known.
         """
         return np.stack([self._sample(image, points) for image in self._gradient], axis=-1)
 

@@ -197,7 +197,7 @@ def _graded(
     mode: str,
 ) -> NDArray[np.int8]:
     # There are only 256 shades: grade those, then look each pixel up. In single
-    # precision, as Nav2 does, so that a threshold equal to a shade falls the same way.
+    # precision, as in Nav2, so that a shade equal to a threshold gets the same grade.
     p = np.arange(256, dtype=np.float32) / np.float32(255.0)
     if not negate:
         p = np.float32(1.0) - p

@@ -70,7 +70,7 @@ class EndSignals:
         self._wakeup: tuple[int, int] | None = None
 
     def install(self) -> None:
-        """Hear signals from now on; those that were blocked meanwhile are handled at once."""
+        """Receive signals from now on; those that were blocked meanwhile are handled at once."""
         self._wakeup = os.pipe()
         os.set_blocking(self._wakeup[1], False)
         signal.set_wakeup_fd(self._wakeup[1], warn_on_full_buffer=False)

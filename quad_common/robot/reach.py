@@ -50,7 +50,7 @@ def largest_stretch(leg: Leg, hip_height: float, roughness: float) -> float:
 
 def largest_step(leg: Leg, foot: Array, roughness: float) -> float:
     """
-    Longest way that a leg with a roll axis carries its foot fore-aft, either way.
+    Largest distance that a leg with a roll axis carries its foot, forward and backward alike.
 
     At a height ``down`` below the pitch axis, the foot gets
     sqrt((thigh + calf)^2 - down^2) forward and backward of that axis; where it stands
@@ -127,7 +127,7 @@ def lowest_at_step(leg: Leg, foot: Array, step: float) -> float:
     foot : ndarray, shape (3,)
         Where the foot stands, in the body frame [m].
     step : float
-        How far the foot goes fore-aft, either way [m].
+        Distance that the foot goes, forward and backward alike [m].
 
     Returns
     -------
@@ -147,8 +147,8 @@ def lowest_at_step(leg: Leg, foot: Array, step: float) -> float:
     return math.sqrt(max(0.0, squared)) - down
 
 
-STEP_SHARE = 1.0 / 3.0
-"""Of the largest stride that a leg must still reach down a step, and of the hip height."""
+STEP_FRACTION = 1.0 / 3.0
+"""Fraction of the largest stride that a leg must still reach down a step, and of the hip height."""
 
 
 def largest_step_height(lower: float, hip_height: float) -> float:
@@ -173,15 +173,15 @@ def largest_step_height(lower: float, hip_height: float) -> float:
     float
         The lesser of both, at least 0 [m].
     """
-    return max(0.0, min(lower, STEP_SHARE * hip_height))
+    return max(0.0, min(lower, STEP_FRACTION * hip_height))
 
 
-def _across(leg: Leg, way: float, direction: str = 'down') -> float:
-    """How far from the pitch axis the straight leg gets across a way that it reaches [m]."""
+def _across(leg: Leg, distance: float, direction: str = 'down') -> float:
+    """Return how far the straight leg gets at a distance from its pitch axis, across that [m]."""
     longest = float(leg.thigh_length + leg.calf_length)
-    if abs(way) > longest:
-        raise LegTooShort(str(leg.name), longest, way, direction)
-    return math.sqrt(longest**2 - way**2)
+    if abs(distance) > longest:
+        raise LegTooShort(str(leg.name), longest, distance, direction)
+    return math.sqrt(longest**2 - distance**2)
 
 
 def largest_stride(stretch: float, stance_reach: float) -> float:

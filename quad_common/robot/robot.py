@@ -81,7 +81,7 @@ class Robot(RobotBuild):
     @cached_property
     def step_height(self) -> float:
         """Highest step that the robot climbs [m], from the legs' geometry."""
-        stride = reach.STEP_SHARE * self.largest_stride
+        stride = reach.STEP_FRACTION * self.largest_stride
         if self.leg_type == 'roll_pitch_pitch':
             lower = reach.lowest_at_step(self.legs[0], self.neutral_feet[0], stride)
         else:

@@ -56,7 +56,7 @@ class WalkingTimeModel:
     cycle_period: float
     """Duration of a cycle, of straight walking as of turning, > 0 [s]."""
     stride: float
-    """Way of one cycle straight on, > 0 [m]."""
+    """Distance walked straight on in a cycle, > 0 [m]."""
     turn: float
     """Turn of one cycle on the spot, > 0 [rad]."""
     stopping: float = 0.0

@@ -104,7 +104,7 @@ class GuardedNode(Node):
         raise NotImplementedError
 
     def guarded(self, callback: Callable[..., Any], what: str = 'a callback') -> Guarded:
-        """Wrap a callback that rclpy is handed in another way than by ``create_...``."""
+        """Wrap a callback that rclpy is handed by other means than ``create_...``."""
         return Guarded(self._net, what, callback)
 
     def call_soon(self, callback: Callable[[], Any]) -> None:

@@ -1,5 +1,5 @@
 """
-Hears where odometry's frame lies in the map: the ROS side of :mod:`quad_common.frames.map_frame`.
+Receives odometry's frame in the map: the ROS side of :mod:`quad_common.frames.map_frame`.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class MapFrameListener:
         self._has_said = True
         where = 'tf or map_to_odom' if TFMessage else 'map_to_odom (tf needs tf2_msgs)'
         self._node.get_logger().info(
-            f"nobody publishes '{self.frame.name}' -> '{self.frame.odom_frame}' on {where}: "
+            f"nothing publishes '{self.frame.name}' -> '{self.frame.odom_frame}' on {where}: "
             f'the frames are taken to coincide'
         )
 

@@ -147,7 +147,7 @@ class QuadNode(GuardedNode, Generic[Table]):
             self._clock_seen_at = time.monotonic()
         elif now == 0:
             return (
-                'no clock: use_sim_time is true and nothing was heard on /clock; '
+                'no clock: use_sim_time is true and nothing was received on /clock; '
                 'start a simulator, or set use_sim_time to false on a real robot'
             )
         elif time.monotonic() - self._clock_seen_at > 0.9:

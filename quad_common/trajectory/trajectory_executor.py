@@ -42,7 +42,7 @@ class _Fading:
     """
     A difference to the trajectory that goes to zero with minimum jerk.
 
-    It is the same fraction of the whole for all joints: so their posture is on the straight way
+    It is the same fraction of the whole for all joints: so their posture is on the straight line
     from where they were commanded into the trajectory.
     """
 

@@ -311,7 +311,7 @@ def _remembered(
 
 
 def _variants(gait: Gait) -> list[Gait]:
-    """List the gait with its legs exchanged in every way; first as it is."""
+    """List the gait with every permutation of its legs; first as it is."""
     return [
         replace(
             gait,

@@ -42,7 +42,7 @@ class Candidate:
             When they were measured [s].
         age : float
             Time by which they may be behind [s]; one that starts on arrival may have been
-            under way for any time.
+            delayed by any time.
 
         Returns
         -------

@@ -7,7 +7,7 @@ where they are, all at once, must be
 
 - on a trajectory that has begun, at most ``age`` behind; one without a stamp may have begun
   at any time since it was given out,
-- or on the way from one of them into a later one: to its first point if that lies ahead, or
+- or in transition from one of them into a later one: to its first point if that lies ahead, or
   else with the offset between the two at the arrival, which decays within ``joining``.
 
 A trajectory is void once the joints follow a later one and no longer that one.

@@ -42,7 +42,7 @@ class FaultDetectorOptions:
     that turns when it arrives swings on before it turns back."""
     convergence: float = 0.1
     """Time within which a joint would reach its command that is approaching it [s]."""
-    longest_way: float = 0.5
+    longest_approach: float = 0.5
     """Time for which a joint may approach its command [s]."""
     compliance: float = 0.35
     """Distance from its command at which a position drive gives all its torque [rad]."""
@@ -198,7 +198,7 @@ class JointFaultDetector:
             self._turning.forget()
             return None
         assert found is not None
-        # On the way into one that came late all joints are off, and some rest.
+        # In transition into one that came late all joints are off, and some rest.
         loose = options.tracker.tolerance - options.tight_tolerance
         far = np.abs(positions - found.posture) > found.allowed - loose
         if np.count_nonzero(far) > 1 or self._on_latest_for < options.settling - 1e-9:
@@ -215,7 +215,7 @@ class JointFaultDetector:
             self._on_latest_for += step
             self._off_latest_for = 0.0
         elif found is not None or self._suspect < 0:
-            # A joint that begins to stay behind looks for an instant like one under way.
+            # A joint that begins to stay behind looks for an instant like one in transition.
             self._off_latest_for += step
             if self._off_latest_for > self._options.patience + 1e-9:
                 self._on_latest_for = 0.0
@@ -238,7 +238,7 @@ class JointFaultDetector:
         joint = int(found.off.argmax())
         if joint != self._suspect:
             self._suspect, self._off_from = joint, float(positions[joint])
-            self._off_for = self._on_way_for = 0.0
+            self._off_for = self._approaching_for = 0.0
         if self._nothing_moves(joint, velocities, time):
             # Then it is not this joint: the trajectory is not executed.
             self._off_for = 0.0
@@ -260,8 +260,8 @@ class JointFaultDetector:
                 return None
         needed = min(abs(error) / options.convergence, 0.5 * float(self._fastest[joint]))
         if float(velocities[joint]) * np.sign(error) >= needed:
-            self._on_way_for += step
-            if self._on_way_for < options.longest_way:
+            self._approaching_for += step
+            if self._approaching_for < options.longest_approach:
                 return None
         self._off_for += step
         # A leg that gives way leaves no time; one that bears does.

@@ -63,22 +63,22 @@ class JointRecovery:
             return self.stop.update(now)
         joint = self.fault.joint
         if self._trial is not None:
-            end, before, way = self._trial
+            end, before, displacement = self._trial
             if now.time < end + _TRIAL_PAUSE:
                 return None
             turned = float(now.joint_positions.flat[joint] - before.flat[joint])
             self._trial = None
-            self.is_over = turned / way > 0.5
+            self.is_over = turned / displacement > 0.5
             self._has_failed_again = not self.is_over
             return None if self.is_over else self._turn(now, commanded, before)
         self._is_asked = False
         before = np.clip(now.joint_positions, self._robot.lower, self._robot.upper)
         middle = (self._robot.lower.flat[joint] + self._robot.upper.flat[joint]) / 2.0
-        way = _TRIAL if before.flat[joint] < middle else -_TRIAL
+        displacement = _TRIAL if before.flat[joint] < middle else -_TRIAL
         goal = before.copy()
-        goal.flat[joint] += way
+        goal.flat[joint] += displacement
         trajectory = self._turn(now, commanded, goal)
-        self._trial = (trajectory.end, before, way)
+        self._trial = (trajectory.end, before, displacement)
         return trajectory
 
     def _turn(self, now: Stance, commanded: Array, goal: Array) -> JointTrajectory:

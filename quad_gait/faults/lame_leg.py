@@ -127,7 +127,7 @@ class LameLeg:
         others = [k for k in (1, 2) if k != joint]
         wanted = ground + self._robot.foot_radius + self._clearance
         least = min(self._lowest(now), ground + self._robot.foot_radius)
-        ways = []
+        postures = []
         for tried in product(*(turns[k] for k in others)):
             end = now.copy()
             end[others] = tried
@@ -135,8 +135,8 @@ class LameLeg:
                 continue
             path = [now + fraction * (end - now) for fraction in (0.25, 0.5, 0.75)]
             if min(map(self._lowest, path)) >= least - self._scale * _SCRAPE:
-                ways.append((float(np.abs(end - now).sum()), tuple(end)))
-        return np.array(min(ways)[1]) if ways else now
+                postures.append((float(np.abs(end - now).sum()), tuple(end)))
+        return np.array(min(postures)[1]) if postures else now
 
     def _lowest(self, angles: Array) -> float:
         """Return how low a leg reaches in the body's frame, its lame joint being anywhere [m]."""

@@ -89,8 +89,8 @@ class StopMotions:
         level_after = np.eye(3) if shift.levels else shift.level
         for part, rise in product(_PARTS, _RISES if shift.levels else (0.0,)):
             rotation = level_after if part > 0.0 else shift.level
-            way = part * shift.shift + np.array([0.0, 0.0, self._scale * rise])
-            arms = (shift.feet - way) @ rotation
+            offset = part * shift.shift + np.array([0.0, 0.0, self._scale * rise])
+            arms = (shift.feet - offset) @ rotation
             arms[self._leg] = self._robot.neutral_feet[self._leg]
             try:
                 end = self._robot.joint_angles(arms)

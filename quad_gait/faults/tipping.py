@@ -51,12 +51,12 @@ def tipping(
     lines = [(a, b) for k, a in enumerate(standing) for b in standing[k + 1 :]]
     distances = []
     for a, b in lines:
-        way = (feet[b] - feet[a])[:2]
+        edge = (feet[b] - feet[a])[:2]
         arm = (center - feet[a])[:2]
-        distances.append(abs(way[0] * arm[1] - way[1] * arm[0]) / float(np.hypot(*way)))
+        distances.append(abs(edge[0] * arm[1] - edge[1] * arm[0]) / float(np.hypot(*edge)))
     a, b = lines[int(np.argmin(distances))]
-    way = (feet[b] - feet[a])[:2] / np.hypot(*(feet[b] - feet[a])[:2])
-    out = np.array([-way[1], way[0]])
+    edge = (feet[b] - feet[a])[:2] / np.hypot(*(feet[b] - feet[a])[:2])
+    out = np.array([-edge[1], edge[0]])
     out *= np.sign(out @ (center - feet[a])[:2])
     hips = np.array([leg.hip for leg in robot.legs]) @ level.T
     ground = float(feet[[a, b], 2].mean()) - robot.foot_radius

@@ -62,5 +62,5 @@ class GaitPair:
     def order_of(self, step: Step) -> Gait:
         """Choose the order of the legs by where the body goes, not by what is corrected."""
         gear = self.of(step)
-        way = BodyMotion.during(step.exit, gear.period) if step.exit else step.motion
-        return gear.gait_for(way)
+        motion = BodyMotion.during(step.exit, gear.period) if step.exit else step.motion
+        return gear.gait_for(motion)

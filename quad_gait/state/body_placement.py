@@ -130,7 +130,7 @@ def _is_inside(point: Array, triangle: Array) -> bool:
 
 
 def _nearest_on(point: Array, start: Array, end: Array) -> Array:
-    way = end - start
-    fraction = float((point - start) @ way) / max(float(way @ way), 1e-18)
-    nearest: Array = start + min(max(fraction, 0.0), 1.0) * way
+    edge = end - start
+    fraction = float((point - start) @ edge) / max(float(edge @ edge), 1e-18)
+    nearest: Array = start + min(max(fraction, 0.0), 1.0) * edge
     return nearest

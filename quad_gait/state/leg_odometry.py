@@ -32,16 +32,19 @@ LONGEST_STEP = 0.5
 """Time between updates after which nothing is known of what happened meanwhile [s]."""
 
 LONGEST_HOLD = 0.1
-"""Time for which the last velocity is trusted while no foot tells [s]."""
+"""Time for which the last velocity is trusted while no foot measures it [s]."""
 
 SLIP = 0.02
 """Standard deviation of the distance after the first metre [m]; it grows with the root."""
 
 TURNING_SLIP = 0.02
-"""Likewise of the heading after the first radian by the feet, and after the first metre [rad]."""
+"""
+Standard deviation of the heading by the feet, after the first radian and after the first metre
+[rad].
+"""
 
 GYRO_DRIFT = 0.001
-"""Likewise of the heading after the first second by the imu [rad]."""
+"""Standard deviation of the heading by the imu, after the first second [rad]."""
 
 
 @dataclass(frozen=True)
@@ -254,7 +257,7 @@ class LegOdometry:
         return _Sample(time, joint_angles, tilt, feet, contact, heading, yaw_rate)
 
     def _rolled(self, before: _Sample, now: _Sample) -> Array:
-        """Way of each foot's center by rolling, level axes halfway, shape (4, 2) [m]."""
+        """Displacement of each foot's center by rolling, level axes halfway, shape (4, 2) [m]."""
         middle = (before.joint_angles + now.joint_angles) / 2.0
         change = now.joint_angles - before.joint_angles
         calf = self._robot.calf_angular_velocities(middle, change)
@@ -285,19 +288,19 @@ class LegOdometry:
         return self._twist[2] * _time_held(gap, dt)
 
     def _advance(self, x: float, y: float, turn: float) -> None:
-        """Move by a way in the axes halfway, and turn."""
+        """Move by a displacement (x, y) in the axes halfway [m], and turn [rad]."""
         half = Pose2D(0.0, 0.0, turn / 2.0)
         self._pose = self._pose @ half @ Pose2D(x, y, turn / 2.0)
 
     def _grow_covariance(self, x: float, y: float, turn: float, dt: float, by_imu: bool) -> None:
-        way = math.hypot(x, y)
+        distance = math.hypot(x, y)
         heading = self._pose.yaw - turn / 2.0
         carried = np.eye(3)
         carried[0, 2] = -x * math.sin(heading) - y * math.cos(heading)
         carried[1, 2] = x * math.cos(heading) - y * math.sin(heading)
-        added = GYRO_DRIFT**2 * dt if by_imu else TURNING_SLIP**2 * (abs(turn) + way)
+        added = GYRO_DRIFT**2 * dt if by_imu else TURNING_SLIP**2 * (abs(turn) + distance)
         covariance = carried @ self._covariance @ carried.T
-        covariance += np.diag([SLIP**2 * way, SLIP**2 * way, added])
+        covariance += np.diag([SLIP**2 * distance, SLIP**2 * distance, added])
         self._covariance = (covariance + covariance.T) / 2.0
 
 

@@ -113,11 +113,11 @@ class GroundModel:
         # No farther apart than cells: a corner between two points is in the way all the same.
         apart = _ALONG if self.height_map is None else self.height_map.resolution
         count = 2 + int(np.hypot(*(end - start)) / apart)
-        way = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
-        highest = float(np.max(self.height(way)))
+        path = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        highest = float(np.max(self.height(path)))
         if self.height_map is not None:
             reach = radius + self.height_map.resolution / 2.0
-            near = self.height_map.highest_within(way, reach) + self.shift
+            near = self.height_map.highest_within(path, reach) + self.shift
             highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
         return highest
 

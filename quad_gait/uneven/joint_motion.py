@@ -1,7 +1,7 @@
 """
 A motion of the joints that is given out bit by bit, to drives that may receive it late.
 
-A foot that feels for the ground must stop when it meets it. Were its whole way down given
+A foot that feels for the ground must stop when it meets it. Were its whole travel down given
 out at once, it would press on for as long as the answer takes. So only as much is given out
 as does no harm, and more while nothing has been met. How far the joints are is told by the
 joints themselves, not by a clock: it is not known when a trajectory has come to them.
@@ -138,8 +138,8 @@ class JointMotion:
         times = reaction_time + self.times[part] - self.times[self.since]
         velocities[-1] = 0.0
         if len(times) > 1:
-            way = self.positions[self.given] - self.positions[self.given - 1]
-            least = braking_time(way.reshape(-1), velocities[-2], self.fastest)
+            displacement = self.positions[self.given] - self.positions[self.given - 1]
+            least = braking_time(displacement.reshape(-1), velocities[-2], self.fastest)
             times[-1] = max(times[-1], times[-2] + least)
         return JointTrajectory(
             joint_names=self.joint_names,
@@ -150,25 +150,26 @@ class JointMotion:
         )
 
 
-def braking_time(way: Array, velocity: Array, fastest: Array) -> float:
+def braking_time(displacement: Array, velocity: Array, fastest: Array) -> float:
     """
-    Return the shortest time in which joints come to rest after a way, not exceeding their speed.
+    Return the shortest time in which joints come to rest after a displacement, within their speeds.
 
     Parameters
     ----------
-    way : ndarray, shape (n,)
-        To go [rad].
+    displacement : ndarray, shape (n,)
+        Angles through which they still turn [rad].
     velocity : ndarray, shape (n,)
-        With which it begins [rad/s].
+        Velocities with which they begin [rad/s].
     fastest : ndarray, shape (n,)
         Largest speeds [rad/s].
 
     Returns
     -------
     float
-        For cubics [s]. Their velocity, v0 (1-s)^2 + 2 m s (1-s) with m = 3 way / T - v0, has its
-        largest value m^2 / (2 m - v0), which is the limit L for m = L + sqrt(L (L - v0)).
+        For cubics [s]. Their velocity, v0 (1-s)^2 + 2 m s (1-s) with m = 3 d / T - v0 for a
+        displacement d, has its largest value m^2 / (2 m - v0), which is the limit L for
+        m = L + sqrt(L (L - v0)).
     """
-    ahead = np.clip(velocity * np.sign(way), -fastest, fastest)
+    ahead = np.clip(velocity * np.sign(displacement), -fastest, fastest)
     most = fastest + np.sqrt(fastest * (fastest - ahead))
-    return float(np.max(3.0 * np.abs(way) / (most + ahead)))
+    return float(np.max(3.0 * np.abs(displacement) / (most + ahead)))

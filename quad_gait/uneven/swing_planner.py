@@ -49,10 +49,10 @@ BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
 
 
-_WAYS = sorted(
+_VARIANTS = sorted(
     product(_FRACTIONS, _TILTS, _LOWER),
     # A lower body costs little, a shorter step more, and a tilt most.
-    key=lambda way: (1.0 - way[0]) + 0.75 * way[1] + 3.0 * way[2],
+    key=lambda kind: (1.0 - kind[0]) + 0.75 * kind[1] + 3.0 * kind[2],
 )
 """Kinds of swings, in the order in which they are tried."""
 
@@ -153,7 +153,7 @@ class SwingPlanner:
             swing = _Swing(leg, target, 1.0)
             return fraction, self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
-        (fraction, swing), problem = _first_possible(plan, _WAYS)
+        (fraction, swing), problem = _first_possible(plan, _VARIANTS)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
@@ -310,17 +310,17 @@ class SwingPlanner:
         moved = balanced(center, triangle, self._scale * self._options.margin) - offset
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
 
-    def _lasting(self, way: float, least: float, pace: float) -> float:
+    def _lasting(self, distance: float, least: float, pace: float) -> float:
         """Return how long a foot takes for a distance [m] at a pace [s]."""
-        return max(least, float(way) / (self._scale * pace * self._options.foot_speed))
+        return max(least, float(distance) / (self._scale * pace * self._options.foot_speed))
 
     def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
-        way = float(np.linalg.norm(end.position - start.position))
+        distance = float(np.linalg.norm(end.position - start.position))
         turned = np.abs(
             [end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)]
         ).max()
-        way = max(way, self._robot.footprint_radius * float(turned))
-        return max(self._options.shift_time, way / (self._scale * self._options.shift_speed))
+        distance = max(distance, self._robot.footprint_radius * float(turned))
+        return max(self._options.shift_time, distance / (self._scale * self._options.shift_speed))
 
     def _motion_along(
         self, now: Stance, commanded: Array | None, paths: PlannedPaths
@@ -346,8 +346,8 @@ def _first_possible(
     raise problem
 
 
-def _lowered(body: BodyPose, way: float) -> BodyPose:
-    return BodyPose(body.position - np.array([0.0, 0.0, way]), body.roll, body.pitch, body.yaw)
+def _lowered(body: BodyPose, depth: float) -> BodyPose:
+    return BodyPose(body.position - np.array([0.0, 0.0, depth]), body.roll, body.pitch, body.yaw)
 
 
 def _ramp(duration: float) -> float:
@@ -355,8 +355,8 @@ def _ramp(duration: float) -> float:
     return 0.0 if duration <= 0.0 else 0.03
 
 
-def _searched(times: Array, speed: float, way: float) -> Array:
+def _searched(times: Array, speed: float, depth: float) -> Array:
     """Return how far down a foot has felt: it gathers speed, then keeps it [m]."""
     ramp = 2.0 * _ramp(1.0)
     gathered = np.where(times < ramp, times**2 / (2.0 * ramp), times - ramp / 2.0)
-    return np.clip(speed * np.where(times > 0.0, gathered, 0.0), 0.0, way)
+    return np.clip(speed * np.where(times > 0.0, gathered, 0.0), 0.0, depth)

@@ -45,7 +45,7 @@ _RATE = 5.0
 """Simulated over real time, at most.
 
 As fast as possible, a second in which the machine does something else is ten of the robot's, in
-which nobody hears anything: the nodes rightly say so.
+which no node receives anything: the nodes rightly say so.
 """
 
 _TIMEOUT = 600.0
@@ -114,7 +114,7 @@ def measure(
     console : Console
         Where a line for each combination goes.
     quick : bool
-        A few combinations, drawn at random, with short ways.
+        A few combinations, drawn at random, over short distances.
     seed : int
         Of goals and of the sample.
     only : tuple of str

@@ -145,7 +145,7 @@ def _see_room(
     robot: Robot,
     kinds: list[_Kind],
 ) -> float:
-    """See one room in every way; return the time of a plain ``cv2.inRange`` [s]."""
+    """See one room with every kind of camera; return the time of a plain ``cv2.inRange`` [s]."""
     # Imported late: it needs PyBullet.
     from quad_sim.engines.bullet_simulator import BulletSimulator
     from quad_sim.world.random_room import random_room

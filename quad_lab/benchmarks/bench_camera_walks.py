@@ -188,13 +188,13 @@ def _drop_on_path(walk: CameraWalk, room: Room) -> bool:
             place = Pose2D(x, y, 0.0)
             if min(place.distance_to(pose), place.distance_to(room.goal)) > _DROP_AHEAD:
                 pillar = Obstacle.cylinder(x, y, _DROP_RADIUS, _DROP_HEIGHT)
-                if _leaves_a_way(room, pillar, pose):
+                if _leaves_a_path(room, pillar, pose):
                     walk.simulation.change_obstacles([ObstacleChange('dropped', pillar)])
                     return True
     return False
 
 
-def _leaves_a_way(room: Room, pillar: Obstacle, pose: Pose2D) -> bool:
+def _leaves_a_path(room: Room, pillar: Obstacle, pose: Pose2D) -> bool:
     """Return whether the robot still gets from a pose to the goal, by the true map."""
     world = replace(room.world, obstacles=(*room.world.obstacles, pillar))
     robot = load_robot(_ROBOT)

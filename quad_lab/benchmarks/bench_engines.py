@@ -165,9 +165,9 @@ def _creep(console: Console, quick: bool, seed: int) -> Bars:
         details[backend] = {f'{name} {slope:g}': creep for (name, slope), creep in creeps.items()}
         for label, wanted in (('level', 0.0), (f'on a slope of {_SLOPE:g} rad', _SLOPE)):
             chosen = [creep for (_, slope), creep in creeps.items() if slope == wanted]
-            way, turn = (max(values) for values in zip(*chosen))
+            speed, turn = (max(values) for values in zip(*chosen))
             bars += [
-                at_most(f'{backend}: creep, {label}', 1e3 * way, 'mm/s', 0.01),
+                at_most(f'{backend}: creep, {label}', 1e3 * speed, 'mm/s', 0.01),
                 at_most(f'{backend}: turn, {label}', math.degrees(turn), 'deg/s', 0.01),
             ]
     return bars, details

@@ -31,7 +31,7 @@ QUICK_BUDGET = 20.0
 """The quick sample begins no further walk after so long [s]."""
 
 DRIFT = 0.03
-"""Drift of odometry as a fraction of the way."""
+"""Drift of odometry as a fraction of the distance."""
 RATE = 1.0
 """Corrections in a second [Hz]."""
 NOISE = 0.02

@@ -26,7 +26,7 @@ _SEEDS = 20
 _QUICK = (('titan_viii', 'bumps', 'uneven'), ('titan_viii', 'bumps', 'flat'))
 """In the quick run, with one seed each."""
 
-_WAYS = {
+_MODES = {
     'uneven': ('uneven', True),
     'blind': ('uneven', False),
     'flat': ('flat', True),
@@ -49,8 +49,8 @@ class _Walk:
 
     robot: str
     course: str
-    way: str
-    """One of :data:`_WAYS`."""
+    mode: str
+    """One of :data:`_MODES`."""
     seed: int
     outcome: TerrainOutcome
 
@@ -64,7 +64,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], 
     console : Console
         Where progress and the table of walks are shown.
     quick : bool
-        One walk over bumps each way.
+        One walk over bumps by each gait.
     seed : int
         Of the first course.
 
@@ -79,12 +79,12 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], 
         jobs = [(*job, seed) for job in _QUICK]
     else:
         jobs = [
-            (robot, course, way, seed + k)
+            (robot, course, mode, seed + k)
             for robot in _ROBOTS
             for course in COURSES
-            for way in _WAYS
-            if way != 'blind' or (robot == _ROBOTS[0] and course in _BLIND)
-            for k in range(_SEEDS if way == 'uneven' or (way, course) == _COMPARED else _FEWER)
+            for mode in _MODES
+            if mode != 'blind' or (robot == _ROBOTS[0] and course in _BLIND)
+            for k in range(_SEEDS if mode == 'uneven' or (mode, course) == _COMPARED else _FEWER)
         ]
     walks: list[_Walk] = []
     with worker_pool() as pool:
@@ -94,28 +94,28 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], 
             end = 'arrived' if outcome.arrived else outcome.problem
             console.print(
                 f'walk {len(walks)} of {len(jobs)}, {walk.robot} over {walk.course} '
-                f'({walk.way}, seed {walk.seed}): {end}'
+                f'({walk.mode}, seed {walk.seed}): {end}'
             )
     groups: dict[tuple[str, str, str], list[TerrainOutcome]] = {}
     for walk in walks:
-        groups.setdefault((walk.robot, walk.course, walk.way), []).append(walk.outcome)
+        groups.setdefault((walk.robot, walk.course, walk.mode), []).append(walk.outcome)
     console.print(_table(groups))
     bars = _walk_bars(groups) + joint_failure_bars(quick, seed) + active_pair_bars(quick, seed)
     return bars, {'walks': [_described(walk) for walk in walks]}
 
 
-def _walked(robot: str, course: str, way: str, seed: int) -> _Walk:
+def _walked(robot: str, course: str, mode: str, seed: int) -> _Walk:
     loaded = load_robot(robot)
-    ground, sees = _WAYS[way]
+    ground, sees = _MODES[mode]
     outcome = walk_course(loaded, make_course(loaded, course, seed), ground, sees)
-    return _Walk(robot, course, way, seed, outcome)
+    return _Walk(robot, course, mode, seed, outcome)
 
 
 def _walk_bars(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> list[Criterion]:
     bars = []
-    for (robot, course, way), outcomes in groups.items():
-        name = f'{robot}, {course}' + (', without a height map' if way == 'blind' else '')
-        if way == 'flat':
+    for (robot, course, mode), outcomes in groups.items():
+        name = f'{robot}, {course}' + (', without a height map' if mode == 'blind' else '')
+        if mode == 'flat':
             continue
         arrived = sum(outcome.arrived for outcome in outcomes)
         bars += [
@@ -126,7 +126,7 @@ def _walk_bars(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> list
             touches = sum(outcome.touches_large for outcome in outcomes)
             bars.append(at_most(f'{name}: walks that touched a large one', touches, '', 0))
         flat = groups.get((robot, course, 'flat'))
-        if course == 'bumps' and way == 'uneven' and flat is not None:
+        if course == 'bumps' and mode == 'uneven' and flat is not None:
             fraction = _tilt_rms(outcomes) / _tilt_rms(flat)
             bars.append(
                 at_most(f'{name}: tilt, rms, over that of the flat gait', fraction, '', 0.5)
@@ -144,11 +144,11 @@ def _table(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> Table:
         'robot', 'course', 'gait', 'arrived', 'falls', 'tilt rms', 'largest', 'least margin',
         'time', 'with shins on the ground', title='walks over uneven ground',
     )  # fmt: skip
-    for (robot, course, way), outcomes in groups.items():
+    for (robot, course, mode), outcomes in groups.items():
         table.add_row(
             robot,
             course,
-            {'uneven': 'uneven', 'blind': 'uneven, no map', 'flat': 'flat'}[way],
+            {'uneven': 'uneven', 'blind': 'uneven, no map', 'flat': 'flat'}[mode],
             f'{sum(outcome.arrived for outcome in outcomes)} of {len(outcomes)}',
             str(sum(outcome.has_fallen for outcome in outcomes)),
             f'{math.degrees(_tilt_rms(outcomes)):.2f} deg',
@@ -161,5 +161,5 @@ def _table(groups: dict[tuple[str, str, str], list[TerrainOutcome]]) -> Table:
 
 
 def _described(walk: _Walk) -> dict[str, Any]:
-    given = {'robot': walk.robot, 'course': walk.course, 'gait': walk.way, 'seed': walk.seed}
+    given = {'robot': walk.robot, 'course': walk.course, 'gait': walk.mode, 'seed': walk.seed}
     return {**given, **asdict(walk.outcome)}

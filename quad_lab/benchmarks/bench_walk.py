@@ -227,7 +227,7 @@ def _bars(results: list[WalkResult], bare: float, records: list[WalkRecord]) -> 
             'wall time: observing and publishing', publishing / wall if wall else None, 'fraction'
         ),
         figure(
-            'wall time: hearing, waiting',
+            'wall time: receiving, waiting',
             1.0 - (physics + publishing) / wall if wall else None,
             'fraction',
         ),

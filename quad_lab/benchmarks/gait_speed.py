@@ -35,7 +35,7 @@ def speed_bars(quick: bool) -> list[Criterion]:
     Returns
     -------
     list of Criterion
-        Milliseconds, and the ratios to the other two ways, from this run.
+        Milliseconds, and the ratios of two other methods to it, from this run.
     """
     robot = load_robot('titan_viii')
     crawl = load_gait('crawl', robot)

@@ -1,5 +1,5 @@
 """
-The papers' figures of gaits, measured anew in physics.
+The papers' figures of gaits, measured again, in physics.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def figures_of_s1(quick: bool) -> list[Criterion]:
     across = np.array([math.sin(math.pi / 4.0), math.cos(math.pi / 4.0), 0.0])
     _, _, errors = step_response(leg, start, leg.forward(start) + 0.02 * across, 4.0, 2.0, 0.01)
     sizes = np.linalg.norm(errors, axis=1)
-    # The third obstacle's place and all radii are lost: any that leave a way.
+    # The third obstacle's place and all radii are lost: any that leave a path.
     field = PotentialField(
         (8.0, 8.0),
         (RoundObstacle(1.0, 3.0, 0.5), RoundObstacle(5.0, 7.0, 0.5), RoundObstacle(4.5, 3.0, 0.5)),

@@ -30,7 +30,7 @@ class Disturbance:
     lost: float = 0.03
     """Chance that a trajectory never comes."""
     stale: float = 0.02
-    """Chance that from a measurement on the joints are not heard for a while."""
+    """Chance that from a measurement on the joints are not received for a while."""
     staleness: float = 0.3
     """Longest time for which they are not [s]."""
     jitter: float = 0.03
@@ -70,8 +70,8 @@ class DisturbedWalk(ClosedLoop):
         super().__init__(robot, controller, **others)
         self._disturbance = disturbance
         self._rng = rng
-        self._under_way: deque[tuple[float, JointTrajectory]] = deque()
-        self._heard: Observation | None = None
+        self._in_transit: deque[tuple[float, JointTrajectory]] = deque()
+        self._received: Observation | None = None
         self._deaf_until = 0.0
         self.late = 0
         """Number of trajectories that came late."""
@@ -79,9 +79,9 @@ class DisturbedWalk(ClosedLoop):
         """Number of trajectories that never came, or so late that they had ended."""
 
     def _step(self) -> None:
-        while self._under_way and self._under_way[0][0] <= self.time:
+        while self._in_transit and self._in_transit[0][0] <= self.time:
             try:
-                self.simulation.accept(self._under_way.popleft()[1])
+                self.simulation.accept(self._in_transit.popleft()[1])
             except TrajectoryError:
                 self.lost += 1
         super()._step()
@@ -96,15 +96,15 @@ class DisturbedWalk(ClosedLoop):
             lateness = rng.uniform(0.0, how.lateness)
             self.late += 1
         arrival = self.time + lateness
-        if self._under_way:
+        if self._in_transit:
             # Messages of one topic come in order.
-            arrival = max(arrival, self._under_way[-1][0])
-        self._under_way.append((arrival, trajectory))
+            arrival = max(arrival, self._in_transit[-1][0])
+        self._in_transit.append((arrival, trajectory))
 
     def _readings(self, seen: Observation) -> JointReadings:
         how, rng = self._disturbance, self._rng
         if seen.time >= self._deaf_until:
-            self._heard = seen
+            self._received = seen
             if rng.random() < how.stale:
                 self._deaf_until = seen.time + rng.uniform(0.0, how.staleness)
-        return super()._readings(seen if self._heard is None else self._heard)
+        return super()._readings(seen if self._received is None else self._received)

@@ -52,7 +52,7 @@ class SteadyWalk:
     torque_rms: float
     """[N m]"""
     transport_cost: float
-    """Mechanical energy over weight and way; nan for a turn."""
+    """Mechanical energy over weight and distance; nan for a turn."""
     has_fallen: bool
     is_finite: bool
     joints_in_range: bool
@@ -76,7 +76,7 @@ def steady_walk(
     robot, gait
         The robot, and a gait fitted to it.
     direction : BodyMotion
-        Which way; its size does not matter.
+        Direction of the motion; its size does not matter.
     duration : float
         [s]
     asked : BodyMotion, optional
@@ -114,16 +114,16 @@ def _steady_walk(
     steps = [BodyMotion.reaching(a.inverse() @ b) for a, b in pairwise(ends)]
     parts = np.array([(s.forward, s.left, s.turn) for s in steps]).reshape(-1, 3)
     mean = parts.mean(axis=0) if len(parts) else np.full(3, math.nan)
-    way = math.hypot(asked.forward, asked.left)
-    walked = way * max(len(steps), 1)
+    stride = math.hypot(asked.forward, asked.left)
+    walked = stride * max(len(steps), 1)
     drift = veer = 0.0
     cost = math.nan
-    if way and ends:
+    if stride and ends:
         course = math.atan2(asked.left, asked.forward)
         moved = ends[0].inverse() @ ends[-1]
         across = moved.y * math.cos(course) - moved.x * math.sin(course)
         drift, veer = abs(across) / walked, abs(moved.yaw) / walked
-        speed = way / period
+        speed = stride / period
         cost = float(np.mean(record.power)) / (robot.mass * _GRAVITY * speed)
     joints = np.array(record.joints).reshape(-1, 4, 3)
     cycles = max(record.times[-1] / period, 1.0)
@@ -163,7 +163,7 @@ class CircleWalk:
     """A circle, as S2's table IV has it."""
 
     radius: float
-    """Of the circle that fits the body's way best [m]."""
+    """Of the circle that fits the body's path best [m]."""
     steps_per_lap: float
     """Gait cycles for a turn of 360 degrees."""
     has_fallen: bool
@@ -244,7 +244,7 @@ class PlanWalk:
     largest_distance: float
     """From the plan's line, at any time [m]."""
     largest_distance_at_ends: float
-    """Likewise, at the ends of cycles, where the body does not sway [m]."""
+    """The same at the ends of cycles, where the body does not sway [m]."""
     cycles: int
     record: Record
 
@@ -317,7 +317,7 @@ def leg_odometry_error(
     robot, gait
         The robot, and a gait fitted to it.
     direction : BodyMotion
-        Which way it is steered, at 60 % of the most.
+        Direction in which it is steered, at 60 % of the most.
     duration : float
         [s]
 
@@ -346,15 +346,15 @@ def leg_odometry_error(
         controller.set_twist(asked.rate(gear.period))
         walk.run(duration)
         last = walk.record.poses[-1]
-        # The controller's own record of the way, not the straight line: turns come back.
-        way = float(np.linalg.norm(np.diff(_smoothed(walk.record), axis=0), axis=1).sum())
+        # The controller's own record of the path, not the straight line: turns come back.
+        distance = float(np.linalg.norm(np.diff(_smoothed(walk.record), axis=0), axis=1).sum())
         error = odometry.pose.inverse() @ last
         turns = max(abs(turned[0]) / (2.0 * math.pi), 1.0)
-        return math.hypot(error.x, error.y) / max(way, 0.1), abs(error.yaw) / turns
+        return math.hypot(error.x, error.y) / max(distance, 0.1), abs(error.yaw) / turns
     finally:
         walk.close()
 
 
 def _smoothed(record: Record) -> Array:
-    """Positions once in a second: the way without the body's sway."""
+    """Positions once in a second: the path without the body's sway."""
     return record.positions[::50]

@@ -59,7 +59,7 @@ class GoalDrawer:
     seed : int
         Of the drawing.
     method : str
-        The planning method that must find a way.
+        The planning method that must find a path.
     clearance : float
         Distance to obstacles beyond the one that the planner keeps [m].
     """

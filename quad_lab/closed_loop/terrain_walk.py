@@ -41,31 +41,31 @@ COURSES = (*GROUNDS, 'boxes')
 """Ground to walk over, straight on; and a field of low boxes among large obstacles."""
 
 LENGTH = 5.0
-"""From the start to the goal [m], likewise."""
+"""Distance from the start to the goal [m, of TITAN-VIII]."""
 
 _HALF_WIDTH, _BEYOND = 1.5, 1.5
-"""Of the ground beside and behind the way [m], likewise."""
+"""Extent of the ground beside the path, and beyond its ends [m, of TITAN-VIII]."""
 
 _RESOLUTION = 0.02
-"""Of the ground [m], likewise."""
+"""Side of the cells of the ground [m, of TITAN-VIII]."""
 
 _LOW_BOXES, _LOW = 20, 0.05
-"""How many low boxes there are, and how high the highest is [m], likewise."""
+"""Number of low boxes, and height of the highest [m, of TITAN-VIII]."""
 
 _PILLARS, _PLATFORMS = 3, 2
 """Large obstacles, which the map shows, and high blocks, which only the height map shows."""
 
 _PILLAR, _PLATFORM = 0.5, 0.15
-"""Their heights [m], likewise."""
+"""Their heights [m, of TITAN-VIII]."""
 
 _AROUND_LARGE = 0.2
-"""So much of the straight way may be beside the middle of a large one [m], likewise."""
+"""Distance of the first large one's middle from the straight path, at most [m, of TITAN-VIII]."""
 
 _CLEAR = 0.9
-"""Nothing large is so near to start and goal [m], likewise."""
+"""Nothing large is so near to start and goal [m, of TITAN-VIII]."""
 
 _GRID = 0.05
-"""Side of the planner's cells [m], likewise."""
+"""Side of the planner's cells [m, of TITAN-VIII]."""
 
 _TRIES = 200
 
@@ -73,7 +73,7 @@ _STRAY = 0.2
 """Starts are turned by up to this from the course's own direction [rad]."""
 
 _STANDING = 1.0
-"""A robot is left to settle for so long before it hears of its plan [s]."""
+"""A robot is left to settle for so long before it receives its plan [s]."""
 
 _TIMEOUT = 600.0
 """[s], simulated."""
@@ -81,15 +81,15 @@ _TIMEOUT = 600.0
 
 @dataclass(frozen=True)
 class Course:
-    """Ground, and a way over it."""
+    """Ground, and a path over it."""
 
     world: World
     height_map: HeightMap
     plan: Plan
     large_blocks: tuple[Block, ...] = ()
-    """Of the ground: nobody should step on them."""
+    """Blocks of the ground that no foot should touch."""
     low_boxes: int = 0
-    """On which feet may come to stand along the way."""
+    """Number of those on which feet may come to stand along the path."""
 
     @property
     def start(self) -> Pose2D:
@@ -116,7 +116,7 @@ class TerrainOutcome:
     contacts: tuple[str, ...]
     """Of anything but feet with the ground."""
     off_plan: float
-    """Largest distance from the planned way [m]."""
+    """Largest distance from the planned path [m]."""
     touches_large: bool
     """Whether it touched an obstacle, or a foot was over a large block."""
 
@@ -171,7 +171,7 @@ def _scaled(spec: TerrainSpec, scale: float, seed: int) -> TerrainSpec:
 
 
 def _box_field(robot: Robot, seed: int) -> Course:
-    """Mix low boxes with large obstacles, and plan a way with both maps."""
+    """Mix low boxes with large obstacles, and plan a path with both maps."""
     scale, rng = robot.relative_size, np.random.default_rng(seed)
     bounds = (-scale * _BEYOND, -2.2 * scale, scale * (LENGTH + _BEYOND), 2.2 * scale)
     start, goal = Pose2D(0.0, 0.0, 0.0), Pose2D(scale * LENGTH, 0.0, 0.0)
@@ -200,7 +200,7 @@ def _box_field(robot: Robot, seed: int) -> Course:
         half = float(np.abs(robot.neutral_feet[:, 1]).max())
         crossed = sum(_beside(block, plan) < half for block in low)
         return Course(world, world.terrain.height_map, plan, platforms, crossed)
-    raise ParameterError('seed', seed, 'one with which the large obstacles leave a way')
+    raise ParameterError('seed', seed, 'one with which the large obstacles leave a path')
 
 
 def _with_blocks(world: World, level: HeightMap, blocks: tuple[Block, ...]) -> World:
@@ -208,7 +208,7 @@ def _with_blocks(world: World, level: HeightMap, blocks: tuple[Block, ...]) -> W
 
 
 def _beside(block: Block, plan: Plan) -> float:
-    """How far the middle of a block is from a way [m]."""
+    """How far the middle of a block is from a path [m]."""
     return distance_to_polyline((block.pose.x, block.pose.y), plan.corners)
 
 
@@ -230,7 +230,7 @@ def _planned(
 
 
 def _large_places(rng: np.random.Generator, scale: float) -> list[Pose2D]:
-    """Draw where large things stand: on and beside the straight way, apart from each other."""
+    """Draw where large things stand: on and beside the straight path, apart from each other."""
     places: list[Pose2D] = []
     while len(places) < _PILLARS + _PLATFORMS:
         x = float(rng.uniform(_CLEAR, LENGTH - _CLEAR))
@@ -252,7 +252,7 @@ def walk_course(
     robot : Robot
         The robot.
     course : Course
-        The ground, and the way over it.
+        The ground, and the path over it.
     ground : str
         What the gait takes it for: ``uneven``, or ``flat``.
     sees : bool

@@ -186,10 +186,10 @@ def _draw(
 
 
 def _track(axes: Axes, sweep: Sweep) -> None:
-    """Draw the way of hip j over the whole sweep."""
-    way = sweep.posture(np.linspace(*sweep.ends, 200, dtype=np.float64)).hip_j
+    """Draw the path of hip j over the whole sweep."""
+    path = sweep.posture(np.linspace(*sweep.ends, 200, dtype=np.float64)).hip_j
     axes.plot(
-        way.real, way.imag, ':', color='#ff8c00', linewidth=1.4, zorder=4, label='way of hip j'
+        path.real, path.imag, ':', color='#ff8c00', linewidth=1.4, zorder=4, label='path of hip j'
     )
 
 

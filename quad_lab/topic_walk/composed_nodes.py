@@ -110,5 +110,5 @@ class ComposedNodes:
         return called
 
     def _calls(self) -> int:
-        heard = sum(observer.heard for observer in self._observers)
-        return heard + sum(node.callbacks for node in self._nodes.values())
+        received = sum(observer.received for observer in self._observers)
+        return received + sum(node.callbacks for node in self._nodes.values())

@@ -49,7 +49,7 @@ _PARTICIPANTS = 32
 
 @dataclass(eq=False, repr=False)
 class NodeDied(QuadError):
-    """A node ended though nobody asked it to."""
+    """A node ended without being asked to."""
 
     name: str
     """Name of the node."""
@@ -78,7 +78,7 @@ class NoFreeDomain(QuadError):
 @contextlib.contextmanager
 def isolated_domain() -> Iterator[int]:
     """
-    Claim a ROS domain of this machine, so that nothing else hears or disturbs the nodes.
+    Claim a ROS domain of this machine, so that nothing else disturbs or observes the nodes.
 
     Yields
     ------
@@ -135,7 +135,7 @@ def _claim_domain(stack: contextlib.ExitStack) -> int:
 
 
 def _is_quiet(domain: int) -> bool:
-    """Return whether nobody on this machine holds a discovery port of a domain."""
+    """Return whether no process on this machine holds a discovery port of a domain."""
     # RTPS 2.2 sec. 9.6.1.1: one port for all participants, and one for each of them.
     first = 7400 + 250 * domain
     for port in (first, *(first + 10 + 2 * k for k in range(_PARTICIPANTS))):

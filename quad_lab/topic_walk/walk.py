@@ -69,7 +69,7 @@ class NodesNotReady(QuadError):
 
     def sentence(self) -> str:
         """Say what the nodes said meanwhile."""
-        said = self.said or 'nothing was heard of them'
+        said = self.said or 'none published a status'
         return f'the nodes were not ready within {self.limit:.0f} s ({said})'
 
 
@@ -98,7 +98,7 @@ class WalkOptions:
     perception: str = 'truth'
     """``truth``: map, goal and pose come from the simulator; ``camera``: from its pictures."""
     odom_drift: float = 0.0
-    """Drift of odometry as a fraction of the way; see sim_node."""
+    """Drift of odometry as a fraction of the distance; see sim_node."""
     localiser_rate: float = 0.0
     """Corrections of odometry in a second [Hz]."""
     composed: bool = False

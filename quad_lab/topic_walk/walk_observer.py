@@ -47,7 +47,7 @@ class WalkObserver:
     goal : Pose2D
         Where the robot is to go.
     recording : Recording, optional
-        Where every message heard goes.
+        Where every received message goes.
     by_marker : bool
         Whether the goal is given by a marker that a camera has to see.
     by_truth : bool
@@ -66,11 +66,11 @@ class WalkObserver:
     ) -> None:
         self.record = WalkRecord(goal)
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
-        """Level, message and values of each node, as last heard on diagnostics."""
+        """Level, message and values of each node, as last received on diagnostics."""
         self.time = 0.0
-        """Simulated time, as last heard [s]."""
+        """Simulated time, as last received [s]."""
         self.pose: Pose2D | None = None
-        self.heard = 0
+        self.received = 0
         """Number of messages that were received."""
         self._recording = recording
         self._goal_given = False
@@ -126,7 +126,7 @@ class WalkObserver:
             self._executor.spin_once(timeout_sec=left)
 
     def planner_is_ready(self) -> bool:
-        """Return whether a goal would be heard and planned to at once."""
+        """Return whether a goal would be received and planned to at once."""
         message = self.statuses.get('planner_node', (b'', '', {}))[1]
         return message.startswith(('ready', 'plan')) and self._goals.get_subscription_count() > 0
 
@@ -163,7 +163,7 @@ class WalkObserver:
         """Take messages as bytes: they are recorded as they are, and read if need be."""
 
         def on_bytes(data: bytes) -> None:
-            self.heard += 1
+            self.received += 1
             if self._recording is not None:
                 self._recording.write(topic, kind, data)
             if callback is not None:

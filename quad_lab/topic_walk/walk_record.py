@@ -33,9 +33,9 @@ class WalkRecord:
     footholds: list[Array] = field(default_factory=list)
     """Planned footholds of each cycle, shape (4, 3) [m]."""
     height_map: HeightMap | None = None
-    """Of the ground; None if nobody has told."""
+    """Height map of the ground; None if none was published."""
     least_margin: float = math.inf
-    """Least stability margin heard of [m]."""
+    """Least stability margin received [m]."""
     cycles: int = 0
     contacts: str = ''
     """Contacts of anything but feet with the ground, as the simulator reports them."""

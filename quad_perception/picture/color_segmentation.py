@@ -59,7 +59,7 @@ class ColorRange:
     lower: tuple[float, float, float]
     """Hue [deg], 0 to 360, saturation and value, 0 to 1."""
     upper: tuple[float, float, float]
-    """Likewise. Where the lower hue is above the upper one the range goes through 0: red."""
+    """Their upper ends. If the lower hue is above the upper one the range goes through 0: red."""
 
     def __post_init__(self) -> None:
         """Check the numbers."""

@@ -83,7 +83,7 @@ class FootprintFinder:
     assumed_height : float
         Height of obstacles whose sides are not seen [m]: below the camera, or behind others.
     least_size : float
-        What is smaller both ways is no obstacle but a speck [m].
+        What is smaller in both directions is no obstacle but a speck [m].
     """
 
     view: FloorView

@@ -326,11 +326,11 @@ def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, headin
     offsets = (DY * width + DX).tolist()
     step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
     # Python's own numbers: quick to read one by one, and nothing to compile.
-    ways = reached_by.data
+    moves = reached_by.data
     places = [goal]
     cell, by = goal, step
     while by != start:
-        by = ways[HEADINGS * cell + heading] & previous
+        by = moves[HEADINGS * cell + heading] & previous
         if by == step:
             cell -= offsets[heading]
         else:

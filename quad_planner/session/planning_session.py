@@ -205,7 +205,7 @@ class PlanningSession:
         """
         is_first, was_silent = self._pose is None, bool(self.silence)
         self._pose = pose
-        self._age.hear(time)
+        self._age.receive(time)
         if is_first or was_silent:
             self._try_waiting_goal()
             self._output.update_status()
@@ -229,7 +229,7 @@ class PlanningSession:
             self._output.say(f'the robot is {distance:.2f} m from its path: planning again')
             self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
         else:
-            # Who hears it late must not walk to it again.
+            # A late subscriber must not walk to it again.
             self._publish(None)
 
     def tick(self, wall: float, clock: float) -> None:
@@ -286,7 +286,7 @@ class PlanningSession:
             self._give_up_search()
         has_arrived = goal is not None and self._pose is not None and _is_at(self._pose, goal)
         if self.plan is not None and not has_arrived and self._pending is None:
-            # Who hears it late must not walk to it again.
+            # A late subscriber must not walk to it again.
             self._publish(None)
         self._output.update_status()
 

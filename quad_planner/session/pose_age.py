@@ -22,7 +22,7 @@ class PoseAge:
         """Time since the last new pose, as of the last :meth:`tick` [s]."""
         return self._age
 
-    def hear(self, stamp: float) -> None:
+    def receive(self, stamp: float) -> None:
         """Take note of a pose; the same stamp again is the same pose, if it has one [s]."""
         if stamp != self._stamp or stamp == 0.0:
             self._age = 0.0

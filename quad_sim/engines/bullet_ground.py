@@ -52,8 +52,8 @@ def lay_ground(client: Any, world: World) -> frozenset[int]:
 def _add_field(client: Any, terrain: Terrain) -> int:
     """Add the height field, and return its body."""
     field = terrain.field
-    # Bullet's surface ends at the outermost points: with one more cell each way it reaches half
-    # a cell beyond the border, as high as the last center, and leaves no gap there.
+    # Bullet's surface ends at the outermost points: with one more cell on each side it reaches
+    # half a cell beyond the border, as high as the last center, and leaves no gap there.
     heights: NDArray[np.float64] = np.pad(field.heights, 1, mode='edge')
     rows, columns = heights.shape
     shape = client.createCollisionShape(

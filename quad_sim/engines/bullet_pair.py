@@ -30,7 +30,7 @@ JOINTS = ('hip_x', 'hip_z', 'theta', 'u1_i', 'u2_i', 'u1_j', 'u2_j')
 """What may be held: hip i's place, the body's angle, the angles of the legs' joints."""
 
 _TIME_STEP = 2.5e-4
-"""Short: what pins and motors give way to gravity goes with it [s]."""
+"""Short: what pins and motors yield to gravity goes with it [s]."""
 
 _ITERATIONS = 100
 
@@ -109,14 +109,14 @@ def settle(
     points = points_of(pair, start)
     _pin(client, body, (number['u1_i'], pair.leg_i.lower), complex(points.foot_i))
     _pin(client, body, (number['u1_j'], pair.leg_j.lower), complex(points.foot_j))
-    ways = {
-        number[name]: (first[name], _way(name, first[name], float(value)))
+    displacements = {
+        number[name]: (first[name], _displacement(name, first[name], float(value)))
         for name, value in held.items()
     }
     speed, steps = np.inf, 0
     while steps * _TIME_STEP < _LONGEST and (steps * _TIME_STEP < _RAMP or speed > _REST):
         steps += 1
-        _drive(client, body, ways, min(steps * _TIME_STEP / _RAMP, 1.0))
+        _drive(client, body, displacements, min(steps * _TIME_STEP / _RAMP, 1.0))
         client.stepSimulation()
         states = {name: client.getJointState(body, number[name])[:2] for name in JOINTS}
         speed = max(abs(state[1]) for state in states.values())
@@ -160,14 +160,16 @@ def _pin(client: Any, body: int, shank: tuple[int, float], foot: complex) -> Non
     client.changeConstraint(pin, maxForce=_FORCE)
 
 
-def _drive(client: Any, body: int, ways: dict[int, tuple[float, float]], part: float) -> None:
+def _drive(
+    client: Any, body: int, displacements: dict[int, tuple[float, float]], part: float
+) -> None:
     """Have motors bring joints, by their numbers, along a part of where they are to go."""
-    for number, (begin, way) in ways.items():
+    for number, (begin, displacement) in displacements.items():
         client.setJointMotorControl2(
             body,
             number,
             client.POSITION_CONTROL,
-            targetPosition=begin + way * part * part * (3.0 - 2.0 * part),
+            targetPosition=begin + displacement * part * part * (3.0 - 2.0 * part),
             force=_FORCE,
         )
 
@@ -189,8 +191,8 @@ def difference(pair: ActivePair, one: PairPosture, other: PairPosture) -> tuple[
     return angle, max(float(np.max(np.abs(here - there))) for here, there in places)
 
 
-def _way(name: str, begin: float, end: float) -> float:
-    """Return how far it is, for angles the shorter way."""
+def _displacement(name: str, begin: float, end: float) -> float:
+    """Return the displacement, for angles the shorter one [m or rad]."""
     return end - begin if name.startswith('hip') else float(wrap(np.asarray(end - begin)))
 
 

@@ -2,7 +2,7 @@
 What the ceiling camera sees, drawn by PyBullet on the processor.
 
 It has a PyBullet world of its own, with shapes and without physics. So what is drawn cannot
-disturb the simulation, and markers that nothing collides with are in nobody's way.
+disturb the simulation, and markers that nothing collides with are in the way of nothing.
 """
 
 from __future__ import annotations

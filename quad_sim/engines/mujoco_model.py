@@ -177,7 +177,7 @@ class MujocoModel:
         texture.rgb2 = [SQUARE_SHADE * part for part in texture.rgb1]
         material = self._spec.add_material(name='floor', texuniform=True, specular=0.0)
         material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = 'floor'
-        # A texture has two squares each way.
+        # A texture has two squares in each direction.
         material.texrepeat = [0.5 / look.checker_size] * 2
         return 'floor'
 
@@ -206,7 +206,7 @@ class MujocoModel:
                 self._add_box(GROUND, half, place, block.pose.yaw)
 
     def _add_field(self, terrain: Terrain) -> None:
-        """Add the height field, with one more cell each way so that it reaches its border."""
+        """Add the height field, with one more cell on each side so that it reaches its border."""
         field = terrain.field
         heights: Array = np.pad(field.heights, 1, mode='edge')
         rows, columns = heights.shape

@@ -154,17 +154,17 @@ def test_plan_walks_around_what_is_high_on_a_height_map_and_draws_the_ground(tmp
     lengths = {}
     for name, height in (('low', 0.07), ('high', 0.12)):
         heights = np.array(level.heights)
-        # On the straight way.
+        # On the straight path.
         heights[78:82, 38:44] = height
         save_height_map(level.with_heights(heights), tmp_path / f'{name}.yaml')
         picture = tmp_path / f'{name}_plan.png'
         files = ['--height-map', str(tmp_path / f'{name}.yaml'), '--picture', str(picture)]
-        way = ['plan', '--method', 'shortest', '--start', '1.2,3.8,0', '--goal', '4.4,4.3,0']
-        assert main([*way, '--json', *files]) == 0
+        request = ['plan', '--method', 'shortest', '--start', '1.2,3.8,0', '--goal', '4.4,4.3,0']
+        assert main([*request, '--json', *files]) == 0
         lengths[name] = json.loads(capsys.readouterr().out)['length']
         assert picture.stat().st_size > 10_000
     assert lengths['high'] > lengths['low'] + 0.05
-    assert main([*way, '--json', *files, '--step-height', '0.13']) == 0
+    assert main([*request, '--json', *files, '--step-height', '0.13']) == 0
     assert json.loads(capsys.readouterr().out)['length'] == lengths['low']
 
 

@@ -39,7 +39,7 @@ def make_node(domain):
     robots = []
 
     def make(backend='kinematic', **parameters):
-        # Time is odometry's here: nobody publishes a clock.
+        # Time is odometry's here: nothing publishes a clock.
         given = {'use_sim_time': False, **parameters}
         overrides = [Parameter(key, value=value) for key, value in given.items()]
         robots.append(

@@ -49,7 +49,7 @@ def allowed(owner: str, kind: str, right: str, text: str | None = None) -> set[s
 
 def test_the_file_is_what_the_pages_say():
     written = FILE.read_text(encoding='utf-8')
-    assert written == TOOL['policy'](), 'write it anew: python tools/sros2_policy.py'
+    assert written == TOOL['policy'](), 'write it again: python tools/sros2_policy.py'
 
 
 def test_it_has_the_structure_that_sros2_documents():

@@ -36,10 +36,10 @@ def test_the_length_of_a_way_is_wrong_by_the_drift():
     fractions = []
     for seed in range(200):
         told = drifted(0.03, seed, [STEP] * 1500)[1]
-        way = math.hypot(told.x - 1.0, told.y - 2.0)
-        fractions.append(way / 3.0 - 1.0)
+        distance = math.hypot(told.x - 1.0, told.y - 2.0)
+        fractions.append(distance / 3.0 - 1.0)
         assert abs(fractions[-1]) < 0.09
-    # To either side, and as much as stated: a bent way is only a little shorter.
+    # To either side, and as much as stated: a bent path is only a little shorter.
     assert 0.02 < np.sqrt(np.mean(np.square(fractions))) < 0.045
     assert min(fractions) < -0.01 < 0.01 < max(fractions)
 

@@ -1,5 +1,5 @@
 """
-Command lines that nobody means well: valid ones with one argument changed.
+Hostile command lines: valid ones with one argument changed.
 
 The work behind a command is left out where it takes long: what counts is whether its arguments
 end in a sentence, or are let through to the work.

@@ -141,7 +141,7 @@ class Worker:
 
 
 def _work(seed: int, folder: Path, pipe: Connection) -> None:
-    """Try cases until nobody asks for more."""
+    """Try cases until no more are requested."""
     # A case that hangs must not outlive an attack that is killed.
     end_with_parent()
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))

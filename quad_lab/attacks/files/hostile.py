@@ -1,5 +1,5 @@
 """
-Files that nobody means well: valid documents with one thing changed, and damaged bytes.
+Hostile files: valid documents with one thing changed, and damaged bytes.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """
-Sends a node what nobody means well, on everything that it hears and answers.
+Sends a node hostile messages and requests, to all its subscriptions and services.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from quad_lab.attacks.stage.examples import example_of, made_up, plan_request
 from quad_lab.attacks.stage.graph import Interface, inputs_of
 from quad_lab.attacks.stage.stage import Stage
 
-_SHARE_BYTES = 0.08
-"""Of messages whose bytes are damaged, instead of a field."""
+_DAMAGED_FRACTION = 0.08
+"""Fraction of messages whose bytes are damaged, instead of a field."""
 
 _DISCOVERY = 0.5
 """Time in which publishers and clients are found by the node [s]."""
@@ -29,7 +29,7 @@ _DISCOVERY = 0.5
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _SOMEWHERE = Pose2D(1.2, 1.2, 0.0)
-"""On the map, where no odometry was heard yet."""
+"""On the map, where no odometry was received yet."""
 
 _NOT_CHANGED = ('use_sim_time',)
 """Parameters that are not attacked: what they change is which time is meant at all."""
@@ -82,7 +82,7 @@ class Attacker:
         self._stage.call(f'{self.name}/set_parameters', SetParameters, request)
 
     def renew_latched(self) -> None:
-        """Take back what is latched: who starts late must not hear it."""
+        """Take back what is latched: a late subscriber must not receive it."""
         node = self._stage.node
         for target in self._latched:
             if target.name in self._publishers:
@@ -132,7 +132,7 @@ class Attacker:
 
     def _publish(self, target: Interface) -> None:
         message = self.example(target)
-        if self._rng.random() < _SHARE_BYTES:
+        if self._rng.random() < _DAMAGED_FRACTION:
             what, data = random_bytes(serialize_message(message), self._rng)
             self._send_bytes(target, data, f'{target} {what}')
         else:
@@ -174,7 +174,7 @@ class Attacker:
             self.slow.append(f'{target} {mutation}: {reaction}')
 
     def example(self, target: Interface) -> Any:
-        """Return a valid message: the last one that was heard, or one that is made up."""
+        """Return a valid message: the last one that was received, or one that is made up."""
         if target.name.endswith(('/set_parameters', '/set_parameters_atomically')):
             few = self._parameters
             chosen = [few[int(self._rng.integers(len(few)))]] if few else []
@@ -183,10 +183,10 @@ class Attacker:
             return plan_request(self._stage.pose or _SOMEWHERE)
         if target.is_service:
             return example_of(target.type.Request)
-        heard = self._stage.listener.last
-        if target.name in heard:
-            return heard[target.name]
-        made = made_up(target.name, self._stage.pose or _SOMEWHERE, heard.get('/joint_states'))
+        received = self._stage.listener.last
+        if target.name in received:
+            return received[target.name]
+        made = made_up(target.name, self._stage.pose or _SOMEWHERE, received.get('/joint_states'))
         return example_of(target.type) if made is None else made
 
     def _note(self, what: str) -> None:

@@ -64,7 +64,7 @@ class Effort:
     nonsense: int | None
     """Number of messages that must be refused, to each node; None for all."""
     longest: float
-    """Longest way to the good goal after an attack [m]."""
+    """Longest path to the good goal after an attack [m]."""
     largest_turn: float
     """Largest turn to that goal, and on it [rad]."""
     moments: int

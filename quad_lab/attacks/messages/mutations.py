@@ -1,5 +1,5 @@
 """
-Messages that nobody means well: valid ones in which one field is changed.
+Hostile messages: valid ones in which one field is changed.
 
 Fields are found from the message classes themselves, so that every message type is covered,
 and one that is new as well. Nothing here needs a running ROS.

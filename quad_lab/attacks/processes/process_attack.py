@@ -280,7 +280,7 @@ def _temporary(place: Path, expected: tuple[str, ...]) -> list[str]:
 
 @contextmanager
 def _place() -> Iterator[Path]:
-    """Have what is started here make its temporary files where nobody else does."""
+    """Have what is started here make its temporary files where nothing else does."""
     before = os.environ.get('TMPDIR')
     hangup = signal.getsignal(signal.SIGHUP)
     with temporary_folder() as folder:

@@ -83,7 +83,7 @@ def ahead_of(pose: Pose2D) -> Pose2D:
 
 def made_up(topic: str, pose: Pose2D, joints: JointState | None) -> Any:
     """
-    Make a valid message of a topic on which nobody has published yet.
+    Make a valid message of a topic on which nothing was published yet.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ class GoalTopic:
             if reader.node_name == name
         }
 
-    def is_heard(self) -> bool:
+    def has_subscribers(self) -> bool:
         """Return whether a living node subscribes to goals."""
         readers = self._node.get_subscriptions_info_by_topic('goal_pose')
         living = {bytes(reader.endpoint_gid) for reader in readers} - self._dead

@@ -1,5 +1,5 @@
 """
-What a running node hears, answers and publishes: read from the graph, not from a list.
+What a running node subscribes to, serves and publishes: read from the graph, not from a list.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def class_of(type_name: str) -> Any:
 
 def inputs_of(observer: Any, node: str) -> list[Interface]:
     """
-    List what a node hears and answers.
+    List what a node subscribes to and serves.
 
     Parameters
     ----------

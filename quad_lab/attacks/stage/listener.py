@@ -1,5 +1,5 @@
 """
-Hears every topic that the nodes publish, and notes down what must never be published.
+Subscribes to every topic that the nodes publish, and notes down what must never be published.
 """
 
 from __future__ import annotations
@@ -65,13 +65,13 @@ class TopicListener:
         self.last: dict[str, Any] = {}
         """The last message of each topic that a node published itself."""
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
-        """Level, message and values of each node, as last heard on diagnostics."""
-        self.heard_statuses = 0
-        """How many were heard."""
+        """Level, message and values of each node, as last received on diagnostics."""
+        self.received_statuses = 0
+        """Number of statuses that were received."""
         self.refusals: dict[str, list[str]] = {}
         """Every error that a node reported, by the node's name, since they were cleared."""
         self.alarms: dict[str, list[str]] = {}
-        """Likewise every sentence that came at level ERROR."""
+        """Every sentence that came at level ERROR, by the node's name, since they were cleared."""
         self.time = 0.0
         """Simulated time, by the joints' stamps [s]."""
         self.counts: dict[str, int] = {}
@@ -167,7 +167,7 @@ class TopicListener:
         for status in message.status:
             values = {pair.key: pair.value for pair in status.values}
             self.statuses[status.name] = (status.level, status.message, values)
-            self.heard_statuses += 1
+            self.received_statuses += 1
             for key, value in values.items():
                 if value in ('nan', 'inf', '-inf'):
                     self.note(NOT_FINITE, f'diagnostics of {status.name}: {key} is {value}')

@@ -31,7 +31,7 @@ _RATE = 4.0
 """Simulated over real time."""
 
 _CAMERA_RATE = 2.0
-"""Likewise where pictures are made, which takes most of the time."""
+"""The same where pictures are made, which takes most of the time."""
 
 _PICTURES = 1.0
 """Pictures in a simulated second [Hz]."""

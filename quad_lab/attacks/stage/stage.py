@@ -45,16 +45,17 @@ _GIVE_UP = 20.0
 """Wait for an answer [s]."""
 
 _LOST = 3.0
-"""Time after which a request is repeated [s]: who has not found its client yet answers nobody."""
+"""Time after which a request is repeated [s]: a service that has not found its client yet sends no
+answer."""
 
 _LOOK_PERIOD = 0.01
 """Longest time between two looks whether it has come [s]."""
 
 NEAR = 0.05
-"""Of a goal: the robot is there [m]."""
+"""Distance from a goal within which the robot is there [m]."""
 
 _HEADING = 0.09
-"""Likewise [rad]."""
+"""Difference from its heading within which the robot is there [rad]."""
 
 
 @dataclass(eq=False, repr=False)
@@ -142,7 +143,7 @@ class Stage:
         return (
             planner.startswith(('ready', 'plan'))
             and self.activity in ('standing', 'arrived')
-            and self._goals.is_heard()
+            and self._goals.has_subscribers()
         )
 
     def dead_nodes(self) -> dict[str, NodeDied]:
@@ -282,7 +283,7 @@ class Stage:
 
     @property
     def pose(self) -> Pose2D | None:
-        """Where the robot is; None before odometry was heard, and if that is nonsense."""
+        """Where the robot is; None before odometry was received, and if that is nonsense."""
         message = self.listener.last.get('/odom')
         with contextlib.suppress(QuadError):
             return None if message is None else pose_from_message(message.pose.pose)
@@ -297,9 +298,9 @@ class Stage:
         return '; '.join(f'{name}: {self.said(name)[:200] or "nothing"}' for name in self.nodes)
 
     def give_goal(self, goal: Pose2D) -> None:
-        """Publish a goal, once a living planner hears it."""
+        """Publish a goal, once a living planner subscribes to it."""
         end = time.monotonic() + _GIVE_UP
-        while not self._goals.is_heard() and time.monotonic() < end:
+        while not self._goals.has_subscribers() and time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.05)
         self._goals.publish(goal)
 
@@ -319,7 +320,7 @@ class Stage:
         began, end = self.listener.time, GuidedEnd(_PATIENCE)
 
         def is_over() -> bool:
-            # What was said before the goal was heard of does not count.
+            # What was said before the goal was received does not count.
             is_told = self.listener.time > began + _TOLD_WITHIN
             is_told = is_told and self.activity not in ('', Activity.ARRIVED.value)
             activity = Activity(self.activity) if is_told else None

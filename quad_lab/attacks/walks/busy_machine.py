@@ -2,7 +2,7 @@
 Part of ``quadwalk bench faults``: sound robots that walk on a busy machine, and are called sound.
 
 Every robot, gait, direction and kind of ground, with trajectories that come late or never and
-joints that are heard of late. Each walk follows from its seed and number alone.
+joints that are received late. Each walk follows from its seed and number alone.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class WatchedOutcome:
     false_alarm: str
     """Why a sound robot was called lame; empty if it was not."""
     unfollowed: bool
-    """Whether it was said that nobody carries the trajectories out."""
+    """Whether it was said that the trajectories are not executed."""
     has_fallen: bool
     activity: str
     """What the robot did last."""

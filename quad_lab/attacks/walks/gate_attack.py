@@ -85,7 +85,7 @@ def attack_gate(
 
 
 def _sound_motions(robot: Robot, rng: np.random.Generator) -> list[JointTrajectory]:
-    """Return cycles in all directions, and ways between postures."""
+    """Return cycles in all directions, and motions between postures."""
     motions: list[JointTrajectory] = []
     lower, upper = robot.lower, robot.upper
     while len(motions) < _BASES:
@@ -94,9 +94,9 @@ def _sound_motions(robot: Robot, rng: np.random.Generator) -> list[JointTrajecto
             motions.append(posture_trajectory(robot, start.reshape(-1), end, 10.0, 1.0, 0.02))
             continue
         gait = load_gait(str(rng.choice(['crawl', 'crab', 'wave', 'trot', 'turn'])), robot)
-        way = rng.uniform(-0.5, 0.5, 3) * robot.largest_stride * [1.0, 0.5, 2.0]
+        motion = rng.uniform(-0.5, 0.5, 3) * robot.largest_stride * [1.0, 0.5, 2.0]
         try:
-            cycle = generate_cycle(robot, gait, BodyMotion(*(float(v) for v in way)))
+            cycle = generate_cycle(robot, gait, BodyMotion(*(float(v) for v in motion)))
         except GaitError:
             continue
         motions.append(cycle.trajectory(robot, 10.0))

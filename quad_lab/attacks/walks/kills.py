@@ -59,12 +59,12 @@ class KillPlan:
     walks: int
     """Number of walks."""
     lengths: tuple[float, float]
-    """Shortest and longest way to a goal [m]."""
+    """Shortest and longest path to a goal [m]."""
     latest: float
     """Latest moment of a kill after a walk's beginning [s], simulated."""
 
     def drawn_ways(self, rng: np.random.Generator) -> list[tuple[str, str]]:
-        """Draw the node and the way of each walk: every pair as often, both ways by turns."""
+        """Draw node and signal of each walk: every pair as often, both signals by turns."""
         orders = [rng.permutation(NODES) for _ in WAYS]
         pairs = [(str(node), way) for nodes in zip(*orders) for node, way in zip(nodes, WAYS)]
         return [pairs[number % len(pairs)] for number in range(self.walks)]
@@ -106,8 +106,8 @@ class KilledWalk:
     def is_good(self) -> bool:
         """Whether all that is promised came true."""
         is_safe = not self.has_fallen and not self.contacts
-        is_heard = self.goals <= 2 and not self.without_effect
-        return is_safe and self.has_arrived and is_heard and self.says_why
+        is_received = self.goals <= 2 and not self.without_effect
+        return is_safe and self.has_arrived and is_received and self.says_why
 
     @property
     def says_why(self) -> bool:
@@ -237,7 +237,7 @@ def _goes_on(stage: Stage, goal: Pose2D) -> bool:
 
 
 def _begin_again(stage: Stage) -> None:
-    """Start all nodes anew: a walk that went wrong must not spoil the next one."""
+    """Start all nodes again: a walk that went wrong must not spoil the next one."""
     for name in NODES:
         stage.nodes[name].kill()
     for name in NODES:

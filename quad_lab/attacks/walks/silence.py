@@ -89,12 +89,12 @@ def _silenced(key: tuple[int, int]) -> SilencedWalk:
     try:
         walk.run(_STAND)
         fastest = robot.largest_stride / gait.cycle_period
-        way = rng.uniform(-1.0, 1.0, 3) * fastest * [1.0, 0.5, 2.0]
+        velocity = rng.uniform(-1.0, 1.0, 3) * fastest * [1.0, 0.5, 2.0]
         instant = float(rng.uniform(0.0, _LATEST))
         walked = 0.0
         while walked < instant:
             # Steering must go on, or the robot would stop by itself.
-            controller.set_twist(Twist2D(*(float(v) for v in way)))
+            controller.set_twist(Twist2D(*(float(v) for v in velocity)))
             walk.run(min(0.5, instant - walked))
             walked += 0.5
         silence = _CYCLES * gait.cycle_period + _SETTLING

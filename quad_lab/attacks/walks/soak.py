@@ -31,7 +31,7 @@ class SoakPlan:
     warm_up: float
     """Simulated time from which on memory is compared [s]."""
     lengths: tuple[float, float]
-    """Shortest and longest way to a goal [m]."""
+    """Shortest and longest path to a goal [m]."""
     largest_turn: float
     """Largest turn to a goal, and on it [rad]."""
     largest_growth: float | None

@@ -115,14 +115,14 @@ def _distance_bars(kind: str, make: MakeMap, size: int, seed: int) -> list[Crite
 
 
 def _descent_bars(count: int, seed: int) -> list[Criterion]:
-    """Count which descents arrive among circles, where there is a way."""
+    """Count which descents arrive among circles, where there is a path."""
     planners = {
         name: PotentialPlanner(clearance_radius=_CLEARANCE, potential=name)
         for name in ('paper', 'navigation')
     }
     shortest = ShortestPlanner(clearance_radius=_CLEARANCE)
     arrived: dict[tuple[str, bool], int] = {}
-    ways = {False: 0, True: 0}
+    solvable = {False: 0, True: 0}
     times = []
     rng = np.random.default_rng(seed)
     start, goal = Pose2D(0.5, 5.0, 0.0), Pose2D(9.5, 5.2, 0.0)
@@ -131,28 +131,31 @@ def _descent_bars(count: int, seed: int) -> list[Criterion]:
         grid = circles(rng, with_pocket)
         if not _arrives(shortest, grid, start, goal):
             continue
-        ways[with_pocket] += 1
+        solvable[with_pocket] += 1
         for name, planner in planners.items():
             began = time.perf_counter()
             arrived.setdefault((name, with_pocket), 0)
             arrived[name, with_pocket] += _arrives(planner, grid, start, goal)
             if name == 'navigation':
                 times.append(time.perf_counter() - began)
-    all_ways = max(sum(ways.values()), 1)
+    all_solvable = max(sum(solvable.values()), 1)
     navigated = arrived['navigation', False] + arrived['navigation', True]
     return [
         figure(
             "S1's descent arrives, twelve circles at random",
-            100.0 * arrived['paper', False] / max(ways[False], 1),
+            100.0 * arrived['paper', False] / max(solvable[False], 1),
             '%',
         ),
         figure(
             "S1's descent arrives, with a U",
-            100.0 * arrived['paper', True] / max(ways[True], 1),
+            100.0 * arrived['paper', True] / max(solvable[True], 1),
             '%',
         ),
         at_least(
-            'the navigation function leads to the goal', 100.0 * navigated / all_ways, '%', 100.0
+            'the navigation function leads to the goal',
+            100.0 * navigated / all_solvable,
+            '%',
+            100.0,
         ),
         figure('a plan by the navigation function', 1e3 * float(np.median(times)), 'ms'),
     ]

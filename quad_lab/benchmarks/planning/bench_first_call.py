@@ -124,7 +124,7 @@ def _starts(method: str, any_angle: bool, rounds: int) -> _Starts:
 
 
 def _first_plan(method: str, any_angle: bool, cache: str) -> float:
-    """Start Python anew for one plan; return all the time up to it [s]."""
+    """Start a new Python for one plan; return all the time up to it [s]."""
     result = subprocess.run(
         [sys.executable, '-c', _FIRST_PLAN, method, str(any_angle)],
         capture_output=True,

@@ -220,7 +220,7 @@ def _timed(work: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def _memory_of_a_plan(size: int) -> float:
-    """Start Python anew for one plan on a map of a size; return its peak memory [MiB]."""
+    """Start a new Python for one plan on a map of a size; return its peak memory [MiB]."""
     result = subprocess.run(
         [sys.executable, '-c', _ONE_PLAN, str(size)],
         capture_output=True,

@@ -41,7 +41,7 @@ _TIMES = 4
 
 def node_bars(occupied: Mask) -> list[Criterion]:
     """
-    Time a map's way through the node: message in, inflation, plan, message out.
+    Time a map's processing by the node: message in, inflation, plan, message out.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _peak_memory(node: NodeProcess) -> float:
 
 
 class _Client:
-    """Publishes maps, and hears plans."""
+    """Publishes maps, and receives plans."""
 
     def __init__(self, start: Pose2D) -> None:
         self._context = rclpy.Context()
@@ -104,7 +104,7 @@ class _Client:
         self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
         self._odometry = self._node.create_publisher(Odometry, 'odom', qos_profile_sensor_data)
         self._node.create_subscription(Path, 'plan', self._on_plan, _LATCHED)
-        self._heard = 0
+        self._received = 0
         self._start = start
 
     def close(self) -> None:
@@ -114,7 +114,7 @@ class _Client:
     def times(self, occupied: Mask, goal: Pose2D, check: Callable[[], None]) -> list[float]:
         """Return how long each of several maps takes, to the plan on it [s]."""
         self._wait(lambda: self._maps.get_subscription_count() > 0, check)
-        # While the compiled code is loaded, a node that starts beside others hears little.
+        # While the compiled code is loaded, a node that starts beside others receives little.
         self._spin(3.0)
         message = Odometry()
         message.header.frame_id = 'odom'
@@ -131,16 +131,16 @@ class _Client:
             changed = occupied.copy()
             changed[y, x] = False
             grid = _message(changed)
-            heard = self._heard
+            received = self._received
             began = time.perf_counter()
             self._maps.publish(grid)
-            self._wait(lambda: self._heard > heard, check)  # noqa: B023
+            self._wait(lambda: self._received > received, check)  # noqa: B023
             times.append(time.perf_counter() - began)
         return times
 
     def _on_plan(self, message: Path) -> None:
         if message.poses:
-            self._heard += 1
+            self._received += 1
 
     def _wait(self, condition: Callable[[], bool], check: Callable[[], None]) -> None:
         deadline = time.monotonic() + _PATIENCE

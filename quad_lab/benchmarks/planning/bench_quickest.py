@@ -158,7 +158,7 @@ def _maps() -> list[Path]:
 
 
 def _requests(path: Path, rng: np.random.Generator) -> Iterator[_Request]:
-    """Draw poses in the largest free area of a map, between which every method finds a way."""
+    """Draw poses in the largest free area of a map, between which every method finds a path."""
     grid = load_map(path)
     robot = load_robot(_ROBOT)
     planners: dict[str, Planner[InflatedMap]] = {}

@@ -1,5 +1,5 @@
 """
-Other ways to a shortest path on a grid, from well-known libraries, to compare times with.
+Other methods for a shortest path on a grid, from well-known libraries, to compare times with.
 
 Each takes the occupied cells, the radius and two cells, and returns the path's length; a
 library that is not installed is left out.

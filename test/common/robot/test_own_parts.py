@@ -44,8 +44,8 @@ def tried_clearance(robot, pair, posture):
         outside = np.abs(second - robot.body_center) - 0.5 * np.array(robot.body_size)
         return np.linalg.norm(np.maximum(outside, 0.0), axis=1).min() - radius
     first = points_of(robot, pair.first, posture)
-    ways = np.linalg.norm(first[:, None] - second[None], axis=-1)
-    return ways.min() - radius - robot.links[pair.first[3:]].radius
+    distances = np.linalg.norm(first[:, None] - second[None], axis=-1)
+    return distances.min() - radius - robot.links[pair.first[3:]].radius
 
 
 @each_robot

@@ -113,12 +113,12 @@ dogs = pytest.mark.parametrize('name', ['cuhk', 'genibo'])
 
 
 @dogs
-@pytest.mark.parametrize('way', [-1, 1])
+@pytest.mark.parametrize('direction', [-1, 1])
 @pytest.mark.parametrize('index', range(4))
-def test_a_dogs_legs_are_straight_at_the_largest_stride_either_way(name, way, index):
+def test_a_dogs_legs_are_straight_at_the_largest_stride_either_way(name, direction, index):
     robot = load_robot(name)
     leg = robot.legs[index]
-    step = np.array([way * robot.largest_stride, 0.0, -robot.roughness])
+    step = np.array([direction * robot.largest_stride, 0.0, -robot.roughness])
     foot = robot.neutral_feet[index] + step
     pitch_axis, _, _ = leg.chain(leg.inverse(foot - 1e-9 * step))
     assert np.linalg.norm(foot - pitch_axis) == pytest.approx(leg.reach()[1], abs=1e-8)

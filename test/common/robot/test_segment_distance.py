@@ -28,8 +28,8 @@ def rng():
 def test_the_distance_of_segments_is_the_least_of_many_points(rng):
     first, second = random_segments(rng, 300), random_segments(rng, 300)
     found = distance_between_segments(first, second)
-    ways = points_on(first, 201)[:, :, None] - points_on(second, 201)[:, None]
-    tried = np.linalg.norm(ways, axis=-1).min(axis=(1, 2))
+    offsets = points_on(first, 201)[:, :, None] - points_on(second, 201)[:, None]
+    tried = np.linalg.norm(offsets, axis=-1).min(axis=(1, 2))
     assert np.all(found <= tried + 1e-12)
     assert found == pytest.approx(tried, abs=2e-3)
 

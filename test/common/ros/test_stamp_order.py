@@ -1,4 +1,4 @@
-"""Stamps rise; one that does not is refused, and a clock that was set anew is followed."""
+"""Stamps rise; one that does not is refused, and a clock that was set again is followed."""
 
 import pytest
 

@@ -155,7 +155,7 @@ def test_a_trajectory_without_a_time_of_its_own_begins_when_it_can_be_reached():
     _, positions, velocities = follow(executor, 10.0, 13.0)
     assert np.abs(velocities[:, 0]).max() <= 1.01 * LIMITS.velocity[0]
     assert positions[-1] == pytest.approx(there - 0.1)
-    # Its own way is the same, a while later.
+    # Its own path is the same, a while later.
     reached = int(np.argmin(np.abs(positions[:, 0] - there[0])))
     assert positions[reached] == pytest.approx(there, abs=1e-4)
 

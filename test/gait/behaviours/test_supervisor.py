@@ -62,7 +62,7 @@ class Walk:
     """
     A controller and a simulated robot, with a record of all that happened.
 
-    The robot may go only a share of the way, and veer for each metre [rad/m].
+    The robot may go only a fraction of the distance, and veer for each metre [rad/m].
     """
 
     def __init__(
@@ -166,7 +166,7 @@ def test_a_plan_with_a_corner_is_walked_to_its_goal(walked):
 
 
 def test_on_the_way_the_body_stays_near_the_path(walked):
-    # Sway included: mu = 0.4 of the way to a support triangle's centroid.
+    # Sway included: mu = 0.4 of the distance to a support triangle's centroid.
     sway = 0.4 * np.abs(ROBOT.neutral_feet[:, 1]).max()
     for pose in walked.poses:
         assert distance_to_polyline((pose.x, pose.y), CORNER.corners) < sway
@@ -281,10 +281,10 @@ def test_while_the_joints_move_the_robot_waits():
     assert controller.update(standing(1.1)) is not None
 
 
-def moving(time, joint=5, way=0.1, speed=0.5, **changes):
+def moving(time, joint=5, sway=0.1, speed=0.5, **changes):
     """A measurement of a joint that goes to and fro at 2 Hz."""
     joints, speeds = POSTURE.copy(), np.zeros(12)
-    joints[joint] += way / 2.0 * math.sin(4.0 * math.pi * time)
+    joints[joint] += sway / 2.0 * math.sin(4.0 * math.pi * time)
     speeds[joint] = speed
     return standing(time, joint_positions=joints, joint_velocities=speeds, **changes)
 
@@ -294,7 +294,7 @@ def test_a_joint_that_trembles_where_it_is_does_not_keep_the_robot_waiting():
     controller.set_plan(AHEAD)
     begun = None
     for time in np.arange(1.0, 3.0, 0.02):
-        if begun is None and controller.update(moving(time, way=0.02)) is not None:
+        if begun is None and controller.update(moving(time, sway=0.02)) is not None:
             begun = time
     assert begun == pytest.approx(1.3, abs=0.03)
     assert controller.activity is Activity.WALKING

@@ -934,7 +934,7 @@ def test_a_robot_on_its_way_that_is_asked_too_much_comes_nearer_to_rest():
     fraction = cycle.exit.forward / (6.0 * speed.forward)
     assert 0.0 <= fraction < 1.0
     assert 8.0 * fraction == pytest.approx(round(8.0 * fraction))
-    # What is left of the motion: from all of it down to stopping in half a cycle's way.
+    # What is left of the motion: from all of it down to stopping in half a cycle's distance.
     assert cycle.motion.forward == pytest.approx(fraction * 2.0 + (1.0 - fraction) * 0.15)
     assert cycle.joint_positions[0] == pytest.approx(
         generate_steady_cycle(ROBOT, WAVE, motion).joint_positions[0], abs=1e-9

@@ -113,13 +113,13 @@ def test_a_trot_gains_speed_as_a_pendulum_does_that_falls_from_a_support_set_bac
     gait = load_gait('trot', load_robot(robot))
     schedule = fine(gait, 400)
     period, rate = gait.cycle_period, gait.pendulum_rate
-    # From rest to a mean speed of 1: the way in this cycle is a quarter of a period's.
+    # From rest to a mean speed of 1: the distance in this cycle is a quarter of a period's.
     assert gait.acceleration_fraction == pytest.approx(0.25)
-    way = gait.acceleration_fraction * period
+    distance = gait.acceleration_fraction * period
     pace = schedule.progress_rate[0] * period
-    before = -schedule.progress_rate[0] * way
-    after = pace - schedule.progress_rate[-1] * way
-    body = schedule.progress * way + before * schedule.entry + after * schedule.exit
+    before = -schedule.progress_rate[0] * distance
+    after = pace - schedule.progress_rate[-1] * distance
+    body = schedule.progress * distance + before * schedule.entry + after * schedule.exit
     last = schedule.times >= period / 2.0
     assert body[~last] == pytest.approx(np.zeros((~last).sum()), abs=1e-9)
     acceleration = np.gradient(np.gradient(body, schedule.times), schedule.times)

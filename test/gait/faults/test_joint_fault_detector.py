@@ -164,13 +164,13 @@ def test_when_the_clock_is_set_back_the_watch_begins_anew(watch):
     assert watch_for(2.0, lambda t: POSTURE + 0.2, watch, start=0.12) is None
 
 
-def off_by(way, joints, path, since=1.0):
+def off_by(offset, joints, path, since=1.0):
     """Joints that are off their commands from a time on."""
 
     def measured(time):
         positions = path(time)
         if time > since:
-            positions[joints] += way
+            positions[joints] += offset
         return positions
 
     return measured

@@ -24,7 +24,7 @@ ROBOT = load_robot('titan_viii')
 
 @dataclass(frozen=True)
 class Gear:
-    """A gait of which a motion takes its share of the largest stride and turn."""
+    """A gait of which a motion takes its fraction of the largest stride and turn."""
 
     stride: float = ROBOT.largest_stride
     turn: float = ROBOT.largest_turn
@@ -313,7 +313,7 @@ def test_a_gait_that_can_do_nothing_says_so_instead_of_standing_still_forever(is
             follower.next_step(pose)
 
 
-# All three ways, with gaits that rest between cycles and with gaits that do not.
+# All three kinds of turning, with gaits that rest between cycles and with gaits that do not.
 
 each_way = pytest.mark.parametrize('turning', TURNINGS)
 GEARS = {
@@ -385,7 +385,7 @@ def test_in_no_way_a_cycle_asks_for_more_than_the_gait_can_do(turning, gear):
 
 
 @each_gear
-def test_in_the_crab_way_the_body_keeps_its_heading_up_to_the_goal(gear):
+def test_in_the_crab_gait_the_body_keeps_its_heading_up_to_the_goal(gear):
     rng = np.random.default_rng(7)
     options = FollowerOptions(turning='crab')
     for _ in range(20):
@@ -418,7 +418,7 @@ def test_on_arcs_a_robot_walks_through_gentle_corners_without_turning_on_the_spo
         steps, poses = walk(plan, Pose2D(0.0, 0.0, 0.0), options=options, gear=gear)
         assert_arrived(plan, poses[-1])
         assert not any(step.is_turn for step in steps)
-        # The body faces along its way.
+        # The body faces along its path.
         for before, after in pairwise(poses):
             course = before.heading_to(after)
             middle = before.yaw + wrap_angle(after.yaw - before.yaw) / 2.0
@@ -455,7 +455,7 @@ def test_a_steady_gait_needs_one_cycle_more_than_one_that_rests_to_gather_and_lo
 
 
 @pytest.mark.parametrize('drift', [0.9, 1.1])
-def test_lost_or_gained_way_does_not_keep_a_steady_robot_from_arriving(drift):
+def test_lost_or_gained_distance_does_not_keep_a_steady_robot_from_arriving(drift):
     plan = Plan.through([[0.0, 0.0], [3.0, 0.0]], 0.0)
     follower = PathFollower(WAVE, WAVE, OPTIONS)
     pose, entry = plan.poses[0], STILL
@@ -518,7 +518,7 @@ def test_the_limits_of_a_real_gait_on_a_real_robot_are_gears(turning):
     assert_arrived(plan, pose)
 
 
-# How a way is divided into cycles.
+# How a distance is divided into cycles.
 
 
 def divided(remaining, entry, largest, is_steady):
@@ -534,7 +534,7 @@ def divided(remaining, entry, largest, is_steady):
 
 
 @pytest.mark.parametrize('is_steady', [False, True])
-def test_a_way_is_divided_so_that_it_ends_exactly_at_rest(is_steady):
+def test_a_distance_is_divided_so_that_it_ends_exactly_at_rest(is_steady):
     rng = np.random.default_rng(8)
     for remaining, largest in rng.uniform((0.001, 0.05), (5.0, 0.5), (200, 2)):
         advances, speeds = divided(remaining, 0.0, largest, is_steady)

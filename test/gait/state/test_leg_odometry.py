@@ -55,9 +55,9 @@ def worst_error(robot, cycle, senses, knows_contacts=True):
             rates[k] if senses == 'yaw rate' else None,
         )
         worst = np.maximum(worst, np.abs(difference(pose, Pose2D(*cycle.body[k]))))
-    ways = np.linalg.norm(np.diff(cycle.feet[..., :2], axis=0), axis=2)
+    distances = np.linalg.norm(np.diff(cycle.feet[..., :2], axis=0), axis=2)
     standing = cycle.in_contact[1:] & cycle.in_contact[:-1]
-    return worst, np.where(standing, ways, 0.0).sum(axis=0).max()
+    return worst, np.where(standing, distances, 0.0).sum(axis=0).max()
 
 
 def rotation(roll, pitch, yaw):
@@ -86,7 +86,7 @@ def joints_for(place, angles, feet):
 
 
 def swaying_body(times):
-    """Places (n, 3) and roll, pitch, yaw (n, 3) of a body that sways in every way it can."""
+    """Places (n, 3) and roll, pitch, yaw (n, 3) of a body that sways in every direction it can."""
     waves = np.stack([np.sin(2.0 * times + k) - math.sin(k) for k in range(6)], axis=1)
     places = 0.03 * waves[:, :3] + [0.0, 0.0, POINTED.standing_height]
     return places, [0.05, 0.06, 0.15] * waves[:, 3:]
@@ -318,8 +318,8 @@ def test_time_that_repeats_goes_back_or_jumps_moves_nothing(jump):
     # And it goes on from there.
     for k in range(26, 40):
         after = odometry.update(begin + DT * (k - 25), samples[k][1], stands)
-    way = samples[39][3].x - samples[25][3].x
-    assert difference(after, pose) == pytest.approx([way, 0.0, 0.0], abs=1e-9)
+    distance = samples[39][3].x - samples[25][3].x
+    assert difference(after, pose) == pytest.approx([distance, 0.0, 0.0], abs=1e-9)
 
 
 def test_a_reset_puts_the_body_at_the_pose_and_at_rest():
@@ -335,7 +335,7 @@ def test_a_reset_puts_the_body_at_the_pose_and_at_rest():
     assert odometry.update(time, joints, stands) == Pose2D(5.0, 6.0, 0.7)
 
 
-def test_the_covariance_grows_with_the_way_and_across_it_with_the_headings_error():
+def test_the_covariance_grows_with_the_distance_and_across_it_with_the_headings_error():
     odometry = LegOdometry(POINTED)
     last = np.zeros((3, 3))
     for time, joints, stands, _ in walk(0.75, turn=0.0, count=500):
@@ -420,9 +420,9 @@ def test_in_the_physics_it_finds_distance_to_three_percent_and_heading_to_a_degr
             yaw_rate=seen.angular_velocity_base_in_base[2] if senses == 'yaw rate' else None,
         )
     truth = walked[-1].pose
-    way = truth.distance_to(walked[0].pose)
-    assert way > 0.7
-    assert odometry.pose.distance_to(truth) < 0.03 * way
+    distance = truth.distance_to(walked[0].pose)
+    assert distance > 0.7
+    assert odometry.pose.distance_to(truth) < 0.03 * distance
     # Feet that slip a little turn the body unseen: without the imu it is half as good.
     largest = 2.0 if senses == 'feet alone' else 1.0
     assert abs(wrap_angle(odometry.pose.yaw - truth.yaw)) < math.radians(largest)
@@ -430,12 +430,12 @@ def test_in_the_physics_it_finds_distance_to_three_percent_and_heading_to_a_degr
 
 
 def test_in_the_physics_the_rolling_of_the_feet_counts(walked):
-    ways = []
+    distances = []
     for robot in (TITAN, POINTED):
         odometry = LegOdometry(robot)
         odometry.reset(walked[0].pose)
         for seen in walked:
             odometry.update(seen.time, seen.joint_positions, orientation=seen.orientation)
-        ways.append(odometry.pose.distance_to(walked[0].pose))
+        distances.append(odometry.pose.distance_to(walked[0].pose))
     truth = walked[-1].pose.distance_to(walked[0].pose)
-    assert abs(ways[0] / truth - 1.0) < 0.01 < abs(ways[1] / truth - 1.0)
+    assert abs(distances[0] / truth - 1.0) < 0.01 < abs(distances[1] / truth - 1.0)

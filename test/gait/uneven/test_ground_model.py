@@ -60,7 +60,7 @@ def test_a_map_that_does_not_know_the_feet_is_not_used():
     assert ground.height(np.array([10.5, 10.5])) == pytest.approx(0.0)
 
 
-def test_the_highest_ground_between_two_places_is_found_also_beside_the_way():
+def test_the_highest_ground_between_two_places_is_found_also_beside_the_path():
     heights = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
     bump = np.hypot(heights.centers[..., 0], heights.centers[..., 1] - 0.06) < 0.015
     ground = GroundModel.through(FEET, heights.with_heights(np.where(bump, 0.06, 0.0)))
@@ -70,7 +70,7 @@ def test_the_highest_ground_between_two_places_is_found_also_beside_the_way():
     assert ground.highest_between(start, np.array([-0.1, 0.0]), 0.05) == pytest.approx(0.0)
 
 
-def test_a_corner_beside_a_fine_map_s_way_is_found_wherever_it_is():
+def test_a_corner_beside_a_fine_map_s_path_is_found_wherever_it_is():
     level = HeightMap.level((-0.2, -0.2, 0.2, 0.2), 0.005)
     start, end = np.array([-0.1, 0.0]), np.array([0.1, 0.0])
     for x in np.arange(-0.05, 0.05, 0.005):

@@ -44,9 +44,9 @@ def test_a_motion_that_comes_to_rest_by_itself_keeps_its_times():
 def test_joints_brake_in_the_shortest_time_that_their_speed_allows():
     rng = np.random.default_rng(0)
     for _ in range(300):
-        way, velocity, fastest = rng.uniform(0.01, 0.3), rng.uniform(-3.0, 3.0), 3.2
-        time = braking_time(np.array([way]), np.array([velocity]), np.array([fastest]))
+        displacement, velocity, fastest = rng.uniform(0.01, 0.3), rng.uniform(-3.0, 3.0), 3.2
+        time = braking_time(np.array([displacement]), np.array([velocity]), np.array([fastest]))
         for longer, holds in ((1.0 + 1e-9, True), (0.97, False)):
-            spline = CubicHermiteSpline([0.0, time * longer], [0.0, way], [velocity, 0.0])
+            spline = CubicHermiteSpline([0.0, time * longer], [0.0, displacement], [velocity, 0.0])
             peak = spline.derivative()(np.linspace(0.0, time * longer, 4000)).max()
             assert (peak <= fastest + 1e-6) == holds

@@ -1,4 +1,4 @@
-"""The planner walks straight over low blocks and around high ones, by the height map it hears."""
+"""The planner walks over low blocks and around high ones, by the height map it receives."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def block(height: float, frame: str = 'map') -> PointCloud2:
     return height_map_message(level.with_heights(heights), frame, Time())
 
 
-def way(bench: Bench) -> float:
+def detour(bench: Bench) -> float:
     """Ask for a plan; return how far it goes aside [m]."""
     request = GetPlan.Request()
     request.start.pose, request.goal.pose = pose_message(START), pose_message(GOAL)
@@ -60,9 +60,9 @@ def test_plans_lead_over_what_is_low_and_around_what_is_high(bench: Bench):
     heights.publish(block(STEP - 0.001))
     bench.publish_map(room())
     bench.wait_for_status('planner_node', 'no odometry')
-    assert way(bench) < 1e-3
+    assert detour(bench) < 1e-3
 
-    # A walk that is planned over it is planned anew when it turns out to be high.
+    # A walk that is planned over it is planned again when it turns out to be high.
     pose = Odometry()
     pose.header.frame_id = 'odom'
     pose.pose.pose = pose_message(START)
@@ -73,7 +73,7 @@ def test_plans_lead_over_what_is_low_and_around_what_is_high(bench: Bench):
         heights.publish(block(STEP + 0.001))
         bench.wait_until('a plan around the block', lambda: len(bench.plans) == 2)
         assert np.abs(bench.plan.corners[:, 1] - START.y).max() > 0.7
-        assert way(bench) > 0.7
+        assert detour(bench) > 0.7
 
         # What is refused changes nothing.
         with bench.expects('planner_node', "it is in frame 'moon'", level=ERROR):
@@ -84,8 +84,8 @@ def test_plans_lead_over_what_is_low_and_around_what_is_high(bench: Bench):
             heights.publish(broken)
         bench.wait_for_status('planner_node', 'plan of', level=OK)
         assert 'it must be organized' in bench.statuses['planner_node'].values['last_error']
-        assert way(bench) > 0.7
+        assert detour(bench) > 0.7
 
         heights.publish(block(STEP - 0.001))
         bench.wait_until('a straight plan', lambda: len(bench.plans) == 3)
-        assert way(bench) < 1e-3
+        assert detour(bench) < 1e-3

@@ -45,7 +45,7 @@ def test_a_walk_follows_the_map_as_it_changes(bench: Bench):
     [straight] = bench.plans
     assert np.abs(straight.corners[:, 1] - START.y).max() < 0.05
 
-    # A wall with a way around it.
+    # A wall with a path around it.
     grid, message = room(slice(42, 58))
     bench.publish_map(message)
     bench.wait_until('a plan around the wall', lambda: len(bench.plans) == 2)

@@ -71,9 +71,9 @@ def test_the_legs_tell_the_way_and_the_margins_are_positive_throughout_a_crawl(m
     told = pose_from_message(first.pose.pose).inverse() @ pose_from_message(last.pose.pose)
     first, last = (by_stamp[seconds_from_time(m.header.stamp)] for m in (first, last))
     true = pose_from_message(first.pose.pose).inverse() @ pose_from_message(last.pose.pose)
-    way = math.hypot(true.x, true.y)
-    assert way > 0.65
-    assert told.distance_to(true) < 0.03 * way
+    distance = math.hypot(true.x, true.y)
+    assert distance > 0.65
+    assert told.distance_to(true) < 0.03 * distance
     assert abs(wrap_angle(told.yaw - true.yaw)) < 0.03
     height = last.pose.pose.position.z
     assert legs.messages[-1].pose.pose.position.z == pytest.approx(height, abs=0.01)

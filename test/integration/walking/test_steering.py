@@ -55,7 +55,7 @@ def mean_rate(bench: Bench, quantity: Callable[[], float], duration: float) -> f
 
 def wait_for_way(bench: Bench, distance: float) -> None:
     start = bench.pose
-    bench.wait_until(f'{distance} m of way', lambda: bench.pose.distance_to(start) > distance)
+    bench.wait_until(f'{distance} m walked', lambda: bench.pose.distance_to(start) > distance)
 
 
 def wait_for_rest(bench: Bench) -> None:

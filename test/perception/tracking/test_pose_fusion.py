@@ -113,7 +113,7 @@ def test_the_covariance_says_how_large_errors_are():
     assert 1.5 < np.mean(squared) < 6.0
 
 
-def test_between_pictures_the_covariance_grows_with_the_way():
+def test_between_pictures_the_covariance_grows_with_the_distance():
     fusion = PoseFusion()
     fusion.add_odometry(0.0, Pose2D(0.0, 0.0, 0.0))
     fusion.add_picture(0.0, MAP_TO_ODOM, CAMERA)

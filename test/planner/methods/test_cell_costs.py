@@ -1,4 +1,4 @@
-"""Reasons why ways are dearer, one by one and together, and what plans make of them."""
+"""Reasons why paths cost more, one by one and together, and what plans make of them."""
 
 import math
 from itertools import pairwise

@@ -140,7 +140,7 @@ def test_among_circles_the_navigation_function_arrives_wherever_there_is_a_way()
     navigation = PotentialPlanner(clearance_radius=0.3, potential='navigation')
     paper = PotentialPlanner(clearance_radius=0.3, potential='paper')
     start, goal = Pose2D(0.5, 5.0, 0.0), Pose2D(9.5, 5.2, 0.0)
-    ways = arrived = 0
+    solvable = arrived = 0
     for _ in range(100):
         grid = circles(rng)
         try:
@@ -149,7 +149,7 @@ def test_among_circles_the_navigation_function_arrives_wherever_there_is_a_way()
             with pytest.raises(NoPathFound):
                 navigation.plan(navigation.prepare(grid), start, goal)
             continue
-        ways += 1
+        solvable += 1
         plan = navigation.plan(navigation.prepare(grid), start, goal)
         assert plan.poses[-1] == goal
         assert plan.length > 0.9 * best.length
@@ -158,8 +158,8 @@ def test_among_circles_the_navigation_function_arrives_wherever_there_is_a_way()
             arrived += 1
         except DescentStuck:
             pass
-    assert ways > 80
-    assert 0.2 * ways < arrived < 0.8 * ways
+    assert solvable > 80
+    assert 0.2 * solvable < arrived < 0.8 * solvable
 
 
 @pytest.mark.parametrize('seed', range(10))

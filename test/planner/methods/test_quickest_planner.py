@@ -1,4 +1,4 @@
-"""The quickest way keeps clear, and is never slower than the shortest or the mesh's."""
+"""The quickest path keeps clear, and is never slower than the shortest or the mesh's."""
 
 import math
 from itertools import count, pairwise

@@ -1,4 +1,4 @@
-"""The shortest way over the cells, and at any angle, keeps clear and is as short as it is."""
+"""The shortest path over the cells, and at any angle, keeps clear and is as short as it is."""
 
 import math
 from itertools import count, pairwise

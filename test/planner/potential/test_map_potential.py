@@ -81,11 +81,11 @@ def test_without_obstacles_the_descent_is_straight(shape):
     goal = np.array([0.9 * shape[1], 0.9 * shape[0]])
     field = MapPotential(forbidden, np.full(shape, np.inf), RESOLUTION, goal)
     start = np.array([0.1 * shape[1], 0.2 * shape[0]])
-    way, has_arrived = field.descend(start)
+    path, has_arrived = field.descend(start)
     assert has_arrived
-    assert way[0] == pytest.approx(start)
-    assert way[-1] == pytest.approx(goal)
-    lengths = np.hypot(*np.diff(way, axis=0).T)
+    assert path[0] == pytest.approx(start)
+    assert path[-1] == pytest.approx(goal)
+    lengths = np.hypot(*np.diff(path, axis=0).T)
     assert lengths.sum() == pytest.approx(np.hypot(*(goal - start)))
 
 
@@ -98,13 +98,13 @@ def test_the_potential_falls_with_every_step_and_no_step_is_forbidden(seed):
     for start in rng.uniform(0.0, 120.0, (5, 2)):
         if forbidden[int(start[1]), int(start[0])]:
             continue
-        way, has_arrived = field.descend(start)
-        values = [field.potential(point) for point in way]
+        path, has_arrived = field.descend(start)
+        values = [field.potential(point) for point in path]
         fallen = np.diff(values[:-1] if has_arrived else values)
         assert (fallen < 0.0).all()
-        lengths = np.hypot(*np.diff(way, axis=0).T)
+        lengths = np.hypot(*np.diff(path, axis=0).T)
         assert (lengths <= 1.0 + 1e-9).all()
-        for a, b in pairwise(way):
+        for a, b in pairwise(path):
             assert sees(forbidden.words, forbidden.width, *a, *b)
 
 
@@ -128,13 +128,13 @@ def test_in_a_dead_end_is_a_local_minimum():
     mask[30:34, 40:75] = True
     mask[86:90, 40:75] = True
     field = potential(mask, (5.5, 3.1))
-    way, has_arrived = field.descend(np.array([50.5, 55.5]))
+    path, has_arrived = field.descend(np.array([50.5, 55.5]))
     assert not has_arrived
-    assert field.critical_point(way[-1])[0] == 'a local minimum'
+    assert field.critical_point(path[-1])[0] == 'a local minimum'
     # All around it the potential is higher.
     for angle in np.linspace(0.0, 2.0 * np.pi, 16):
         ray = np.array([math.cos(angle), math.sin(angle)])
-        assert field.potential(way[-1] + 0.5 * ray) > field.potential(way[-1])
+        assert field.potential(path[-1] + 0.5 * ray) > field.potential(path[-1])
 
 
 def test_next_to_the_boundary_the_robot_is_pushed_away():
@@ -143,8 +143,8 @@ def test_next_to_the_boundary_the_robot_is_pushed_away():
     field = potential(mask, (2.5, 0.6))
     for y in (10.0, 10.001, 10.3, 11.0):
         assert field.gradient(np.array([20.3, y]))[1] < -100.0
-    way, _ = field.descend(np.array([20.3, 10.0]))
-    assert way[1:, 1].min() > 10.0
+    path, _ = field.descend(np.array([20.3, 10.0]))
+    assert path[1:, 1].min() > 10.0
 
 
 @pytest.mark.parametrize('name', Gains._fields)

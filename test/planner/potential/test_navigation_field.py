@@ -72,9 +72,9 @@ def test_there_is_no_minimum_but_the_goal_and_every_descent_arrives(seed):
         forbidden = BitMask.of(~allowed)
         for _ in range(5):
             x, y = some_cell(rng, times)
-            way = descend_times(times, forbidden, (x, y) + rng.random(2), goal)
-            assert tuple(np.minimum(np.floor(way[-1]), np.array(times.shape[::-1]) - 1)) == goal
-            for a, b in pairwise(way):
+            path = descend_times(times, forbidden, (x, y) + rng.random(2), goal)
+            assert tuple(np.minimum(np.floor(path[-1]), np.array(times.shape[::-1]) - 1)) == goal
+            for a, b in pairwise(path):
                 assert sees(forbidden.words, forbidden.width, *a, *b)
 
 
@@ -102,10 +102,10 @@ def test_where_it_is_slower_it_takes_longer_and_one_goes_around():
     goal = (70, 10)
     times = travel_times(slowness, goal)
     assert times[10, 10] > 60.0
-    way = descend_times(
+    path = descend_times(
         times, BitMask.of(np.zeros((41, 81), dtype=bool)), np.array([5.5, 5.5]), goal
     )
-    middle = way[(way[:, 0] > 38) & (way[:, 0] < 43)]
+    middle = path[(path[:, 0] > 38) & (path[:, 0] < 43)]
     assert (middle[:, 1] > 32.0).all()
     # Twice as slow everywhere is twice as late, by the same ways.
     assert travel_times(2.0 * slowness, goal) == pytest.approx(2.0 * times)
@@ -149,8 +149,8 @@ def test_the_descent_keeps_to_the_middle_of_a_corridor():
     distances = np.minimum(np.arange(21), np.arange(21)[::-1])[:, None] * 0.05 * np.ones((1, 80))
     slowness = slowness_near_obstacles(distances, distances <= 0.0, 1.5)
     times = travel_times(slowness, (75, 10))
-    way = descend_times(times, BitMask.of(np.isinf(slowness)), np.array([4.5, 3.5]), (75, 10))
-    middle = way[(way[:, 0] > 20) & (way[:, 0] < 70)]
+    path = descend_times(times, BitMask.of(np.isinf(slowness)), np.array([4.5, 3.5]), (75, 10))
+    middle = path[(path[:, 0] > 20) & (path[:, 0] < 70)]
     assert np.abs(middle[:, 1] - 10.5).max() < 0.6
 
 
@@ -192,7 +192,7 @@ def test_march_and_descent_can_be_ended_from_outside():
     calls = count()
     with pytest.raises(EnoughError):
         travel_times(slowness, (0, 0), check=check)
-    # One column wide, so that the way is long.
+    # One column wide, so that the path is long.
     times = np.arange(9000.0)[:, None] * np.ones((1, 2))
     calls = count()
     forbidden = BitMask.of(np.zeros((9000, 2), dtype=bool))

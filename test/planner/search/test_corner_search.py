@@ -70,8 +70,8 @@ def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
     return best
 
 
-def cycles_of(way, start_yaw, goal_yaw, pace):
-    points = way * RESOLUTION
+def cycles_of(path, start_yaw, goal_yaw, pace):
+    points = path * RESOLUTION
     return pace.cycles(Pose2D(*points[0], start_yaw), Plan.through(points, goal_yaw))
 
 
@@ -91,13 +91,13 @@ def test_no_path_takes_fewer_cycles(seed):
         least = least_cycles(BitMask.of(~free), points, start_yaw, goal_yaw, pace)
         # The lattice's own path leads over these points.
         assert least <= lattice.cycles
-        way = quickest_corners(
+        path = quickest_corners(
             BitMask.of(~free),
             points,
             WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, lattice.cycles + 1),
         )
-        assert cycles_of(way, start_yaw, goal_yaw, pace) == least
-        for a, b in itertools.pairwise(way):
+        assert cycles_of(path, start_yaw, goal_yaw, pace) == least
+        for a, b in itertools.pairwise(path):
             assert sees(BitMask.of(~free).words, free.shape[1], *a, *b)
         assert (
             quickest_corners(
@@ -108,7 +108,7 @@ def test_no_path_takes_fewer_cycles(seed):
 
 
 def test_bends_cost_nothing():
-    # A wall whose end is rounded: the way around it bends a little at each corner.
+    # A wall whose end is rounded: the path around it bends a little at each corner.
     free = np.ones((60, 120), dtype=bool)
     y, x = np.mgrid[:60, :120]
     free[(x + 0.5 - 60) ** 2 / 50**2 + (y + 0.5) ** 2 / 20**2 < 1.0] = False

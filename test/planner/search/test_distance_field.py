@@ -99,7 +99,7 @@ def checkerboard():
 
 
 def pillars():
-    """So even that most cells have many shortest ways."""
+    """So even that most cells have many shortest paths."""
     allowed = np.ones((90, 90), dtype=bool)
     allowed[4::9, 4::9] = False
     return allowed

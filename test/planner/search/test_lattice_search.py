@@ -155,7 +155,7 @@ def test_a_bound_is_just_above_what_is_found():
 
 def test_the_turns_cost_a_detour_that_is_worth_it():
     free = np.ones((40, 60), dtype=bool)
-    # The short way is a staircase of notches, the long way goes around in two turns.
+    # The short path is a staircase of notches, the long one goes around in two turns.
     for k in range(5):
         free[8 + 2 * (k % 2) : 20, 8 + 10 * k] = False
         free[0 : 6 + 2 * (k % 2), 8 + 10 * k] = False

@@ -1,4 +1,4 @@
-"""Cheapest paths where cells are dearer than others, against SciPy on the same graph."""
+"""Cheapest paths where some cells cost more than others, against SciPy on the same graph."""
 
 import math
 from itertools import pairwise, product

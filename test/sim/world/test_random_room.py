@@ -1,4 +1,4 @@
-"""Random rooms: one seed, one room, and always a way through it."""
+"""Random rooms: one seed, one room, and always a path through it."""
 
 import itertools
 import math

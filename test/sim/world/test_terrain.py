@@ -174,8 +174,8 @@ def test_noise_is_alike_over_its_length_and_not_farther_on():
 
 def test_a_slope_goes_up_is_level_and_goes_down_along_the_heading():
     terrain = terrain_of('slope', angle=0.2, length=1.0, clear=0.5)
-    way = np.array([[d, 0.1] for d in (-1.0, 0.45, 1.0, 1.55, 2.45, 3.0, 3.55)])
-    heights = terrain.height_at(START.transform(way))
+    path = np.array([[d, 0.1] for d in (-1.0, 0.45, 1.0, 1.55, 2.45, 3.0, 3.55)])
+    heights = terrain.height_at(START.transform(path))
     top = math.tan(0.2)
     expected = [0.0, 0.0, top / 2.0, top, top, top / 2.0, 0.0]
     assert heights == pytest.approx(expected, abs=2e-3)
@@ -195,8 +195,8 @@ def test_a_cross_slope_rises_to_the_left_and_is_level_ahead():
 def test_a_kerb_has_upright_sides_across_the_whole_ground():
     terrain = terrain_of('kerb', height=0.06, length=1.2, clear=0.7)
     for lateral in (-0.8, 0.0, 1.5):
-        way = np.array([[d, lateral] for d in (0.699, 0.701, 1.899, 1.901)])
-        assert terrain.height_at(START.transform(way)).tolist() == [0.0, 0.06, 0.06, 0.0]
+        path = np.array([[d, lateral] for d in (0.699, 0.701, 1.899, 1.901)])
+        assert terrain.height_at(START.transform(path)).tolist() == [0.0, 0.06, 0.06, 0.0]
 
 
 def test_edges_of_blocks_are_sharp(make):
@@ -366,7 +366,7 @@ def test_joint_efforts_are_the_torques_that_hold_the_robot(make):
     for point in bullet.getContactPoints(bodyA=simulator._body):
         pairs = ((point[9], point[7]), (point[10], point[11]), (point[12], point[13]))
         index = legs.index(simulator._link_names[point[3]])
-        forces[index] += sum(size * np.array(way) for size, way in pairs)
+        forces[index] += sum(size * np.array(direction) for size, direction in pairs)
     forces = forces @ to_world
     up = to_world.T @ (0.0, 0.0, 1.0)
     q = seen.joint_positions.reshape(4, 3)
