@@ -34,9 +34,10 @@ from quad_perception.picture.camera_calibration import calibrate_pose
 from quad_perception.picture.color_segmentation import ColorRange, Picture, load_ranges, segment
 from quad_perception.picture.marker_poses import MarkerPose
 from quad_perception.picture.mask_picture import draw_masks
-from quad_perception.picture.perception import Perceiver, Perception, default_ranges
+from quad_perception.picture.perception import Perceiver, Perception
 from quad_perception.picture.picture_files import read_pictures, write_picture
 from quad_perception.picture.points_file import read_points
+from quad_perception.picture.scene_model import SceneModel, default_ranges
 
 EXAMPLES = """examples:
   quadwalk camera masks room.png --output masks.png
@@ -134,10 +135,9 @@ def _masks(arguments: argparse.Namespace) -> int:
 def _map(arguments: argparse.Namespace) -> int:
     """Make a map; return 1 if no picture of a video could be used."""
     robot = load_robot(arguments.robot)
-    perceiver = Perceiver.of_robot(
+    perceiver = Perceiver(
         load_camera(arguments.camera),
-        robot,
-        _ranges(arguments.colors),
+        SceneModel.of_robot(robot, _ranges(arguments.colors)),
         resolution=arguments.resolution,
         bounds=arguments.bounds,
     )

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from quad_perception.picture.color_segmentation import load_ranges as load_ranges
     from quad_perception.picture.perception import Perceiver as Perceiver
     from quad_perception.picture.perception import Perception as Perception
+    from quad_perception.picture.scene_model import SceneModel as SceneModel
     from quad_perception.tracking.scene_tracker import SceneTracker as SceneTracker
     from quad_perception.tracking.scene_tracker import Sighting as Sighting
 else:
@@ -23,6 +24,7 @@ else:
         __name__,
         {
             'quad_perception.picture.perception': ('Perceiver', 'Perception'),
+            'quad_perception.picture.scene_model': ('SceneModel',),
             'quad_perception.picture.color_segmentation': ('ColorRange', 'load_ranges'),
             'quad_perception.picture.camera_calibration': ('CameraCalibration', 'calibrate_pose'),
             'quad_perception.tracking.scene_tracker': ('SceneTracker', 'Sighting'),

@@ -20,7 +20,8 @@ from quad_common.vision.camera_file import load_camera
 from quad_common.vision.color_parameters import color_from, markers_from
 from quad_perception.parameters import CeilingCameraParameters
 from quad_perception.picture.color_segmentation import Picture
-from quad_perception.picture.perception import Perceiver, default_ranges
+from quad_perception.picture.perception import Perceiver
+from quad_perception.picture.scene_model import SceneModel, default_ranges
 from quad_perception.tracking.pose_fusion import FusionOptions
 from quad_perception.tracking.scene_tracker import SceneTracker, Sighting, TrackerOptions
 
@@ -79,15 +80,10 @@ class CameraSession:
         """Look through this camera from now on; what was seen before is forgotten."""
         p = self._parameters
         robot, goal = self._markers
-        perceiver = Perceiver.of_robot(
-            camera,
-            self._robot,
-            default_ranges(color_from(p, 'obstacle_color'), robot, goal),
-            robot,
-            goal,
-            resolution=p.resolution,
-            bounds=_bounds(p.map_bounds),
-        )
+        ranges = default_ranges(color_from(p, 'obstacle_color'), robot, goal)
+        scene = SceneModel.of_robot(self._robot, ranges, robot, goal)
+        bounds = _bounds(p.map_bounds)
+        perceiver = Perceiver(camera, scene, resolution=p.resolution, bounds=bounds)
         self.tracker = SceneTracker(
             perceiver,
             TrackerOptions(p.confirmations, p.goal_distance, p.goal_angle, p.largest_age),

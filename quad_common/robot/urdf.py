@@ -8,6 +8,7 @@ cylinders and spheres with the data file's masses and sizes.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import numpy as np
@@ -19,7 +20,31 @@ from quad_common.robot.robot_build import LEGS, LinkShape
 
 Vector = tuple[float, float, float]
 
-_ORIGIN: Vector = (0.0, 0.0, 0.0)
+_ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class _Origin:
+    """Pose of a frame in the frame of a link, as URDF has it."""
+
+    xyz: Vector = _ZERO
+    """Position [m]."""
+    rpy: Vector = _ZERO
+    """Roll, pitch and yaw about fixed axes [rad]."""
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """A homogeneous body, in axes of its own at its center of mass."""
+
+    mass: float
+    """[kg]"""
+    inertia: Vector
+    """Principal moments ixx, iyy and izz [kg m^2]."""
+    geometry: str
+    """Name of URDF's element: box, cylinder or sphere."""
+    size: dict[str, str]
+    """That element's attributes [m]."""
 
 
 def urdf_from_robot(robot: Robot) -> str:
@@ -40,19 +65,13 @@ def urdf_from_robot(robot: Robot) -> str:
     """
     root = ElementTree.Element('robot', name=robot.name)
     length, width, height = robot.body_size
-    _link(
-        root,
-        'base_link',
-        robot.body_mass,
-        robot.body_center,
-        (
-            robot.body_mass / 12.0 * (width**2 + height**2),
-            robot.body_mass / 12.0 * (length**2 + height**2),
-            robot.body_mass / 12.0 * (length**2 + width**2),
-        ),
-        ('box', {'size': _text((length, width, height))}),
-        _ORIGIN,
+    inertia = (
+        robot.body_mass / 12.0 * (width**2 + height**2),
+        robot.body_mass / 12.0 * (length**2 + height**2),
+        robot.body_mass / 12.0 * (length**2 + width**2),
     )
+    body = _Solid(robot.body_mass, inertia, 'box', {'size': _text((length, width, height))})
+    _link(root, 'base_link', body, _Origin(robot.body_center))
     for index, leg in enumerate(robot.legs):
         _leg(root, robot, index, leg)
     ElementTree.indent(root)
@@ -72,13 +91,15 @@ def _leg(root: ElementTree.Element, robot: Robot, index: int, leg: Leg) -> None:
     _ball(root, f'{prefix}_foot', robot.links['foot'])
     x, y, z = leg.hip
     axes = np.column_stack([leg.radial_direction, leg.lateral_direction, leg.first_axis])
+    hip = _Origin((float(x), float(y), float(z)), _rpy_from_matrix(axes))
     chain = (
-        ('base_link', 'hip', (float(x), float(y), float(z)), _rpy_from_matrix(axes), '0 0 {:g}'),
-        (f'{prefix}_hip', 'thigh', pitch_axis, _ORIGIN, '0 {:g} 0'),
-        (f'{prefix}_thigh', 'calf', knee, _ORIGIN, '0 {:g} 0'),
+        ('base_link', 'hip', hip, '0 0 {:g}'),
+        (f'{prefix}_hip', 'thigh', _Origin(pitch_axis), '0 {:g} 0'),
+        (f'{prefix}_thigh', 'calf', _Origin(knee), '0 {:g} 0'),
     )
-    for kind, (parent, child, xyz, rpy, axis) in enumerate(chain):
-        joint = _joint(root, names[kind], 'revolute', parent, f'{prefix}_{child}', xyz, rpy)
+    for kind, (parent, child, origin, axis) in enumerate(chain):
+        links = parent, f'{prefix}_{child}'
+        joint = _joint(root, names[kind], 'revolute', links, origin)
         ElementTree.SubElement(joint, 'axis', xyz=axis.format(leg.signs[kind]))
         ElementTree.SubElement(
             joint,
@@ -89,7 +110,7 @@ def _leg(root: ElementTree.Element, robot: Robot, index: int, leg: Leg) -> None:
             effort=f'{robot.effort[index, kind]:.9g}',
         )
     foot = f'{prefix}_foot'
-    _joint(root, f'{foot}_joint', 'fixed', f'{prefix}_calf', foot, sole, _ORIGIN)
+    _joint(root, f'{foot}_joint', 'fixed', (f'{prefix}_calf', foot), _Origin(sole))
 
 
 def _rpy_from_matrix(matrix: NDArray[np.float64]) -> Vector:
@@ -104,7 +125,7 @@ def _rpy_from_matrix(matrix: NDArray[np.float64]) -> Vector:
 
 
 def _rod(root: ElementTree.Element, robot: Robot, prefix: str, kind: str, end: Vector) -> None:
-    """Add a link that is a cylinder from its joint to ``end``; a ball if that is no way."""
+    """Add a link that is a cylinder from its joint to ``end``; a ball if they coincide."""
     shape = robot.links[kind]
     x, y, z = end
     length = math.hypot(x, y, z)
@@ -113,69 +134,51 @@ def _rod(root: ElementTree.Element, robot: Robot, prefix: str, kind: str, end: V
         return
     across = shape.mass * (3.0 * shape.radius**2 + length**2) / 12.0
     along = shape.mass * shape.radius**2 / 2.0
-    _link(
-        root,
-        f'{prefix}_{kind}',
-        shape.mass,
-        (x / 2.0, y / 2.0, z / 2.0),
-        (across, across, along),
-        ('cylinder', {'radius': f'{shape.radius:.6g}', 'length': f'{length:.9g}'}),
-        # URDF's cylinders stand along z: turn z onto the rod.
-        (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)),
-    )
+    size = {'radius': f'{shape.radius:.6g}', 'length': f'{length:.9g}'}
+    # URDF's cylinders stand along z: turn z onto the rod.
+    rpy = (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x))
+    rod = _Solid(shape.mass, (across, across, along), 'cylinder', size)
+    _link(root, f'{prefix}_{kind}', rod, _Origin((x / 2.0, y / 2.0, z / 2.0), rpy))
 
 
 def _ball(root: ElementTree.Element, name: str, shape: LinkShape) -> None:
     """Add a link that is a ball around its joint."""
-    _link(
-        root,
-        name,
-        shape.mass,
-        _ORIGIN,
-        (0.4 * shape.mass * shape.radius**2,) * 3,
-        ('sphere', {'radius': f'{shape.radius:.6g}'}),
-        _ORIGIN,
-    )
+    inertia = (0.4 * shape.mass * shape.radius**2,) * 3
+    ball = _Solid(shape.mass, inertia, 'sphere', {'radius': f'{shape.radius:.6g}'})
+    _link(root, name, ball, _Origin())
 
 
-def _link(
-    root: ElementTree.Element,
-    name: str,
-    mass: float,
-    center: Vector,
-    inertia: Vector,
-    shape: tuple[str, dict[str, str]],
-    rpy: Vector,
-) -> None:
+def _link(root: ElementTree.Element, name: str, solid: _Solid, center: _Origin) -> None:
+    """Add a link that is one solid, seen and touched as it is."""
     link = ElementTree.SubElement(root, 'link', name=name)
     inertial = ElementTree.SubElement(link, 'inertial')
-    ElementTree.SubElement(inertial, 'origin', xyz=_text(center), rpy=_text(rpy))
-    ElementTree.SubElement(inertial, 'mass', value=f'{mass:.9g}')
-    ixx, iyy, izz = (f'{value:.9g}' for value in inertia)
+    _add_origin(inertial, center)
+    ElementTree.SubElement(inertial, 'mass', value=f'{solid.mass:.9g}')
+    ixx, iyy, izz = (f'{value:.9g}' for value in solid.inertia)
     ElementTree.SubElement(
         inertial, 'inertia', ixx=ixx, ixy='0', ixz='0', iyy=iyy, iyz='0', izz=izz
     )
     for use in ('visual', 'collision'):
         element = ElementTree.SubElement(link, use)
-        ElementTree.SubElement(element, 'origin', xyz=_text(center), rpy=_text(rpy))
+        _add_origin(element, center)
         geometry = ElementTree.SubElement(element, 'geometry')
-        ElementTree.SubElement(geometry, shape[0], shape[1])
+        ElementTree.SubElement(geometry, solid.geometry, solid.size)
 
 
 def _joint(
-    root: ElementTree.Element,
-    name: str,
-    kind: str,
-    parent: str,
-    child: str,
-    xyz: Vector,
-    rpy: Vector,
+    root: ElementTree.Element, name: str, kind: str, links: tuple[str, str], origin: _Origin
 ) -> ElementTree.Element:
+    """Add a joint of a kind between a parent and its child, whose origin is in the parent."""
+    parent, child = links
     joint = ElementTree.SubElement(root, 'joint', name=name, type=kind)
     ElementTree.SubElement(joint, 'parent', link=parent)
     ElementTree.SubElement(joint, 'child', link=child)
-    ElementTree.SubElement(joint, 'origin', xyz=_text(xyz), rpy=_text(rpy))
+    _add_origin(joint, origin)
     return joint
+
+
+def _add_origin(element: ElementTree.Element, origin: _Origin) -> None:
+    ElementTree.SubElement(element, 'origin', xyz=_text(origin.xyz), rpy=_text(origin.rpy))
 
 
 def _text(vector: Vector) -> str:

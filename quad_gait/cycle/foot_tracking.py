@@ -11,7 +11,7 @@ does not exist there: (J^T J)^-1 J^T. Here it is damped instead.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,17 @@ class TrackedLeg(Protocol):
 
     def jacobian(self, joint_angles: Array) -> Array:
         """Differentiate the foot's position: shape (..., 3) [rad] to (..., 3, 3) [m/rad]."""
+
+
+class _FootPaths(NamedTuple):
+    """Wanted paths of feet; between samples the cubics through positions and velocities."""
+
+    times: Array
+    """Times of the samples, rising, shape (n,) [s]."""
+    positions: Array
+    """Feet at the samples, p_d, shape (n, ..., 3) [m]."""
+    velocities: Array
+    """Their velocities, p_d', of the same shape [m/s]."""
 
 
 def damped_inverse(J: Array, singular: float = SINGULAR) -> Array:
@@ -154,10 +165,11 @@ def track_feet(
     times = np.asarray(times, dtype=float)
     if times.ndim != 1 or len(times) == 0 or not np.all(np.diff(times) > 0.0):
         raise ParameterError('times', times.shape, 'a list of rising numbers')
-    paths = _checked('feet', feet, (len(times), 4, 3))
+    p_d = _checked('feet', feet, (len(times), 4, 3))
     rates = _checked('foot_velocities', foot_velocities, (len(times), 4, 3))
-    start = _checked('start_joint_angles', start_joint_angles, (4, 3))
-    return _integrate(robot.foot_positions, robot.foot_jacobians, times, paths, rates, start, K)
+    q0 = _checked('start_joint_angles', start_joint_angles, (4, 3))
+    paths = _FootPaths(times, p_d, rates)
+    return _integrate(robot.foot_positions, robot.foot_jacobians, paths, q0, K)
 
 
 def step_response(
@@ -209,36 +221,36 @@ def step_response(
     times = np.linspace(0.0, duration, steps + 1, dtype=np.float64)
     p_d = np.tile(_checked('target', target, (3,)), (len(times), 1))
     q0 = _checked('start', start, (3,))
-    q, _ = _integrate(leg.forward, leg.jacobian, times, p_d, np.zeros_like(p_d), q0, K)
+    path = _FootPaths(times, p_d, np.zeros_like(p_d))
+    q, _ = _integrate(leg.forward, leg.jacobian, path, q0, K)
     return times, q, p_d - leg.forward(q)
 
 
 def _integrate(
     forward: Callable[[Array], Array],
     jacobian: Callable[[Array], Array],
-    times: Array,
-    paths: Array,
-    rates: Array,
-    start: Array,
+    paths: _FootPaths,
+    q0: Array,
     K: Array,
 ) -> tuple[Array, Array]:
-    """Run the law along sampled paths (n, ..., 3): joint angles and velocities, alike."""
+    """Run the law from q0 [rad]: joint angles and velocities at the samples, shape (n, ..., 3)."""
 
     def law(q: Array, target: Array, target_velocity: Array) -> Array:
         return backstepping(jacobian(q), forward(q), target, target_velocity, K)
 
-    positions, velocities = np.empty_like(paths), np.empty_like(paths)
-    q = start
+    times, p_d, rates = paths
+    positions, velocities = np.empty_like(p_d), np.empty_like(p_d)
+    q = q0
     longest = min(_LONGEST_STEP, 0.5 / float(np.max(K)))
     for k in range(len(times)):
-        positions[k], velocities[k] = q, law(q, paths[k], rates[k])
+        positions[k], velocities[k] = q, law(q, p_d[k], rates[k])
         if k + 1 == len(times):
             break
         span = float(times[k + 1] - times[k])
         steps = max(1, int(np.ceil(span / longest - 1e-9)))
         h = span / steps
         p, v = _cubic(
-            paths[k : k + 2], rates[k : k + 2], span, np.arange(2 * steps + 1) / (2 * steps)
+            p_d[k : k + 2], rates[k : k + 2], span, np.arange(2 * steps + 1) / (2 * steps)
         )
         k1 = velocities[k]
         for i in range(0, 2 * steps, 2):

@@ -177,7 +177,8 @@ class CommandTracker:
                 self._followed = candidate
                 if candidate.path.starts_on_arrival and not np.isfinite(candidate.latest):
                     self._bound_delay(candidate, time, positions)
-                return self._explanation(posture, allowed, off, candidate, begun, goes_on, True)
+                latest, sure = self._latest_and_sure(candidate, begun, goes_on)
+                return Explanation(posture, allowed, off, latest, sure, is_joined=True)
         return self._search(begun, time, positions, strictness)
 
     def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
@@ -263,24 +264,16 @@ class CommandTracker:
                     goes_on = self._settle_for(owner, begun, time, positions)
             else:
                 self._drop_others(owner, begun, time, positions, off[row])
-        return self._explanation(
-            postures[row], allowed[row], off[row], owner, begun, goes_on, is_joined
-        )
+        latest, sure = self._latest_and_sure(owner, begun, goes_on)
+        return Explanation(postures[row], allowed[row], off[row], latest, sure, is_joined)
 
-    def _explanation(
-        self,
-        posture: Array,
-        allowed: Array,
-        off: NDArray[np.bool_],
-        owner: Candidate,
-        begun: list[Candidate],
-        goes_on: bool,
-        is_joined: bool,
-    ) -> Explanation:
+    def _latest_and_sure(
+        self, owner: Candidate, begun: list[Candidate], goes_on: bool
+    ) -> tuple[bool, bool]:
+        """Return whether a trajectory is the latest, and whether it is sure that it is followed."""
         is_latest = not begun or (owner is begun[-1] and not owner.is_outdated)
         is_only = len(self._candidates) == 1
-        is_sure = goes_on or (is_latest and is_only)
-        return Explanation(posture, allowed, off, is_latest, is_sure, is_joined)
+        return is_latest, goes_on or (is_latest and is_only)
 
     def _drop_others(
         self,

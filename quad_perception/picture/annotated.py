@@ -47,9 +47,9 @@ def annotated(rgb: Picture, perceiver: Perceiver, seen: Perception) -> Picture:
             corners = grid.map_to_world(outline.reshape(-1, 2) + 0.5)
             _draw_line(picture, camera, corners, 0.0, color)
     if seen.robot is not None:
-        _draw_arrow(picture, camera, seen.robot, perceiver.robot.height, _ROBOT)
+        _draw_arrow(picture, camera, seen.robot, perceiver.scene.robot.height, _ROBOT)
     if seen.goal is not None:
-        _draw_arrow(picture, camera, seen.goal, perceiver.goal.height, _GOAL)
+        _draw_arrow(picture, camera, seen.goal, perceiver.scene.goal.height, _GOAL)
     return picture
 
 

@@ -162,7 +162,7 @@ class SceneTracker:
         rows, columns = np.nonzero(grid.unknown())
         centers = grid.map_to_world(np.column_stack((columns, rows)) + np.float64(0.5))
         away = np.hypot(centers[:, 0] - seen.robot.pose.x, centers[:, 1] - seen.robot.pose.y)
-        under = away <= self._perceiver.robot_radius
+        under = away <= self._perceiver.scene.robot_radius
         cells = grid.cells.copy()
         cells[rows[under], columns[under]] = FREE
         return OccupancyGrid(cells, grid.resolution, grid.origin)

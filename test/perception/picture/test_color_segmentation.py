@@ -10,7 +10,7 @@ from quad_common.errors import CameraError, ParameterError
 from quad_common.vision.markers import GoalMarker, RobotMarker
 from quad_perception.picture.color_segmentation import ColorRange, load_ranges, segment
 from quad_perception.picture.mask_picture import draw_masks
-from quad_perception.picture.perception import default_ranges
+from quad_perception.picture.scene_model import default_ranges
 
 COLORS = {
     'obstacle': (205, 50, 35),

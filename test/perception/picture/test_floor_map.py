@@ -23,6 +23,7 @@ from quad_common.vision.camera import CameraModel
 from quad_common.vision.markers import RobotMarker
 from quad_perception.picture.floor_view import FloorView
 from quad_perception.picture.perception import Perceiver
+from quad_perception.picture.scene_model import SceneModel
 
 BOUNDS = (-4.0, -4.0, 4.0, 4.0)
 WIDE = 4.9
@@ -215,7 +216,7 @@ def test_floor_that_is_seen_beside_the_robot_is_free_at_once(perceivers):
     rows, columns = np.indices(alone.cells.shape)
     centers = alone.map_to_world(np.stack((columns + 0.5, rows + 0.5), axis=-1))
     away = np.hypot(centers[..., 0] - pose.x, centers[..., 1] - pose.y)
-    assert (alone.cells[away > perceiver.robot_radius] == 0).all()
+    assert (alone.cells[away > perceiver.scene.robot_radius] == 0).all()
 
 
 def test_a_robot_of_the_floors_color_makes_no_obstacle_vanish(perceivers):
@@ -247,18 +248,18 @@ def test_a_camera_that_sees_the_horizon_needs_bounds():
 
 
 @pytest.mark.parametrize(
-    'options',
+    ('scene', 'options'),
     [
-        {'resolution': 0.0},
-        {'resolution': math.nan},
-        {'resolution': 1e-5},
-        {'bounds': (1.0, 0.0, 0.0, 1.0)},
-        {'bounds': (0.0, 0.0, math.inf, 1.0)},
-        {'largest_height': 6.0},
-        {'robot_radius': -1.0},
-        {'ranges': ()},
+        ({}, {'resolution': 0.0}),
+        ({}, {'resolution': math.nan}),
+        ({}, {'resolution': 1e-5}),
+        ({}, {'bounds': (1.0, 0.0, 0.0, 1.0)}),
+        ({}, {'bounds': (0.0, 0.0, math.inf, 1.0)}),
+        ({'largest_height': 6.0}, {}),
+        ({'robot_radius': -1.0}, {}),
+        ({'ranges': ()}, {}),
     ],
 )
-def test_bad_numbers_are_refused(options):
-    with pytest.raises(ParameterError, match=next(iter(options))):
-        Perceiver(ceiling_camera(), **options)
+def test_bad_numbers_are_refused(scene, options):
+    with pytest.raises(ParameterError, match=next(iter({**scene, **options}))):
+        Perceiver(ceiling_camera(), SceneModel(**scene), **options)

@@ -18,6 +18,7 @@ from quad_common.vision.camera import CameraModel
 from quad_common.vision.markers import GoalMarker, RobotMarker
 from quad_perception.picture.marker_poses import DiscOnMarker, MarkerShape
 from quad_perception.picture.perception import Perceiver
+from quad_perception.picture.scene_model import SceneModel
 
 ROBOT, GOAL = RobotMarker(), GoalMarker()
 CAMERAS = [
@@ -80,7 +81,7 @@ def test_the_goal_is_found_with_its_heading(which):
 
 def test_the_covariance_covers_a_body_that_bobs():
     shape = MarkerShape.of_robot(ROBOT, base_height=0.24, height_deviation=0.02)
-    perceiver = Perceiver(CAMERA, robot=shape, resolution=0.1)
+    perceiver = Perceiver(CAMERA, SceneModel(robot=shape), resolution=0.1)
     pose = Pose2D(2.5, 0.0, 0.3)
     squares = []
     for height in np.linspace(0.2, 0.28, 9):

@@ -11,11 +11,12 @@ from pictures import Obstacle, ceiling_camera, goal_plates, paint, robot_plates
 from quad_common.errors import MarkerNotSeen, ParameterError, PictureUnusable, SeveralMarkers
 from quad_common.planar_pose import Pose2D
 from quad_common.vision.markers import GoalMarker, RobotMarker
-from quad_perception.picture.perception import Perceiver, default_ranges
+from quad_perception.picture.perception import Perceiver
+from quad_perception.picture.scene_model import SceneModel, default_ranges
 from quad_perception.tracking.scene_tracker import SceneTracker, TrackerOptions
 
 CAMERA = ceiling_camera()
-PERCEIVER = Perceiver(CAMERA, default_ranges((210, 40, 35)))
+PERCEIVER = Perceiver(CAMERA, SceneModel(default_ranges((210, 40, 35))))
 BOX = Obstacle(1.5, 1.5, 0.5, 0.6, 0.6)
 ROBOT = Pose2D(-1.0, -1.0, 0.4)
 
