@@ -18,9 +18,7 @@ from quad_common.process.end_signals import (  # noqa: E402
     end_process,
     ended_by,
     ignore_signals,
-    released_at_last,
 )
-from quad_common.process.shared_memory import release_own  # noqa: E402
 
 _PATIENCE = 4.5
 """Time for nodes, worker processes and recordings to end after a signal [s]."""
@@ -46,8 +44,7 @@ def main(args: list[str] | None = None) -> int:
         signals.install()
         from quad_cli.main import main as run
 
-        with released_at_last(release_own):
-            code = run(args)
+        code = run(args)
     except BaseException as error:
         if not signals.noted and not isinstance(error, Interrupted):
             raise

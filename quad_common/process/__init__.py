@@ -1,3 +1,3 @@
 """
-Start and end of processes: signals, temporary folders, shared memory.
+Start and end of processes: signals, temporary folders.
 """

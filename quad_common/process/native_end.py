@@ -2,8 +2,7 @@
 Ends the process in time even where no Python can run any more.
 
 The middleware sometimes hangs in the call that destroys its entities, and rclpy holds Python's lock
-meanwhile: no thread of Python's can notice. A timer of the C library needs no lock. What the
-process has in shared memory stays then, until the next walk removes what belongs to no process.
+meanwhile: no thread of Python's can notice. A timer of the C library needs no lock.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from quad_common.errors import QuadError
+from quad_common.ros.transport import RANGE, is_bound_to_this_machine
 
 _RANGES = {
     'SUBNET': 'every machine of this subnet',
@@ -81,17 +82,18 @@ def reach_of(environment: Mapping[str, str]) -> str:
     if environment.get('ROS_SECURITY_ENABLE') == 'true':
         is_enforced = environment.get('ROS_SECURITY_STRATEGY') == 'Enforce'
         security = f'security is {"enforced" if is_enforced else "on where there are keys for it"}'
-    name = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
-    given = environment.get(name, '')
+    given = environment.get(RANGE, '')
     if environment.get('ROS_LOCALHOST_ONLY') == '1':
         # It is deprecated, and goes before the others.
         reach, source, peers = _RANGES['LOCALHOST'], 'ROS_LOCALHOST_ONLY=1', ''
+    elif given == 'SYSTEM_DEFAULT' and is_bound_to_this_machine(environment):
+        reach, source, peers = _RANGES['LOCALHOST'], "Fast DDS's settings", ''
     elif given in _RANGES:
-        reach, source = _RANGES[given], f'{name}={given}'
+        reach, source = _RANGES[given], f'{RANGE}={given}'
     elif given:
-        reach, source = _RANGES['LOCALHOST'], f"{name}='{given[:50]}' is no range that ROS knows"
+        reach, source = _RANGES['LOCALHOST'], f"{RANGE}='{given[:50]}' is no range that ROS knows"
     else:
-        reach, source = next(iter(_RANGES.values())), f'{name} is not set'
+        reach, source = next(iter(_RANGES.values())), f'{RANGE} is not set'
     if peers and given != 'OFF':
         reach += f', and with {peers[:200]}'
     return f'listening on domain {domain} to {reach} ({source}); {security}'

@@ -16,12 +16,16 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from quad_common.errors import QuadError
-from quad_common.process.end_signals import ignore_signals, released_at_last
+from quad_common.process.end_signals import ignore_signals
 from quad_common.process.entry import node_end
 from quad_common.process.native_end import ended_natively_after
-from quad_common.process.shared_memory import release_own
 from quad_common.ros.guarded_node import GuardedNode
-from quad_common.ros.network import check_security, library_without_security, reach_of
+from quad_common.ros.network import (
+    check_security,
+    library_without_security,
+    reach_of,
+)
+from quad_common.ros.transport import leave_shared_memory
 
 _LONGEST_END = 3.0
 """Time in which the middleware has to let go of a node [s]; rarely it never does."""
@@ -52,36 +56,36 @@ def run_node(
     end = node_end()
     node = executor = None
     code = 0
-    with released_at_last(release_own):
+    try:
+        if end.is_wanted():
+            return 0
+        check_middleware()
+        leave_shared_memory(os.environ)
         try:
-            if end.is_wanted():
-                return 0
-            check_middleware()
-            try:
-                rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-            except RuntimeError as error:
-                print(f'error: {error}', file=sys.stderr)
-                return 2
-            node = make_node()
-            keep_for_good()
-            end.expect_running()
-            node.get_logger().info(reach_of(os.environ))
-            executor = make_executor()
-            executor.add_node(node)
-            while not end.is_wanted() and rclpy.ok():
-                node.turn(executor, drive)
-        except (QuadError, ParameterException, rclpy_implementation.RCLError) as error:
+            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        except RuntimeError as error:
             print(f'error: {error}', file=sys.stderr)
-            code = 2
-        finally:
-            with ended_natively_after(_LONGEST_END, code):
-                if executor is not None:
-                    # It uses what the node has, and must let go of it before that is destroyed.
-                    executor.shutdown()
-                if node is not None:
-                    node.destroy_node()
-                rclpy.try_shutdown()
-            ignore_signals()
+            return 2
+        node = make_node()
+        keep_for_good()
+        end.expect_running()
+        node.get_logger().info(reach_of(os.environ))
+        executor = make_executor()
+        executor.add_node(node)
+        while not end.is_wanted() and rclpy.ok():
+            node.turn(executor, drive)
+    except (QuadError, ParameterException, rclpy_implementation.RCLError) as error:
+        print(f'error: {error}', file=sys.stderr)
+        code = 2
+    finally:
+        with ended_natively_after(_LONGEST_END, code):
+            if executor is not None:
+                # It uses what the node has, and must let go of it before that is destroyed.
+                executor.shutdown()
+            if node is not None:
+                node.destroy_node()
+            rclpy.try_shutdown()
+        ignore_signals()
     return code
 
 

@@ -18,11 +18,10 @@ from pathlib import Path
 from types import TracebackType
 
 from quad_common.errors import QuadError
-from quad_common.process import shared_memory
 from quad_common.process.end_signals import blocked_signals, released_at_last, shielded
 from quad_common.process.entry import PARENT
 from quad_common.process.temporary_folder import temporary_folder
-from quad_common.resources import share_directory
+from quad_common.ros.transport import local_settings
 
 NODES = {
     'planner_node': 'quad_planner',
@@ -91,14 +90,7 @@ def isolated_domain() -> Iterator[int]:
         from quad_common.ros.run_node import check_middleware
 
         check_middleware()
-    changed = {
-        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-        # They reach beyond that range.
-        'ROS_STATIC_PEERS': '',
-        'FASTRTPS_DEFAULT_PROFILES_FILE': str(share_directory() / 'config' / 'fastdds.xml'),
-        # Of that file, what it says of readers and writers too.
-        'RMW_FASTRTPS_USE_QOS_FROM_XML': '1',
-    }
+    changed = local_settings(os.environ)
     with contextlib.ExitStack() as stack:
         if 'ROS_DOMAIN_ID' not in os.environ:
             changed['ROS_DOMAIN_ID'] = str(_claim_domain(stack))
@@ -229,14 +221,12 @@ class NodeProcess:
             self._end_by_force()
 
     def _end_by_force(self) -> int:
-        """End it though it hangs, and remove what it cannot remove itself."""
-        left = shared_memory.files_of(self.pid)
+        """End it though it hangs."""
         # Python writes into the log where it hangs, and ends.
         self._process.send_signal(signal.SIGABRT)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(_ABORT_WAIT)
         self.kill()
-        shared_memory.remove(left)
         return self._process.returncode
 
     def stop(self, timeout: float = 5.0) -> int:
@@ -264,8 +254,6 @@ class NodeProcesses:
     def __init__(self, namespace: str = '') -> None:
         self._namespace = namespace
         self._running: dict[str, NodeProcess] = {}
-        # What killed processes left in shared memory is not for long: a container has little.
-        shared_memory.remove_ownerless()
         self._stack = contextlib.ExitStack()
         self._folder = self._stack.enter_context(temporary_folder())
         self._stack.enter_context(released_at_last(self._kill))
@@ -301,9 +289,7 @@ class NodeProcesses:
 
     def _kill(self) -> None:
         for process in self._running.values():
-            left = shared_memory.files_of(process.pid)
             process.kill()
-            shared_memory.remove(left)
 
 
 def _set(name: str, value: object) -> str:

@@ -230,7 +230,7 @@ def _end(name: str, number: signal.Signals, delay: float, place: Path) -> Ending
         following = _start(_DEMO, output)
         following.communicate()
         next_run = following.returncode == 0
-        # What a kill leaves is removed by the next run, but for the newest shared memory.
+        # What a kill leaves is removed by the next run.
         left += _temporary(place, ('output',))
     return Ending(
         name, number.name, delay, duration, code, is_right, 'Traceback' in words,

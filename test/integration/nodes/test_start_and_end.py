@@ -17,7 +17,14 @@ from harness import WALL_TIMEOUT, Bench
 
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.network import SecuritySettingUnknown, library_without_security, reach_of
-from quad_lab.topic_walk.node_processes import NODES, NodeProcess, isolated_domain
+from quad_common.ros.transport import PROFILES, RANGE
+from quad_lab.attacks.processes.traces import files_of
+from quad_lab.topic_walk.node_processes import (
+    NODES,
+    NodeProcess,
+    NodeProcesses,
+    isolated_domain,
+)
 
 pytestmark = pytest.mark.ros
 
@@ -61,6 +68,25 @@ def test_two_interrupts_end_every_node_quietly_in_the_middle_of_a_walk(bench: Be
     for node, process in bench.processes.items():
         assert bench.interrupt(node, gap) == 0, node
         assert 'Traceback' not in process.log_tail(1000)
+
+
+@pytest.mark.parametrize('settings', [{}, {RANGE: 'LOCALHOST'}])
+def test_nodes_as_users_start_them_share_no_memory(domain, monkeypatch, settings):
+    # A lock in it would not survive its owner, and all others would wait for it.
+    for name in (RANGE, PROFILES):
+        monkeypatch.delenv(name)
+    for name, value in settings.items():
+        monkeypatch.setenv(name, value)
+    with NodeProcesses() as nodes:
+        node = nodes.start('planner_node')
+        deadline = time.monotonic() + WALL_TIMEOUT
+        while 'listening on' not in node.log_tail():
+            node.check()
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        assert files_of(node.pid) == []
+        words = 'this machine only' if settings else 'every machine of this subnet'
+        assert words in node.log_tail()
 
 
 STARTER = """

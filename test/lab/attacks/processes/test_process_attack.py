@@ -15,7 +15,6 @@ pytest.importorskip('rclpy')
 if sys.platform != 'linux':
     pytest.skip('looks into /proc', allow_module_level=True)
 
-from quad_common.process import shared_memory
 from quad_lab.attacks.processes.endings import Ending, ending_bars, is_bad
 from quad_lab.attacks.processes.traces import Traces
 
@@ -48,7 +47,7 @@ def test_what_a_process_starts_belongs_to_it_even_when_it_has_ended():
 
 
 def test_shared_memory_counts_as_long_as_it_is_there(tmp_path, monkeypatch):
-    monkeypatch.setattr(shared_memory, 'FOLDER', tmp_path)
+    monkeypatch.setattr('quad_lab.attacks.processes.traces.FOLDER', tmp_path)
     path = tmp_path / 'fastrtps_0123_el'
     path.write_text('')
     (tmp_path / 'fastrtps_theirs_el').write_text('')
