@@ -155,7 +155,7 @@ def test_a_node_says_on_which_network_it_listens(bench: Bench):
     process = bench.processes['planner_node']
     bench.wait_until('it says so', lambda: 'listening on domain' in process.log_tail(1000))
     domain = os.environ['ROS_DOMAIN_ID']
-    words = f'listening on domain {domain} to this machine only (Fast DDS
+    words = f'listening on domain {domain} to this machine only (Fast DDS'
     assert words in process.log_tail(1000)
 
 
