@@ -70,6 +70,8 @@ class PlannedSwing:
     """Sample from which on the foot is in the air."""
     feels_from: int
     """Sample from which on it may meet the ground."""
+    given: int
+    """Sample up to which it is given out as soon as the other feet are seen to stand."""
     depth: float
     """Depth below the expected ground down to which the foot feels for it [m]."""
     limit: str = ''
@@ -85,6 +87,8 @@ class _Swing(NamedTuple):
     """Place where the foot is to stand, its center, shape (3,) [m]."""
     pace: float
     """Fraction of its speed at which the foot goes there."""
+    stands: bool
+    """Whether it still stands, and is lifted only when the others do."""
 
 
 class _Posture(NamedTuple):
@@ -150,7 +154,7 @@ class SwingPlanner:
 
         def plan(fraction: float, tilt: float, lower: float) -> tuple[float, PlannedSwing]:
             target = self._target(ground, start, place, fraction, shin)
-            swing = _Swing(leg, target, 1.0)
+            swing = _Swing(leg, target, 1.0, stands=True)
             return fraction, self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
         (fraction, swing), problem = _first_possible(plan, _VARIANTS)
@@ -164,7 +168,7 @@ class SwingPlanner:
         """Plan the return to where a foot stood, its center, shape (3,) [m]; as `swing`."""
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
-            swing = _Swing(leg, target, _STRETCHED)
+            swing = _Swing(leg, target, _STRETCHED, stands=False)
             return self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
         return _first_possible(plan, _POSTURES)[0]
@@ -194,7 +198,7 @@ class SwingPlanner:
         sure = int(np.searchsorted(times, shift))
         paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
         motion = self._motion_along(now, commanded, paths)
-        return PlannedSwing(motion, lifted_at=0, feels_from=0, depth=depth)
+        return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
 
     def shift(self, now: Stance, commanded: Array | None, ground: GroundModel) -> JointMotion:
         """Plan how the body gets over its four feet; raise GaitError if no posture will do."""
@@ -220,7 +224,7 @@ class SwingPlanner:
         posture: _Posture,
     ) -> PlannedSwing:
         options, robot, scale = self._options, self._robot, self._scale
-        leg, target, pace = swing
+        leg, target, pace, stands = swing
         start = now.feet[leg]
         feet = now.feet.copy()
         feet[leg] = 0.5 * (start + target)
@@ -258,14 +262,16 @@ class SwingPlanner:
         progress = minimum_jerk(0.0, shift, times)[0]
         # What is below the ground only matters where it is missing: as deep as legs reach.
         sure = int(np.searchsorted(times, low + above / (scale * options.search_speed)))
-        given = None
+        lifted_at, feels_from = (int(np.searchsorted(times, t)) for t in (lift, lift_end))
+        given = len(times) - 1
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
             given = sure if ground.height_map is not None else int(np.searchsorted(times, low))
-        paths = PlannedPaths(times, body, progress, path, sure + 1, given)
+        begun = lifted_at if stands and now.loads is not None else given
+        paths = PlannedPaths(times, body, progress, path, sure + 1, begun)
         motion = self._motion_along(now, commanded, paths)
-        lifted_at, feels_from = (int(np.searchsorted(times, t)) for t in (lift, lift_end))
-        return PlannedSwing(motion, lifted_at, feels_from, depth)
+        given = min(given, len(motion.times) - 1)
+        return PlannedSwing(motion, lifted_at, feels_from, given, depth)
 
     def _target(
         self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: Array

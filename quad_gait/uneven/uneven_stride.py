@@ -46,6 +46,10 @@ def check_suits_uneven_ground(gait: Gait) -> None:
         )
 
 
+_MOST_SEARCHES = 3
+"""Searches for the ground before a foot is lifted all the same: the swing may free the others."""
+
+
 class _Phase(enum.Enum):
     SEEKING = 'seeking'
     SWINGING = 'swinging'
@@ -94,6 +98,7 @@ class UnevenStride:
         self._touched: Stance | None = None
         self._seeking: list[int] = []
         self._sought: set[int] = set()
+        self._searches = 0
         self._return_to: Array | None = None
         self._has_lowered = False
         self._swinging: PlannedSwing | None = None
@@ -173,6 +178,8 @@ class UnevenStride:
         """Go on when the foot that swings has met the ground, or should have."""
         motion, leg = self._motion, self._order[self._next]
         assert motion is not None
+        if motion.given < swing.given:
+            return self._lift(now, motion, swing, leg)
         if motion.done < swing.feels_from:
             return None
         fraction = self._load_fraction(now, leg)
@@ -201,6 +208,39 @@ class UnevenStride:
         # No ground here: back to where the foot stood.
         self._return_to = self._left[leg]
         return self._swing(now)
+
+    def _lift(
+        self, now: Stance, motion: JointMotion, swing: PlannedSwing, leg: int
+    ) -> JointTrajectory | None:
+        """
+        Have a foot lifted once the three others are seen to stand; lower those that do not.
+
+        Where a contact was noticed late, after a pause of the machine for example, that foot stands
+        deeper than is known and the one across from it is in the air: on two feet a robot falls.
+        """
+        reaction = self._options.reaction_time
+        lifting = motion.extended(now.time, reaction, swing.given - motion.given)
+        if lifting is None:
+            return None
+        unloaded = [] if now.loads is None else self._unloaded(now.loads)
+        self._seeking = [other for other in unloaded if other != leg]
+        if not self._seeking or self._searches == _MOST_SEARCHES:
+            self._motion = lifting
+            return lifting.trajectory(reaction)
+        self._searches += 1
+        self._sought.clear()
+        self._phase = _Phase.SEEKING
+        return self._search(now)
+
+    def _unloaded(self, loads: Array) -> list[int]:
+        """Return the legs whose feet bear next to nothing."""
+        little = 0.2 * self._options.contact_fraction * self._robot.mass * GRAVITY
+        return [leg for leg in range(len(LEGS)) if loads[leg] < little]
+
+    def _search(self, now: Stance) -> JointTrajectory:
+        """Begin to lower the feet that are to be."""
+        self._motion = self._planner.search(now, self._commanded, self._seeking)
+        return self._motion.trajectory(self._options.reaction_time)
 
     def _give_more(self, now: Stance) -> JointTrajectory | None:
         """Let a foot feel on, as nothing was met."""
@@ -247,21 +287,16 @@ class UnevenStride:
         if now.loads is None:
             self._seeking = []
         else:
-            little = 0.2 * self._options.contact_fraction * self._robot.mass * GRAVITY
-            self._seeking = [
-                leg
-                for leg in range(len(LEGS))
-                if now.loads[leg] < little and leg not in self._sought
-            ]
+            self._seeking = [leg for leg in self._unloaded(now.loads) if leg not in self._sought]
         if not self._seeking:
             self._phase = _Phase.SWINGING
             return self._swing(now)
-        self._motion = self._planner.search(now, self._commanded, self._seeking)
-        return self._motion.trajectory(self._options.reaction_time)
+        return self._search(now)
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
         self._return_to = None
+        self._searches = 0
         self._next += 1
         if self._next < len(self._order):
             return self._swing(now)

@@ -68,6 +68,10 @@ def walked(robot, world, length, height_map=None, turn_first=False):
     return walk, controller
 
 
+SOFT = 0.003
+"""By which ground gives way under a foot that bears load [m]."""
+
+
 class Legs:
     """
     A robot that does what it is told, over ground of a height under each foot.
@@ -86,7 +90,7 @@ class Legs:
     def stance(self):
         feet = TITAN.foot_positions(self.joints)
         ground = np.where(feet[:, 0] > self.edge, -1.0, self.ground)
-        under = np.clip(ground - feet[:, 2] + 1e-9, 0.0, None)
+        under = np.clip(ground - feet[:, 2] + SOFT, 0.0, None)
         return Stance.measured(TITAN, self.time, ORIGIN, LEVEL, self.joints.reshape(-1), None), (
             np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
         )
