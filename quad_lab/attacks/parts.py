@@ -19,6 +19,7 @@ PARTS = {
     'processes': 'quad_lab.attacks.processes.process_attack.attack_processes',
     'gate': 'quad_lab.attacks.walks.gate_attack.attack_gate',
     'silence': 'quad_lab.attacks.walks.silence.attack_by_silence',
+    'pauses': 'quad_lab.attacks.walks.pauses.attack_by_pauses',
     'files': 'quad_lab.attacks.files.file_attack.measure_files',
     'watch': 'quad_lab.attacks.walks.busy_machine.attack_by_load',
     'kills': 'quad_lab.attacks.walks.kills.attack_by_kills',

@@ -176,11 +176,15 @@ class ClosedLoop:
         seen = self._simulation.observe()
         for callback in self.on_observation:
             callback(seen)
+        self.decide(seen)
+        self.record.note(seen, self.controller.in_contact_at(seen.time))
+
+    def decide(self, seen: Observation) -> None:
+        """Tell the controller of an observation, and send what it decides."""
         state = self._state(seen)
         trajectory = None if state is None else self.controller.update(state)
         if trajectory is not None:
             self._send(trajectory)
-        self.record.note(seen, self.controller.in_contact_at(seen.time))
 
     def _state(self, seen: Observation) -> RobotState | None:
         """Return what the controller is told, checked as the node does; None for nothing."""
