@@ -60,7 +60,8 @@ def give_goal_and_wait_for_plan(bench: Bench, goal: Pose2D) -> None:
 
 def start_on_empty_floor(bench: Bench, **gait_parameters: object) -> None:
     """Start simulator and gait; the test's plans need no planner."""
-    bench.start('sim_node', map_file='none')
+    # A wave goes on at its speed only while each cycle is answered before it ends.
+    bench.start('sim_node', map_file='none', real_time_factor=SLOWLY)
     bench.start('gait_node', **gait_parameters)
     bench.wait_for_status('gait_node', 'standing', level=OK)
 
