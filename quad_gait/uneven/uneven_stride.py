@@ -224,13 +224,16 @@ class UnevenStride:
             return None
         unloaded = [] if now.loads is None else self._unloaded(now.loads)
         self._seeking = [other for other in unloaded if other != leg]
-        if not self._seeking or self._searches == _MOST_SEARCHES:
-            self._motion = lifting
-            return lifting.trajectory(reaction)
-        self._searches += 1
-        self._sought.clear()
-        self._phase = _Phase.SEEKING
-        return self._search(now)
+        if self._seeking and self._searches < _MOST_SEARCHES:
+            self._searches += 1
+            # Where the legs have no room for it the foot is lifted all the same.
+            with suppress(GaitError):
+                trajectory = self._search(now)
+                self._sought.clear()
+                self._phase = _Phase.SEEKING
+                return trajectory
+        self._motion = lifting
+        return lifting.trajectory(reaction)
 
     def _unloaded(self, loads: Array) -> list[int]:
         """Return the legs whose feet bear next to nothing."""
