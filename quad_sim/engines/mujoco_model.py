@@ -45,8 +45,8 @@ _ITERATIONS, _LINE_SEARCHES = 100, 50
 
 _NO_SLIP_ITERATIONS = 10
 """Without them a robot that stands on a slope of 0.15 rad creeps down by 4 mm/s; with 6 by 0.1,
-with 10 by 0.006. On level ground genibo, whose legs press against one another, creeps by 0.05 mm/s
-with 10, with 20 not at all; but then its trot to the side rocks by 0.8 in place of 0.4 degrees."""
+with 10 by 0.006. On level ground genibo creeps by 0.05 mm/s with 10, without any or with 20 not at
+all; but with 20 its trot to the side rocks by 0.8 in place of 0.4 degrees."""
 
 _SIDES = 48
 """Number of sides of a cylinder in pictures."""
