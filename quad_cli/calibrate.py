@@ -17,7 +17,7 @@ from quad_cli.arguments import output_argument
 from quad_common.errors import ParameterError
 from quad_common.files.bounded_file import check_target, make_folder
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
 from quad_gait.cycle.motion_limits import MotionLimits

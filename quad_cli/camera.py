@@ -27,7 +27,7 @@ from quad_common.errors.quoting import quoted
 from quad_common.maps.map_file import save_map
 from quad_common.maps.occupancy_grid import FREE, OccupancyGrid
 from quad_common.quantity import CELL_SIZE, COORDINATE
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.vision.camera_file import load_camera, save_camera
 from quad_perception.picture.annotated import annotated
 from quad_perception.picture.camera_calibration import calibrate_pose

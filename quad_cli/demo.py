@@ -27,7 +27,7 @@ from quad_common.maps.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import TURNINGS
 from quad_planner.parameters import PLANNING_METHODS, PlannerParameters

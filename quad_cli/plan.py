@@ -30,8 +30,8 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import load_robot
-from quad_common.robot.walking_time import WalkingTimeModel, load_pace
+from quad_common.robot_files.robot_file import load_robot
+from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import METHODS, Planner

@@ -8,8 +8,8 @@ import argparse
 import json
 
 from quad_common.robot.robot_figures import derived_figures
-from quad_common.robot.robot_file import available_robots, load_robot
-from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
+from quad_common.robot.urdf import published_urdf
 
 EXAMPLES = f"""examples:
   quadwalk robot check titan_viii
@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     robot = load_robot(arguments.robot)
     if arguments.action == 'urdf':
-        print(urdf_from_robot(robot))
+        print(published_urdf(robot))
         return 0
     figures = derived_figures(robot)
     overlapping = [str(pair) for pair in robot.own_parts.ignored]

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from quad_common.planar_pose import Twist2D as Twist2D
     from quad_common.resources import sample_map as sample_map
     from quad_common.robot.robot import Robot as Robot
-    from quad_common.robot.robot_file import available_robots as available_robots
-    from quad_common.robot.robot_file import load_robot as load_robot
+    from quad_common.robot_files.robot_file import available_robots as available_robots
+    from quad_common.robot_files.robot_file import load_robot as load_robot
     from quad_common.robot.urdf import urdf_from_robot as urdf_from_robot
-    from quad_common.robot.walking_time import WalkingTimeModel as WalkingTimeModel
-    from quad_common.robot.walking_time import load_pace as load_pace
+    from quad_common.robot_files.walking_time import WalkingTimeModel as WalkingTimeModel
+    from quad_common.robot_files.walking_time import load_pace as load_pace
     from quad_common.trajectory.joint_trajectory import JointTrajectory as JointTrajectory
     from quad_common.vision.camera import CameraModel as CameraModel
     from quad_common.vision.camera_file import load_camera as load_camera
@@ -44,9 +44,9 @@ else:
             'quad_common.maps.height_map': ('HeightMap',),
             'quad_common.maps.height_map_file': ('load_height_map', 'save_height_map'),
             'quad_common.robot.robot': ('Robot',),
-            'quad_common.robot.robot_file': ('available_robots', 'load_robot'),
+            'quad_common.robot_files.robot_file': ('available_robots', 'load_robot'),
             'quad_common.robot.urdf': ('urdf_from_robot',),
-            'quad_common.robot.walking_time': ('WalkingTimeModel', 'load_pace'),
+            'quad_common.robot_files.walking_time': ('WalkingTimeModel', 'load_pace'),
             'quad_common.trajectory.joint_trajectory': ('JointTrajectory',),
             'quad_common.vision.camera': ('CameraModel',),
             'quad_common.vision.camera_file': ('load_camera', 'save_camera'),

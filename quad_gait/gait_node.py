@@ -20,7 +20,7 @@ from sensor_msgs.msg import Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
 from quad_common.frames.map_frame import MapFrame
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (

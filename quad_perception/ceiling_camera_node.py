@@ -16,7 +16,7 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.image_conversions import camera_model_from_info, rgb_from_image
 from quad_common.ros.pose_conversions import checked_name, seconds_from_time
 from quad_common.ros.ros_node import STALE, QuadNode

@@ -24,7 +24,7 @@ from sensor_msgs.msg import PointCloud2
 from quad_common.errors import PlannerError, QuadError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import LONGEST_PLAN
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (

@@ -10,7 +10,7 @@ from typing import Any
 from quad_common.errors import ParameterError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot.robot import Robot
-from quad_common.robot.walking_time import WalkingTimeModel, load_pace
+from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
 from quad_planner.methods.planner import Planner, make_planner

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from quad_common.errors import QuadError
 from quad_common.plan import Plan
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_common.status import Level, Status
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_session import PlanningSession

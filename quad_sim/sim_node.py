@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node

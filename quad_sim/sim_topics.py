@@ -20,7 +20,7 @@ from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, PointCloud2
 from std_msgs.msg import String
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot.urdf import published_urdf
 from quad_common.ros.height_map_conversions import height_map_message
 from quad_common.ros.image_conversions import camera_info_message, image_message
 from quad_common.ros.pose_conversions import (
@@ -84,7 +84,7 @@ class SimTopics:
     def _publish_fixed(self, session: SimSession) -> None:
         """Publish the robot, its maps and the frames that do not move."""
         p, scenery, zero = self._parameters, session.scenery, time_from_seconds(0.0)
-        self._description.publish(String(data=urdf_from_robot(session.robot)))
+        self._description.publish(String(data=published_urdf(session.robot)))
         if scenery.grid is not None:
             self._map.publish(grid_message(scenery.grid, p.map_frame, zero))
         if scenery.height_map is not None:

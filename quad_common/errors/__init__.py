@@ -13,6 +13,13 @@ from quad_common.errors.active_pair import PairCannotClose as PairCannotClose
 from quad_common.errors.active_pair import PairUndetermined as PairUndetermined
 from quad_common.errors.base import QuadError as QuadError
 from quad_common.errors.base import without_frames as without_frames
+from quad_common.errors.descriptions import DescriptionEntryInvalid as DescriptionEntryInvalid
+from quad_common.errors.descriptions import DescriptionError as DescriptionError
+from quad_common.errors.descriptions import DescriptionUnusable as DescriptionUnusable
+from quad_common.errors.descriptions import JointFiguresMissing as JointFiguresMissing
+from quad_common.errors.descriptions import LegNotFeasible as LegNotFeasible
+from quad_common.errors.descriptions import MeshNotFound as MeshNotFound
+from quad_common.errors.descriptions import NotAQuadruped as NotAQuadruped
 from quad_common.errors.files import FileEntryInvalid as FileEntryInvalid
 from quad_common.errors.files import FileUnusable as FileUnusable
 from quad_common.errors.gaits import CannotFollow as CannotFollow
@@ -88,6 +95,7 @@ from quad_common.errors.planning import PlanSuperseded as PlanSuperseded
 from quad_common.errors.planning import StartOccupied as StartOccupied
 from quad_common.errors.planning import StartOutsideMap as StartOutsideMap
 from quad_common.errors.planning import WrongFrame as WrongFrame
+from quad_common.errors.robots import AxisNotAUnitVector as AxisNotAUnitVector
 from quad_common.errors.robots import InitialPostureOutOfRange as InitialPostureOutOfRange
 from quad_common.errors.robots import JointRangeEmpty as JointRangeEmpty
 from quad_common.errors.robots import LegTooShort as LegTooShort

@@ -133,6 +133,20 @@ class JointRangeEmpty(RobotFileError):
 
 
 @dataclass(eq=False, repr=False)
+class AxisNotAUnitVector(RobotFileError):
+    """An axis of a leg is not of length 1."""
+
+    name: str
+    """Dotted name of the axis."""
+    axis: tuple[float, ...]
+    """Vector that was given."""
+
+    def sentence(self) -> str:
+        """Say what an axis is."""
+        return f'{self.path}: {self.name} is {list(self.axis)}; it must have the length 1'
+
+
+@dataclass(eq=False, repr=False)
 class InitialPostureOutOfRange(RobotFileError):
     """The initial posture of a robot is beyond a joint's range."""
 

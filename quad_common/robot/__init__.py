@@ -1,3 +1,3 @@
 """
-Robots: their data files, the kinematics of their legs, their reach, their shape and their pace.
+Robots: the kinematics of their legs, their reach, their masses, their shape.
 """

@@ -43,14 +43,15 @@ class FoldingLimits:
 
     def may_touch_at_all(self, joint_angles: Array) -> Mask:
         """Return which legs may come too near to themselves, of angles (n, 4, 3): (4,)."""
-        mask: Mask = np.abs(joint_angles[..., 2]).max(axis=0) > self._allowed.min(axis=0)
+        mask: Mask = self._shape.legs.bends(joint_angles).max(axis=0) > self._allowed.min(axis=0)
         return mask
 
     def may_touch(self, joint_angles: Array) -> Mask:
         """Return which legs may come too near to themselves, and when: (n, 4) of (n, 4, 3)."""
         place = np.rint((joint_angles[..., 1] - self._lower[:, 1]) / self._step[:, 1])
         index = np.clip(place, 0, _PITCHES - 1).astype(int)
-        mask: Mask = np.abs(joint_angles[..., 2]) > self._allowed[index, np.arange(index.shape[1])]
+        allowed = self._allowed[index, np.arange(index.shape[1])]
+        mask: Mask = self._shape.legs.bends(joint_angles) > allowed
         return mask
 
     @cached_property
@@ -62,6 +63,7 @@ class FoldingLimits:
         postures[..., 1] = self._lower[:, 1] + pitches * self._step[:, 1]
         postures[..., 2] = (self._lower[:, 2] + bends * self._step[:, 2])[:, None]
         segments = shape.segments(legs.chain(postures))
+        bends_of = legs.bends(postures)
         # No point of a calf moves farther than this to the nearest of the angles.
         bend, pitch = 0.5 * self._step[:, 2].max(), 0.5 * self._step[:, 1].max()
         calf = float(np.max(legs.calf_length))
@@ -72,6 +74,5 @@ class FoldingLimits:
                 continue
             leg = group.legs[0]
             near = shape.group_clearances(group, segments).min(axis=-1) < self._least + slack
-            knees = np.abs(postures[:, :, leg, 2])
-            allowed[:, leg] = np.where(near, knees, np.inf).min(axis=0)
+            allowed[:, leg] = np.where(near, bends_of[:, :, leg], np.inf).min(axis=0)
         return allowed

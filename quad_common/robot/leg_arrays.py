@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 EDGE = 1e-12
 """Rounding at the very edge of the reach is not an error of the caller's."""
 
+_TWO_PI = 2.0 * np.pi
+
 _SINGULAR = 1e-9
 """Sine of the knee, and leg length as a fraction of the reach, that count as zero."""
 
@@ -51,6 +53,12 @@ class LegArrays(NamedTuple):
     """Signs of the knees' angles, shape (legs, 1)."""
     signs: Array
     """Signs of the joint angles, shape (3, legs, 1)."""
+    zeros: Array
+    """Angles in the formulas at which joints are at 0, shape (3, legs, 1) [rad]."""
+    middles: Array
+    """Joint angles within half a turn of which solutions lie, shape (3, legs, 1) [rad]."""
+    is_turned: bool
+    """Whether any zero or middle is not 0."""
 
     @property
     def legs(self) -> int:
@@ -58,10 +66,28 @@ class LegArrays(NamedTuple):
         return len(self.names)
 
     def angles(self, joints: Array) -> Array:
-        """Bring joints (..., 3) into the formulas' order (3, legs, samples) and signs."""
-        in_order = np.reshape(joints, (-1, self.legs, 3)).transpose(2, 1, 0)
-        angles: Array = np.multiply(in_order, self.signs, order='C')
+        """Bring joint angles (..., 3) into the formulas' order (3, legs, samples), [rad]."""
+        angles = self.rates(joints)
+        if self.is_turned:
+            angles += self.zeros
         return angles
+
+    def rates(self, joints: Array) -> Array:
+        """Bring joint velocities (..., 3) into the formulas' order and signs, as angles."""
+        in_order = np.reshape(joints, (-1, self.legs, 3)).transpose(2, 1, 0)
+        rates: Array = np.multiply(in_order, self.signs, order='C')
+        return rates
+
+    def to_joints(self, angles: Array) -> None:
+        """Turn the formulas' angles (3, legs, samples) into joint angles, in place [rad]."""
+        if self.is_turned:
+            angles -= self.zeros
+        angles *= self.signs
+        if self.is_turned:
+            turns = np.rint((angles - self.middles) / _TWO_PI)
+            angles -= _TWO_PI * turns
+        else:
+            np.subtract(angles[:2], _TWO_PI, out=angles[:2], where=angles[:2] >= np.pi)
 
     def locals(self, vectors: Array, origin: Array | None = None) -> Array:
         """Bring vectors (..., 3) of the body into the legs' axes: (3, legs, samples)."""

@@ -35,8 +35,6 @@ from quad_common.robot.leg_arrays import EDGE, LegArrays
 
 Array = NDArray[np.float64]
 
-_TWO_PI = 2.0 * np.pi
-
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -69,7 +67,12 @@ class Leg:
     knee_sign: float | Array = 1.0
     """Sign, +1 or -1, of q3 among inverse kinematics' two solutions, before ``signs``."""
     signs: Array | tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """Signs, +1 or -1: joint angle = sign * the angle in the formulas, shape (3,)."""
+    """Signs, +1 or -1: joint angle = sign * (angle in the formulas - zero), shape (3,)."""
+    zeros: Array | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Angles in the formulas at which the joint angles are 0, shape (3,) [rad]."""
+    middles: Array | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Middles of the joints' ranges; inverse kinematics of a leg with zeros or middles gives
+    joint angles within half a turn of them, shape (3,) [rad]."""
 
     @cached_property
     def lateral_direction(self) -> Array:
@@ -108,6 +111,12 @@ class Leg:
             height = height - link * np.sin(angle)
             points.append(k.points(joint_angles.shape, c1, s1, length, height))
         return points[0], points[1], points[2]
+
+    def bends(self, joint_angles: Array) -> Array:
+        """Return how far knees are bent, 0 if straight, (...) of joint angles (..., 3) [rad]."""
+        zeros, signs = np.asarray(self.zeros)[..., 2], np.asarray(self.signs)[..., 2]
+        bends: Array = np.abs(zeros + signs * joint_angles[..., 2])
+        return bends
 
     def forward(self, joint_angles: Array) -> Array:
         """
@@ -148,7 +157,7 @@ class Leg:
         -------
         ndarray, shape (..., 3)
             First joint and pitch in [-pi, pi), and knee in [0, pi] on the side that
-            ``knee_sign`` says [rad].
+            ``knee_sign`` says, in the formulas' angles where ``zeros`` are 0 [rad].
 
         Raises
         ------
@@ -185,8 +194,7 @@ class Leg:
             np.arctan2(y, x, out=angles[0])
         np.arctan2(down * along - out * across, out * along + down * across, out=angles[1])
         np.multiply(k.knee_sign, np.arccos(cos_knee), out=angles[2])
-        angles *= k.signs
-        np.subtract(angles[:2], _TWO_PI, out=angles[:2], where=angles[:2] >= np.pi)
+        k.to_joints(angles)
         result = np.empty((x.shape[1], k.legs, 3))
         result[...] = angles.transpose(2, 1, 0)
         return result.reshape(foot.shape)
@@ -293,7 +301,7 @@ class Leg:
         """
         k = self._arrays
         q1 = k.angles(joint_angles)[0]
-        turn, *pitches = k.angles(joint_velocities)
+        turn, *pitches = k.rates(joint_velocities)
         pitch = pitches[0] + pitches[1]
         turning = np.stack([-np.sin(q1) * pitch, np.cos(q1) * pitch, turn])
         return k.in_body(turning, joint_angles.shape)
@@ -313,6 +321,9 @@ class Leg:
         def column(values: ArrayLike) -> Array:
             return np.reshape(np.asarray(values, dtype=float), (count, 1))
 
+        def by_joint(values: ArrayLike) -> Array:
+            return np.reshape(np.asarray(values, dtype=float), (count, 3)).T[:, :, None].copy()
+
         lateral = column(self.lateral_offset)
         return LegArrays(
             names=(self.name,) if isinstance(self.name, str) else self.name,
@@ -328,7 +339,10 @@ class Leg:
             thigh=column(self.thigh_length),
             calf=column(self.calf_length),
             knee_sign=column(self.knee_sign),
-            signs=np.reshape(np.asarray(self.signs, dtype=float), (count, 3)).T[:, :, None].copy(),
+            signs=by_joint(self.signs),
+            zeros=by_joint(self.zeros),
+            middles=by_joint(self.middles),
+            is_turned=bool(np.any(self.zeros) or np.any(self.middles)),
         )
 
 
@@ -358,4 +372,6 @@ def stack_legs(legs: Sequence[Leg]) -> Leg:
         calf_length=np.array([leg.calf_length for leg in legs]),
         knee_sign=np.array([leg.knee_sign for leg in legs]),
         signs=np.array([leg.signs for leg in legs]),
+        zeros=np.array([leg.zeros for leg in legs]),
+        middles=np.array([leg.middles for leg in legs]),
     )

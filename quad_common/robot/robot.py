@@ -3,7 +3,7 @@ A robot: what follows from its numbers, its kinematics and its limits.
 
 Joint arrays have one row per leg, in the order :data:`~quad_common.robot.robot_build.LEGS`,
 and one column per joint of a leg. Robots are loaded by
-:func:`~quad_common.robot.robot_file.load_robot`.
+:func:`~quad_common.robot_files.robot_file.load_robot`.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from quad_common.errors import JointLimitExceeded, JointNotFound
 from quad_common.robot import reach
 from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.own_parts import LEAST_CLEARANCE, OwnParts
-from quad_common.robot.robot_build import LEGS, RobotBuild
-from quad_common.robot.robot_numbers import JOINTS_PER_LEG
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS, RobotBuild
 from quad_common.robot.robot_shape import RobotShape
 
 Array = NDArray[np.float64]
@@ -210,7 +209,8 @@ class Robot(RobotBuild):
         """
         Find the center of mass of body and legs.
 
-        Each link's mass sits halfway between its ends, the foot's at the leg's end.
+        Where :attr:`exact_masses` are known they are taken; otherwise each link's mass sits
+        halfway between its ends, the foot's at the leg's end.
 
         Parameters
         ----------
@@ -238,6 +238,8 @@ class Robot(RobotBuild):
         ndarray, shape (..., 3)
             As :meth:`center_of_mass` [m].
         """
+        if self.exact_masses is not None:
+            return self.exact_masses.center(self.stacked_legs, chain)
         mass = {kind: link.mass for kind, link in self.links.items()}
         pitch_axis, knee, feet = chain
         moment = 0.5 * (mass['hip'] + mass['thigh']) * pitch_axis

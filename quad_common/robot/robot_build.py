@@ -14,12 +14,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg
 
 Array = NDArray[np.float64]
 
 LEGS = ('lf', 'rf', 'lh', 'rh')
 """Left front, right front, left hind, right hind: the order of every per-leg array."""
+
+JOINTS_PER_LEG = 3
 
 LEG_TYPES = {
     'yaw_pitch_pitch': ('hip_yaw', 'hip_pitch', 'knee_pitch'),
@@ -36,6 +39,27 @@ class LinkShape:
     """Mass [kg]."""
     radius: float
     """Radius about its axis [m]."""
+
+
+@dataclass(frozen=True)
+class PartNames:
+    """Names of a robot's joints and links, on topics and in its URDF."""
+
+    joints: tuple[str, ...]
+    """Names of the twelve joints, leg by leg."""
+    feet: tuple[str, ...]
+    """Names of the links that stand on the ground, one for each leg."""
+    falls: frozenset[str]
+    """Names of the links that touch the ground only if the robot has fallen."""
+
+    @classmethod
+    def of_kinds(cls, joint_kinds: tuple[str, ...]) -> PartNames:
+        """Name the parts of a robot by the legs and the kinds of their joints."""
+        return cls(
+            joints=tuple(f'{leg}_{kind}_joint' for leg in LEGS for kind in joint_kinds),
+            feet=tuple(f'{leg}_foot' for leg in LEGS),
+            falls=frozenset({'base_link', *(f'{leg}_hip' for leg in LEGS)}),
+        )
 
 
 @dataclass(frozen=True)
@@ -63,7 +87,7 @@ class RobotBuild:
     body_size: tuple[float, float, float]
     """Length, width and height of the body's box [m]."""
     body_center: tuple[float, float, float]
-    """Center of the box, and of the body's mass, in base_link [m]."""
+    """Center of the box, in base_link [m]; of the body's mass too without exact masses."""
     body_mass: float
     """Mass of the body without its legs [kg]."""
     links: Mapping[str, LinkShape]
@@ -86,11 +110,17 @@ class RobotBuild:
     """Gaits that suit the robot, and what it changes in them."""
     sources: Mapping[str, str] = field(repr=False)
     """Sources of the data file's numbers, by their dotted names."""
+    part_names: PartNames = field(repr=False)
+    """Names of joints and links."""
+    exact_masses: ExactMasses | None = field(default=None, repr=False)
+    """Masses and their centers, where they are known link by link."""
+    own_urdf: str = field(default='', repr=False)
+    """Text of the robot's own URDF, with base_link's frame at its root; empty if it has none."""
 
-    @cached_property
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """The twelve joints, leg by leg."""
-        return tuple(f'{leg}_{kind}_joint' for leg in LEGS for kind in self.joint_kinds)
+        return self.part_names.joints
 
     @property
     def foot_radius(self) -> float:
@@ -100,4 +130,6 @@ class RobotBuild:
     @property
     def mass(self) -> float:
         """Mass of the whole robot [kg]."""
+        if self.exact_masses is not None:
+            return self.exact_masses.total
         return self.body_mass + len(LEGS) * sum(link.mass for link in self.links.values())

@@ -1,7 +1,7 @@
 """
-URDF generated from a robot's data: links, inertias, limits, feet.
+URDF of a robot: its own, or one generated from its data with links, inertias, limits and feet.
 
-One link per body, hip, thigh, calf and foot. The inertias are those of solid boxes,
+Of a generated one: one link per body, hip, thigh, calf and foot. The inertias are those of solid boxes,
 cylinders and spheres with the data file's masses and sizes.
 """
 
@@ -49,7 +49,7 @@ class _Solid:
 
 def urdf_from_robot(robot: Robot) -> str:
     """
-    Write a robot as URDF.
+    Return a robot's own URDF, or write one if it has none.
 
     Parameters
     ----------
@@ -59,10 +59,12 @@ def urdf_from_robot(robot: Robot) -> str:
     Returns
     -------
     str
-        The XML text. Joints are named as in :attr:`Robot.joint_names`; feet are the
-        links ``lf_foot`` and so on; joint angles mean what they mean in
+        The XML text, with base_link's frame at its root. Joints and links are named as in
+        :attr:`Robot.part_names`; joint angles mean what they mean in
         :mod:`quad_common.robot.leg_kinematics`.
     """
+    if robot.own_urdf:
+        return robot.own_urdf
     root = ElementTree.Element('robot', name=robot.name)
     length, width, height = robot.body_size
     inertia = (
@@ -74,6 +76,35 @@ def urdf_from_robot(robot: Robot) -> str:
     _link(root, 'base_link', body, _Origin(robot.body_center))
     for index, leg in enumerate(robot.legs):
         _leg(root, robot, index, leg)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding='unicode')
+
+
+def published_urdf(robot: Robot) -> str:
+    """
+    Return a robot's URDF for others, whose tree of frames begins at base_link.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+
+    Returns
+    -------
+    str
+        As :func:`urdf_from_robot`; above a root of another name there is ``base_link``, in the
+        same place.
+    """
+    text = urdf_from_robot(robot)
+    if not robot.own_urdf:
+        return text
+    root = ElementTree.fromstring(text)
+    children = {joint.find('child').get('link') for joint in root.iter('joint')}  # type: ignore[union-attr]
+    top = next(link.get('name') for link in root.iter('link') if link.get('name') not in children)
+    if top == 'base_link':
+        return text
+    ElementTree.SubElement(root, 'link', name='base_link')
+    _joint(root, 'base_link_fixed', 'fixed', ('base_link', str(top)), _Origin())
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding='unicode')
 

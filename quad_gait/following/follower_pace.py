@@ -5,7 +5,7 @@ How many cycles a follower needs, for planners that plan the walking time.
 from __future__ import annotations
 
 from quad_common.errors import CannotFollow, CyclePeriodsDiffer
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.step import AT_ONCE, Gear

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.attacks.stage.stage import NotSeen, Stage
 from quad_lab.attacks.stage.violations import JOINTS_OUTSIDE, NOT_FINITE, OUTSIDE_LIMITS, UNREADABLE
 from quad_lab.closed_loop.random_goals import GoalDrawer

@@ -17,7 +17,7 @@ from rich.console import Console
 
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.vision.camera import CameraModel
 from quad_lab.benchmarks.bench_camera_walks import walk_bars
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from quad_common.errors import PlannerError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.closed_loop.camera_walk import CameraWalk, CameraWalkOptions
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool

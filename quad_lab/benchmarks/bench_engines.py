@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS

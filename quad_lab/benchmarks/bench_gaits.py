@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait, load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS

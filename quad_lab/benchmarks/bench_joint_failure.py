@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait

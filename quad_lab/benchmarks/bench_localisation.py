@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.benchmarks.bench_walk import draw_pairs
 from quad_lab.closed_loop.localised_walk import LocalisedRecord, LocalisedWalk
 from quad_lab.tools.benchmark_maps import benchmark_maps

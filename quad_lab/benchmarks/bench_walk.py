@@ -18,7 +18,7 @@ from quad_common.maps.map_file import load_map
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.tools.benchmark_maps import OTHERS_MAPS, benchmark_maps
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.walk import WalkOptions, walk

@@ -17,7 +17,7 @@ from quad_common.maps.map_file import load_map
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.gait_measures import PlanWalk, plan_walk
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure

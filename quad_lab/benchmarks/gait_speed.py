@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import CycleOptions, generate_cycle

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from quad_common.plan import Plan
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.foot_tracking import step_response
 from quad_gait.cycle.gait import Gait, load_gait

@@ -15,7 +15,7 @@ import numpy as np
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
 from quad_planner.search.corner_search import quickest_corners

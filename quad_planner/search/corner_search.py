@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.walking_time import LENGTH_SLACK
+from quad_common.robot_files.walking_time import LENGTH_SLACK
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.bucket_queue import (

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.walking_time import LENGTH_SLACK
+from quad_common.robot_files.walking_time import LENGTH_SLACK
 from quad_planner.grid.compiled import compiled_part
 from quad_planner.search.walk_terms import WalkTerms
 

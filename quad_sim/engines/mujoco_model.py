@@ -82,7 +82,8 @@ class MujocoModel:
         self._spec.compiler.fusestatic = False
         # Shapes that are only looked at were left out on reading; the floor's pattern is to stay.
         self._spec.compiler.discardvisual = False
-        self._spec.body('base_link').add_freejoint()
+        root = self._spec.worldbody.first_body()
+        root.add_freejoint()
         self._set_options()
         self._set_light()
         for body in self._spec.bodies:
@@ -90,6 +91,8 @@ class MujocoModel:
                 self._make_solid(geom, 1.0)
                 geom.rgba = rgba(appearance.robot_color)
         self._set_motors(robot)
+        if robot.own_urdf:
+            self._part_overlapping_links(robot)
         self._pattern = self._make_pattern()
         self._lay_ground()
         for outline in world.boxes:
@@ -190,6 +193,19 @@ class MujocoModel:
             joint.frictionloss = effort
             joint.solref_friction = [_CONTACT_TIME * self._time_step, 1.0]
             joint.solimp_friction = list(_MOTOR_IMPEDANCE)
+
+    def _part_overlapping_links(self, robot: Robot) -> None:
+        """Let links pass each other that overlap in the initial posture: shapes are covers."""
+        model = self._spec.compile()
+        data = mujoco.MjData(model)
+        for name, angle in zip(robot.joint_names, robot.initial_joint_angles.reshape(-1)):
+            data.qpos[model.joint(name).qposadr[0]] = angle
+        mujoco.mj_forward(model, data)
+        bodies = model.geom_bodyid[data.contact.geom]
+        for first, second in sorted({tuple(sorted(pair)) for pair in bodies.tolist()}):
+            self._spec.add_exclude(
+                bodyname1=model.body(first).name, bodyname2=model.body(second).name
+            )
 
     def _lay_ground(self) -> None:
         terrain = self._world.terrain

@@ -13,16 +13,15 @@ from numpy.typing import NDArray
 from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_build import LEGS
 from quad_common.rotations import quaternion_from_matrix
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
-    FALLS,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
     Observation,
     check_commands,
+    falls_of,
 )
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import initial_place
@@ -122,7 +121,8 @@ class MujocoSimulator:
         self._last_velocity = np.zeros(3)
         self._last_efforts: Array = np.zeros(12)
         self._has_efforts = False
-        self._feet = [f'{leg}_foot' for leg in LEGS]
+        self._feet = robot.part_names.feet
+        self._falls = falls_of(robot)
         self._appearance = Appearance() if appearance is None else appearance
         self._parts = MujocoModel(robot, world, time_step, self._appearance)
         self._scene: MujocoScene | None = None
@@ -243,7 +243,7 @@ class MujocoSimulator:
             joint_velocities=velocities[self._speeds],
             joint_efforts=self._joint_efforts(),
             contacts=contacts,
-            has_fallen=has_tilted or bool(contacts and FALLS.intersection(contacts)),
+            has_fallen=has_tilted or bool(contacts and self._falls.intersection(contacts)),
         )
 
     def _joint_efforts(self) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_build import LEGS
+from quad_common.robot.robot import Robot
 from quad_common.rotations import yaw_from_quaternion
 from quad_sim.world.world import Obstacle
 
@@ -148,10 +148,10 @@ class VisibleSimulator(SolidSimulator, Protocol):
 GRAVITY = 9.80665
 """Acceleration of free fall [m/s^2]."""
 
-FALLS = frozenset(
-    {Contact('base_link', 'ground'), *(Contact(f'{leg}_hip', 'ground') for leg in LEGS)}
-)
-"""Contacts of a robot that has fallen."""
+
+def falls_of(robot: Robot) -> frozenset[Contact]:
+    """Return the contacts of a robot that has fallen."""
+    return frozenset(Contact(link, 'ground') for link in robot.part_names.falls)
 
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 from quad_cli.calibrate import _motion
 from quad_cli.main import main
 from quad_common.errors import ParameterError
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.motion_limits import MotionLimits

@@ -22,7 +22,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.height_map_file import save_height_map
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot, robot_file
+from quad_common.robot_files.robot_file import load_robot, robot_file
 from quad_lab.tools.criterion import at_least, at_most, figure
 
 ROOT = Path(__file__).parents[2]

@@ -12,8 +12,8 @@ from quad_cli.gait import PACED, derive_paces
 from quad_cli.main import main
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots, load_robot, robot_file
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.robot_file import available_robots, load_robot, robot_file
+from quad_common.robot_files.walking_time import load_pace
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.follower_options import FollowerOptions

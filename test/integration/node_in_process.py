@@ -6,7 +6,7 @@ import numpy as np
 from geometry_msgs.msg import Twist
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import time_from_seconds
 from quad_gait.gait_node import GaitNode
 from quad_sim.engines.registry import make_simulator

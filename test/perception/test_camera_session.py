@@ -5,7 +5,7 @@ import pytest
 
 from quad_common.errors import PictureUnusable, QuadError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.status import Level
 from quad_common.vision.camera import CameraModel
 from quad_perception.camera_session import CameraSession

@@ -8,8 +8,8 @@ import pytest
 from quad_common.errors import StartOccupied
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots, load_robot
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.robot_file import available_robots, load_robot
+from quad_common.robot_files.walking_time import load_pace
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import planner_from_parameters
 

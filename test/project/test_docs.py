@@ -23,7 +23,7 @@ from test_core_imports import imported_modules
 from quad_cli.parameters import TABLES
 from quad_common import errors
 from quad_common.parameters import Parameter, parameters_of, valid_range, yaml_from_parameters
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import Gait
 

@@ -8,7 +8,7 @@ import pytest
 from quad_common.errors import MapError, NotSimulated, ObstacleOnRobot, ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.vision.camera import CameraModel
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.registry import ENGINES, engines_with, make_simulator

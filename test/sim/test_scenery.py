@@ -6,7 +6,7 @@ import pytest
 
 from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.vision.markers import RobotMarker
 from quad_sim.parameters import SimParameters
 from quad_sim.scenery import appearance_from, camera_from, scenery_from

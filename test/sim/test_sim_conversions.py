@@ -18,7 +18,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from quad_common.errors import InvalidMessage, TrajectoryError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.image_conversions import (
     camera_info_message,
     camera_model_from_info,

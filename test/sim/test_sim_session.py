@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.status import Level
 from quad_sim.parameters import SimParameters
 from quad_sim.sim_session import SimSession

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulated_localisation import (
     DriftingOdometry,

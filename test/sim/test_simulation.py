@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.errors import JointNotFound, NotSimulated, ParameterError, TrajectoryError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.kinematic_simulator import KinematicSimulator

@@ -24,7 +24,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
 from quad_common.robot import robot_numbers, walking_time
 from quad_common.robot.robot_figures import derived_figures
-from quad_common.robot.robot_file import ROBOTS_FOLDER, load_robot
+from quad_common.robot_files.robot_file import ROBOTS_FOLDER, load_robot
 from quad_common.robot.urdf import urdf_from_robot
 from quad_common.vision import camera
 from quad_common.vision.camera_file import load_camera, save_camera

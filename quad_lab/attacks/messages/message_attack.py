@@ -17,7 +17,7 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.attacks.messages.attacker import Attacker
 from quad_lab.attacks.messages.nonsense import accepted_nonsense
 from quad_lab.attacks.stage.findings import Findings

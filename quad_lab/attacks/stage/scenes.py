@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from quad_common.maps.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.attacks.stage.stage import Stage
 from quad_lab.topic_walk.node_processes import isolated_domain
 from quad_lab.topic_walk.walk import CAMERA_MAP_RESOLUTION, camera_over

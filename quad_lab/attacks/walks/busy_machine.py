@@ -19,7 +19,7 @@ from rich.console import Console
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion

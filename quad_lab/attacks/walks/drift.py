@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.benchmarks import bench_localisation
 from quad_lab.benchmarks.bench_walk import draw_pairs
 from quad_lab.tools.benchmark_maps import benchmark_maps

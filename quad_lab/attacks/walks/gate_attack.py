@@ -16,7 +16,7 @@ from rich.console import Console
 
 from quad_common.errors import GaitError, TrajectoryError
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_gate import (
     CONTROL_PERIOD,

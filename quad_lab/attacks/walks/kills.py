@@ -13,7 +13,7 @@ from rich.console import Console
 
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.attacks.stage.findings import Findings
 from quad_lab.attacks.stage.reasons import reason_for_standing
 from quad_lab.attacks.stage.scenes import MAP, NODES, ROBOT, START, AttackScene

@@ -17,7 +17,7 @@ import numpy as np
 from rich.console import Console
 
 from quad_common.plan import Plan
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground

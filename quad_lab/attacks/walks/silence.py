@@ -14,7 +14,7 @@ from rich.console import Console
 
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for

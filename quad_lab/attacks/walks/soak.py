@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.attacks.stage.findings import Findings
 from quad_lab.attacks.stage.scenes import MAP, QUICK_WALK, ROBOT, START, start_nodes
 from quad_lab.attacks.stage.stage import NotSeen, Stage

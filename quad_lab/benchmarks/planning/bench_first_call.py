@@ -43,10 +43,10 @@ import sys
 import time
 began = time.perf_counter()
 from quad_common.maps.map_file import load_map
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.walking_time import load_pace
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_planner.methods.planner import make_planner
 robot = load_robot('titan_viii')
 planner = make_planner(

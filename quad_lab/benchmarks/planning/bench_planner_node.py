@@ -18,7 +18,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 
 from quad_common.maps.occupancy_grid import OccupancyGrid as Grid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.run_node import make_executor
 from quad_lab.tools.criterion import Criterion, at_most

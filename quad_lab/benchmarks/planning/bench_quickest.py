@@ -17,8 +17,8 @@ from quad_common.errors import PlannerError
 from quad_common.maps.map_file import load_map
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.robot_file import load_robot
+from quad_common.robot_files.walking_time import load_pace
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.gait_measures import plan_walk
 from quad_lab.tools.benchmark_maps import benchmark_maps

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.walking_time import load_pace
 from quad_lab.tools.benchmark_maps import load_scenario, scenario_files
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_planner.grid.bit_grid import BitGrid, BitMask

@@ -23,7 +23,7 @@ from quad_common.planar_pair.planar_pair import (
     wrap,
 )
 from quad_common.planar_pair.planar_triangles import nearest_signs
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 
 ANGLES = ('theta', 'u1_i', 'u2_i', 'u1_j', 'u2_j')
 PAIRS = {

@@ -17,7 +17,7 @@ from quad_common.robot.leg_builds import (
 )
 from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
 ROBOT = ROBOTS['titan_viii']

@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.robot.own_parts import LEAST_CLEARANCE
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot.robot_shape import BODY, LINKS
 
 ROBOTS = {name: load_robot(name) for name in available_robots()}

@@ -16,7 +16,7 @@ from quad_common.robot.reach import (
     lowest_at_step,
     lowest_at_stretch,
 )
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 
 ROBOT = load_robot('titan_viii')
 LEG = ROBOT.legs[0]

@@ -7,8 +7,8 @@ import pytest
 from quad_common.errors import ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots
-from quad_common.robot.walking_time import WalkingTimeModel, load_pace, paces_file, save_paces
+from quad_common.robot_files.robot_file import available_robots
+from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace, paces_file, save_paces
 
 CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.2, turn=math.radians(45.0))
 TROT = WalkingTimeModel(cycle_period=0.5, stride=0.2, turn=math.radians(45.0), stopping=0.7)

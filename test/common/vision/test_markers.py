@@ -5,7 +5,7 @@ import math
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.vision.markers import GoalMarker, RobotMarker
 
 ROBOTS = ('titan_viii', 'pukyong', 'cuhk', 'genibo')

@@ -9,7 +9,7 @@ from told_supervisor import ToldSupervisor
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions

@@ -11,7 +11,7 @@ from told_supervisor import ToldSupervisor
 from quad_common.errors import CommandOutsideLimits, GaitError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits, check_command
 from quad_gait.behaviours.activity import Activity

@@ -7,7 +7,7 @@ import pytest
 
 from quad_common.errors import ParameterError
 from quad_common.robot.leg_kinematics import Leg
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.foot_tracking import (
     SINGULAR,

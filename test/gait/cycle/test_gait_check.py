@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 from quad_common.errors import ParameterError
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import Swing, available_gaits, load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS, check_gait

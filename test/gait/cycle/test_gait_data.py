@@ -11,7 +11,7 @@ import yaml
 import quad_gait.cycle.gait
 from quad_common.errors import ParameterError
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.gait import available_gaits, load_gait
 
 GAITS = Path(quad_gait.__file__).parent / 'gaits'

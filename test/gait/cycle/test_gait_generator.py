@@ -17,7 +17,7 @@ from quad_common.errors import (
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import AT_REST, CycleEnds
 from quad_gait.cycle.footholds import steady_ends

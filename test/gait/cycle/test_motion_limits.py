@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.errors import GaitError
 from quad_common.planar_pose import STILL, Twist2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.foot_spacing import crossing_feet

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.posture import crouching_joint_angles, posture_trajectory
 
 ROBOTS = {name: load_robot(name) for name in available_robots()}

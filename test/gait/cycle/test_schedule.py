@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.gait import available_gaits, load_gait
 from quad_gait.cycle.schedule import schedule_of, setback, sway_windows
 

@@ -8,7 +8,7 @@ import pytest
 from quad_common.errors import GaitError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle import foot_paths

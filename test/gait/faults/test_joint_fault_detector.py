@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.faults.joint_fault_detector import JointFaultDetector
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import TrajectoryError
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_gait.faults.command_tracker import CommandTracker

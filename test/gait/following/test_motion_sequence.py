@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.planar_pose import STILL, Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
 from quad_gait.cycle.gait import load_gait

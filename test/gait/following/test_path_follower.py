@@ -10,7 +10,7 @@ import pytest
 from quad_common.errors import CannotFollow, GoalNotReached, LeftPath, ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, distance_to_polyline, wrap_angle
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.motion_limits import MotionLimits

@@ -5,8 +5,8 @@ The circle that a robot needs to turn on the spot: nothing leaves it, and someth
 import numpy as np
 import pytest
 
-from quad_common.robot.robot_file import available_robots, load_robot
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.robot_file import available_robots, load_robot
+from quad_common.robot_files.walking_time import load_pace
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import generate_cycle, generate_largest_cycle

@@ -7,7 +7,7 @@ from told_supervisor import ToldSupervisor, measurement
 from quad_common.errors import EmergencyStopOn, RobotIsLame, RobotStaysStill
 from quad_common.plan import Plan
 from quad_common.planar_pose import Twist2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for

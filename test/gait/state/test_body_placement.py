@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.stability import stability_margin
 from quad_gait.state.body_placement import BodyPose, balanced, body_over
 

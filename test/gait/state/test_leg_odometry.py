@@ -9,7 +9,7 @@ import pytest
 
 from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle

@@ -5,7 +5,7 @@ import pytest
 
 from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.state.leg_odometry import LegOdometry
 from quad_gait.state.sensor_inputs import RANGE_MARGIN, InputOptions, JointReadings, SensorInputs
 

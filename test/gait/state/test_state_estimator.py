@@ -8,7 +8,7 @@ from told_supervisor import measurement
 
 from quad_common.errors import InvalidMessage
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.state.robot_state import RobotState
 from quad_gait.state.sensor_inputs import JointReadings
 from quad_gait.state.state_estimator import EstimatorOptions, StateEstimator

@@ -11,7 +11,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.rotations import tilt_from_quaternion
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions

@@ -17,7 +17,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.image_conversions import (
     camera_model_from_info,
     rgb_from_image,

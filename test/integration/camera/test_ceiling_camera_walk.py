@@ -12,7 +12,7 @@ from harness import OK, SLOWLY, WARN, Bench
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.planar_pose import Pose2D, distance_to_polyline
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_message
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(400)]

@@ -20,7 +20,7 @@ from std_msgs.msg import String
 from quad_common.maps.map_file import load_map
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import plan_from_message, pose_message
 
 pytestmark = pytest.mark.ros

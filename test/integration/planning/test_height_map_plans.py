@@ -16,7 +16,7 @@ from sensor_msgs.msg import PointCloud2
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_message
 from quad_common.ros.pose_conversions import (
     grid_message,

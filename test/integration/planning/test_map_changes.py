@@ -12,7 +12,7 @@ from harness import ERROR, OK, Bench
 
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D, distance_to_polyline
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import grid_message
 
 pytestmark = pytest.mark.ros

@@ -19,7 +19,7 @@ from sensor_msgs.msg import JointState
 
 from quad_common.maps.occupancy_grid import OccupancyGrid as Grid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import grid_message, pose_message
 
 pytestmark = pytest.mark.ros

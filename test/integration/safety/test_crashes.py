@@ -13,7 +13,7 @@ from harness import EVERY_SAMPLE, OK, SLOWLY, STALE, START, Bench
 from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
 
 pytestmark = pytest.mark.ros

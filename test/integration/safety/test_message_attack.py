@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.attacks.messages.message_attack import QUICK, MessageAttack
 from quad_lab.attacks.stage.report import Report
 from quad_lab.attacks.stage.scenes import NODES, start_nodes

@@ -9,7 +9,7 @@ pytest.importorskip('rclpy')
 from geometry_msgs.msg import Twist
 from harness import OK, WARN
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 
 pytestmark = pytest.mark.ros
 

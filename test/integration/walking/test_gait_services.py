@@ -21,7 +21,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.trajectory.joint_trajectory import JointTrajectory as Trajectory
 from quad_gait.cycle.posture import crouching_joint_angles

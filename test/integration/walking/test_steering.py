@@ -17,7 +17,7 @@ from nav_msgs.msg import Path
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.ros_conversions import joints_from_message
 from quad_planner.ros_conversions import path_message
 

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip('pybullet')
 pytest.importorskip('mujoco')
 
-from quad_common.robot.robot_file import available_robots
+from quad_common.robot_files.robot_file import available_robots
 from quad_lab.benchmarks.bench_engines import in_engine, measure, standing_creep
 from quad_lab.tools.criterion import make_console
 from quad_sim.engines.registry import AUTO, PREFERRED, preferred, resolved

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import ParameterError, PlannerError
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.benchmarks import bench_walk
 from quad_lab.benchmarks.bench_walk import SHORTEST, draw_pairs
 from quad_lab.tools.benchmark_maps import benchmark_maps

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 
 pytest.importorskip('pybullet')
 

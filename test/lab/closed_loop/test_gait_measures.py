@@ -8,7 +8,7 @@ import pytest
 
 from quad_common.errors import QuadError
 from quad_common.planar_pose import STILL, Twist2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import SENSOR_PERIOD, ClosedLoop, DoesNotWalk

@@ -6,7 +6,7 @@ import pytest
 
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.closed_loop.localised_walk import LocalisedWalk
 from quad_sim.simulated_localisation import LocalisationOptions
 

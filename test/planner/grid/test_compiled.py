@@ -30,7 +30,7 @@ import numba
 import numpy as np
 from quad_common.errors import PlannerError
 from quad_common.maps.occupancy_grid import OccupancyGrid
-from quad_common.robot.walking_time import load_pace
+from quad_common.robot_files.walking_time import load_pace
 from quad_common.planar_pose import Pose2D
 from quad_planner.methods.planner import make_planner
 

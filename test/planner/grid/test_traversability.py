@@ -12,8 +12,8 @@ from quad_common.errors import NoPathFound, ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots, load_robot
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.robot_file import available_robots, load_robot
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.cell_overlap import cells_touched
 from quad_planner.grid.clearance import segment_clearance
 from quad_planner.grid.ground_limits import GroundLimits

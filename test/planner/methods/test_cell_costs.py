@@ -10,7 +10,7 @@ from test_shortest_planner import floor
 from quad_common.errors import ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.clearance import segment_clearance
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.cell_costs import ClearanceCost, UnknownCost, cell_costs

@@ -9,7 +9,7 @@ import pytest
 from quad_common.errors import PlannerError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.bit_grid import changed_rows
 from quad_planner.methods.cell_costs import ClearanceCost
 from quad_planner.methods.planner import METHODS, make_planner

@@ -8,7 +8,7 @@ import pytest
 from quad_common.errors import PlannerTimedOut, PlanSuperseded
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.methods.planner import METHODS, make_planner
 
 CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))

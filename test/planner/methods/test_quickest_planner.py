@@ -9,7 +9,7 @@ from test_shortest_planner import BOTH, floor, random_floor
 
 from quad_common.errors import NoPathFound, PlannerError, PlannerTimedOut
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.clearance import segment_clearance
 from quad_planner.methods.mesh_planner import MeshPlanner
 from quad_planner.methods.quickest_planner import QuickestPlanner

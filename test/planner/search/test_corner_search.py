@@ -10,7 +10,7 @@ from test_lattice_search import CRAWL, RESOLUTION, random_requests
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.walking_time import LENGTH_SLACK, WalkingTimeModel
+from quad_common.robot_files.walking_time import LENGTH_SLACK, WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid, BitMask
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.any_angle import convex_corners

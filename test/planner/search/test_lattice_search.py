@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quad_common.robot.walking_time import WalkingTimeModel
+from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path

@@ -10,7 +10,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.planner import make_planner
 from quad_planner.session.planning_map import PlanningMap

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.rotations import tilt_from_quaternion, yaw_from_quaternion
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait

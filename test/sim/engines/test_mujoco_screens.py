@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip('mujoco')
 
 from quad_common.errors import NoDisplay, NoRenderer
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_sim.engines.registry import make_simulator
 from quad_sim.parameters import SimParameters
 from quad_sim.sim_session import SimSession

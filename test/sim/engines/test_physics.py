@@ -9,7 +9,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity

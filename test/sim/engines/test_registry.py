@@ -9,7 +9,7 @@ import pytest
 
 from quad_common.errors import MissingOptionalDependency, NotSimulated, ParameterError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_sim.engines.registry import (
     AUTO,
     ENGINES,

@@ -10,7 +10,7 @@ from quad_common.errors import MapError, NotSimulated, ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.height_map_file import save_height_map
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_sim.engines.registry import make_simulator
 from quad_sim.engines.simulator import Contact
 from quad_sim.world import terrain_shapes as shapes

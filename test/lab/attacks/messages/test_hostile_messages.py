@@ -27,7 +27,7 @@ from quad_common.errors import InvalidMessage, QuadError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message, height_map_message
 from quad_common.ros.image_conversions import (
     camera_info_message,

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE
 from quad_lab.attacks.stage.limits import JointChecker, TrajectoryChecker, extremes, position_at

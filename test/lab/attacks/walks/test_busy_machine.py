@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip('pybullet')
 
-from quad_common.robot.robot_file import available_robots
+from quad_common.robot_files.robot_file import available_robots
 from quad_lab.attacks.walks.busy_machine import QUICK_WALK, drawn_walks, walk_watched, watch_bars
 from quad_lab.tools.criterion import Criterion
 

@@ -37,8 +37,17 @@ from quad_common.robot.leg_builds import (
 )
 from quad_common.robot.leg_kinematics import Leg
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_build import LEG_TYPES, LEGS, GaitSettings, LinkShape
-from quad_common.robot.robot_numbers import RobotNumbers
+from quad_common.robot.robot_build import LEG_TYPES, LEGS, GaitSettings, LinkShape, PartNames
+from quad_common.robot_files.imported_entries import (
+    NAMES_OF_IMPORTED,
+    LegJoints,
+    exact_masses,
+    imported_joints,
+    imported_links,
+    own_urdf,
+    part_names,
+)
+from quad_common.robot_files.robot_numbers import RobotNumbers
 
 Array = NDArray[np.float64]
 
@@ -126,41 +135,64 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     number = RobotNumbers(document, path)
     leg_type = _leg_type(document, path)
     kinds = LEG_TYPES[leg_type]
-    build = _roll_leg if leg_type == 'roll_pitch_pitch' else _yaw_leg
-    legs = tuple(build(number, LegPlace(leg, _hip(number, leg), _side(leg))) for leg in LEGS)
-    limits = _joint_limits(number, kinds, path)
-    initial = np.array([number(f'initial_posture.{kind}') for kind in kinds])
-    signs = np.array([_signs_of_the_file(leg_type, leg) for leg in legs])
-    ends = signs * limits['lower'], signs * limits['upper']
+    name = _name(document, path)
+    # Asked for first: what either format misspells is told from what it leaves out.
+    is_imported = number.has('legs')
+    joints = imported_joints(number, kinds, path) if is_imported else _joints(number, kinds, path)
     robot = Robot(
-        name=_name(document, path),
+        name=name,
         leg_type=leg_type,
-        legs=legs,
+        legs=joints.legs,
         knee_is_absolute=number.is_true('drive.knee_is_absolute'),
         body_size=(
             number('body.length'),
             number('body.width'),
             number('body.height'),
         ),
-        body_center=(0.0, 0.0, number('body.center_height')),
+        body_center=(
+            number.or_zero('body.center_forward'),
+            number.or_zero('body.center_left'),
+            number('body.center_height'),
+        ),
         body_mass=number('body.mass'),
-        links=_links(number),
+        links=imported_links(number) if is_imported else _links(number),
         joint_kinds=kinds,
-        lower=np.minimum(*ends),
-        upper=np.maximum(*ends),
-        velocity=np.tile(limits['velocity'], (len(LEGS), 1)),
-        effort=np.tile(limits['effort'], (len(LEGS), 1)),
-        initial_joint_angles=signs * initial,
+        lower=joints.lower,
+        upper=joints.upper,
+        velocity=joints.velocity,
+        effort=joints.effort,
+        initial_joint_angles=joints.initial,
         roughness=number('gait.roughness'),
         gaits=_gaits(number),
         sources=number.sources,
+        part_names=part_names(document, path) if is_imported else PartNames.of_kinds(kinds),
+        exact_masses=exact_masses(number) if is_imported else None,
+        own_urdf=own_urdf(document, path),
     )
-    number.check_all_used(but=_NOT_NUMBERS)
+    number.check_all_used(but=(*_NOT_NUMBERS, *NAMES_OF_IMPORTED))
     try:
         robot.check_joint_limits(robot.initial_joint_angles)
     except JointLimitExceeded as error:
         raise InitialPostureOutOfRange(path, error) from error
     return robot
+
+
+def _joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) -> LegJoints:
+    """Read legs that are all of one build: each is the mirror image of the one that is written."""
+    build = _roll_leg if kinds == LEG_TYPES['roll_pitch_pitch'] else _yaw_leg
+    legs = tuple(build(number, LegPlace(leg, _hip(number, leg), _side(leg))) for leg in LEGS)
+    limits = _joint_limits(number, kinds, path)
+    initial = np.array([number(f'initial_posture.{kind}') for kind in kinds])
+    signs = np.array([_signs_of_the_file(kinds, leg) for leg in legs])
+    ends = signs * limits['lower'], signs * limits['upper']
+    return LegJoints(
+        legs=legs,
+        lower=np.minimum(*ends),
+        upper=np.maximum(*ends),
+        velocity=np.tile(limits['velocity'], (len(LEGS), 1)),
+        effort=np.tile(limits['effort'], (len(LEGS), 1)),
+        initial=signs * initial,
+    )
 
 
 def _leg_type(document: Mapping[str, Any], path: Path) -> str:
@@ -238,7 +270,7 @@ def _roll_leg(number: RobotNumbers, place: LegPlace) -> Leg:
     )
 
 
-def _signs_of_the_file(leg_type: str, leg: Leg) -> Array:
+def _signs_of_the_file(kinds: tuple[str, ...], leg: Leg) -> Array:
     """
     Say which of a leg's angles stand in the file with the other sign, shape (3,).
 
@@ -246,7 +278,7 @@ def _signs_of_the_file(leg_type: str, leg: Leg) -> Array:
     by side, and pitch and knee by knee_sign. Yaw legs are all written alike.
     """
     signs = np.array(leg.signs)
-    if leg_type == 'roll_pitch_pitch':
+    if kinds == LEG_TYPES['roll_pitch_pitch']:
         signs *= [_side(str(leg.name)), float(leg.knee_sign), float(leg.knee_sign)]
     return signs
 

@@ -12,6 +12,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from quad_common.errors import (
     RobotNumberMissing,
     RobotNumberWithoutSource,
@@ -20,13 +23,16 @@ from quad_common.errors import (
 )
 from quad_common.files.yaml_document import check_keys
 from quad_common.quantity import ANGLE, CYCLE_PERIOD, Quantity
+from quad_common.robot.robot_build import JOINTS_PER_LEG
 
-JOINTS_PER_LEG = 3
+Array = NDArray[np.float64]
 
 _LENGTH = Quantity(1e-3, 10.0, 'm')
 _RADIUS = Quantity(1e-4, 2.0, 'm')
 _OFFSET = Quantity(-2.0, 2.0, 'm')
 _MASS = Quantity(1e-4, 1e4, 'kg')
+_SPEED = Quantity(0.01, 200.0, 'rad/s')
+_EFFORT = Quantity(1e-3, 1e5, 'N m')
 
 QUANTITIES: Mapping[str, Quantity] = {
     'body.hip_half_length': _LENGTH,
@@ -35,7 +41,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     'body.width': _LENGTH,
     'body.height': _LENGTH,
     'body.center_height': _OFFSET,
+    'body.center_forward': _OFFSET,
+    'body.center_left': _OFFSET,
     'body.mass': _MASS,
+    'body.center_of_mass': _OFFSET,
     'leg.hip_offset': _OFFSET,
     'leg.hip_drop': _OFFSET,
     'leg.lateral_offset': _OFFSET,
@@ -46,9 +55,22 @@ QUANTITIES: Mapping[str, Quantity] = {
     'leg.*_mass': _MASS,
     'joints.*.lower': ANGLE,
     'joints.*.upper': ANGLE,
-    'joints.*.velocity': Quantity(0.01, 200.0, 'rad/s'),
-    'joints.*.effort': Quantity(1e-3, 1e5, 'N m'),
+    'joints.*.velocity': _SPEED,
+    'joints.*.effort': _EFFORT,
     'initial_posture.*': ANGLE,
+    'legs.*.hip': _OFFSET,
+    'legs.*.first_axis': Quantity(-1.0, 1.0),
+    'legs.*.radial_direction': Quantity(-1.0, 1.0),
+    'legs.*.*_offset': _OFFSET,
+    'legs.*.*_length': _LENGTH,
+    'legs.*.zeros': ANGLE,
+    'legs.*.lower': ANGLE,
+    'legs.*.upper': ANGLE,
+    'legs.*.velocity': _SPEED,
+    'legs.*.effort': _EFFORT,
+    'legs.*.initial_posture': ANGLE,
+    'legs.*.masses': Quantity(0.0, 1e4, 'kg'),
+    'legs.*.centers_of_mass': _OFFSET,
     'gait.roughness': Quantity(0.0, 2.0, 'm'),
     'gaits.*.cycle_period': CYCLE_PERIOD,
     'gaits.*.swing_height': Quantity(1e-4, 5.0, 'm'),
@@ -104,6 +126,28 @@ class RobotNumbers:
             If it is not in the file, or has no source.
         """
         return quantity_of(name).check(name, self._value(name))
+
+    def vector(self, name: str, length: int = 3) -> Array:
+        """
+        Look up numbers of one quantity that are given as a list.
+
+        Parameters
+        ----------
+        name : str
+            Their dotted name.
+        length : int
+            Count of the numbers.
+
+        Returns
+        -------
+        ndarray, shape (length,)
+            In the quantity's unit.
+        """
+        values = self._value(name)
+        if not isinstance(values, list) or len(values) != length:
+            raise self._invalid(name, values, f'a list of {length} numbers')
+        quantity = quantity_of(name)
+        return np.array([quantity.check(f'{name}[{k}]', v) for k, v in enumerate(values)])
 
     def has(self, name: str) -> bool:
         """Whether the file has a number, or a mapping, of that name."""

@@ -23,7 +23,7 @@ from quad_common.files.yaml_document import check_keys, read_yaml
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.quantity import CYCLE_PERIOD, Quantity
-from quad_common.robot.robot_file import ROBOTS_FOLDER, robot_file
+from quad_common.robot_files.robot_file import ROBOTS_FOLDER, robot_file
 
 QUANTITIES = {
     'cycle_period': CYCLE_PERIOD,

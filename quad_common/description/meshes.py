@@ -1,0 +1,107 @@
+"""
+Meshes that descriptions name: where they are, and their corners.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import DescriptionUnusable, MeshNotFound
+
+Array = NDArray[np.float64]
+
+_SCHEMES = ('package://', 'model://')
+
+_FILE = 'file://'
+
+
+def mesh_path(name: str, description: Path) -> Path:
+    """
+    Find a mesh.
+
+    Parameters
+    ----------
+    name : str
+        As the description names it: absolute, relative to the description, or
+        ``package://PACKAGE/...``.
+    description : Path
+        The description. A package is looked for among the folders around it, in
+        ``ROS_PACKAGE_PATH`` and under ``share`` of ``AMENT_PREFIX_PATH``.
+
+    Returns
+    -------
+    Path
+        Absolute.
+
+    Raises
+    ------
+    MeshNotFound
+        If it is nowhere.
+    """
+    for path in _candidates(name, description.resolve().parent):
+        if path.is_file():
+            return path.resolve()
+    raise MeshNotFound(description, name)
+
+
+def _candidates(name: str, folder: Path) -> list[Path]:
+    if name.startswith(_FILE):
+        return [Path(name[len(_FILE) :])]
+    scheme = next((scheme for scheme in _SCHEMES if name.startswith(scheme)), None)
+    if scheme is None:
+        return [folder / name]
+    inside = name[len(scheme) :]
+    package, _, rest = inside.partition('/')
+    around = [folder, *folder.parents]
+    found = [above / rest for above in around if above.name == package]
+    found += [above / inside for above in around]
+    for variable, below in (('ROS_PACKAGE_PATH', ''), ('AMENT_PREFIX_PATH', 'share')):
+        for entry in filter(None, os.environ.get(variable, '').split(os.pathsep)):
+            found += [Path(entry) / below / inside, Path(entry) / rest]
+    # Files of one folder are often handed on without their package.
+    return [*found, folder / rest, folder.parent / rest]
+
+
+def mesh_corners(mesh: Any, description: Path) -> Array:
+    """
+    Read the corners of a mesh.
+
+    Parameters
+    ----------
+    mesh : yourdfpy.Mesh
+        Name and scale.
+    description : Path
+        The description that names it.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        In the mesh's frame [m].
+
+    Raises
+    ------
+    DescriptionError
+        If it is not there, or no mesh.
+    """
+    import trimesh
+
+    path = mesh_path(mesh.filename, description)
+    try:
+        corners = np.asarray(trimesh.load(path, force='mesh', process=False).vertices, dtype=float)
+    # Readers of a dozen formats raise what they like.
+    except Exception as error:
+        reason = f'the mesh {path} cannot be read: {type(error).__name__}: {error}'
+        raise DescriptionUnusable(description, reason) from error
+    scaled: Array = corners.reshape(-1, 3) * scale_of(mesh)
+    return scaled
+
+
+def scale_of(mesh: Any) -> Array:
+    """Return the scale of a mesh along its axes, shape (3,)."""
+    scale = 1.0 if mesh.scale is None else mesh.scale
+    return np.broadcast_to(np.asarray(scale, dtype=float), (3,))

@@ -1,0 +1,117 @@
+"""
+Reads a description of a robot, whichever of the three formats it has.
+
+URDF is read by yourdfpy, xacro by ROS's own package, MJCF by MuJoCo. What comes out is yourdfpy's
+model of a robot in each case.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+from pathlib import Path
+from typing import Any
+
+from quad_common.errors import (
+    DescriptionUnusable,
+    FileUnusable,
+    MissingOptionalDependency,
+    QuadError,
+)
+from quad_common.files.bounded_file import read_bytes, user_path
+
+LARGEST_DESCRIPTION = 2**24
+"""Bytes of the largest description that is read."""
+
+_WHAT = "robot's description"
+
+try:
+    import yourdfpy
+    from lxml import etree
+except ImportError as error:
+    raise MissingOptionalDependency('yourdfpy', "pip install 'quadwalk[robots]'") from error
+
+# It tells what it cannot find or does not know; what matters here becomes an error or a note.
+logging.getLogger('yourdfpy').setLevel(logging.ERROR)
+
+
+def read_description(path: str | Path) -> Any:
+    """
+    Read a robot's description.
+
+    Parameters
+    ----------
+    path : str or Path
+        URDF, xacro or MJCF file.
+
+    Returns
+    -------
+    yourdfpy.Robot
+        Links and joints, meshes named as the file names them.
+
+    Raises
+    ------
+    DescriptionError
+        If the file is none of these, or its format's reader refuses it.
+    """
+    try:
+        path = user_path(path, _WHAT)
+        content = read_bytes(path, _WHAT, LARGEST_DESCRIPTION)
+    except FileUnusable as error:
+        raise DescriptionUnusable(error.path, f'the {_WHAT} {error.reason}') from error
+    root = _parsed(content, path)
+    if root.tag == 'mujoco':
+        from quad_common.description.mjcf import robot_from_mjcf
+
+        return robot_from_mjcf(path)
+    if root.tag != 'robot':
+        raise DescriptionUnusable(path, f'is neither URDF, xacro nor MJCF: it begins with {root.tag}')
+    if path.suffix == '.xacro' or 'http://www.ros.org/wiki/xacro' in root.nsmap.values():
+        root = _parsed(_expanded(path), path)
+    return _robot_from_urdf(root, path)
+
+
+def _parsed(content: bytes, path: Path) -> Any:
+    """Parse XML without entities: a few lines of them can stand for any amount of text."""
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, remove_comments=True, remove_blank_text=True
+    )
+    # Versions that XML never had, and encodings that the file has not, are what they say at most.
+    content = re.sub(rb'^\s*<\?xml[^>]*\?>', b'', content.removeprefix(b'\xef\xbb\xbf'), count=1)
+    try:
+        root = etree.fromstring(content, parser)
+    except (etree.XMLSyntaxError, ValueError) as error:
+        raise DescriptionUnusable(path, f'is no XML: {error}') from error
+    if root.getroottree().docinfo.doctype:
+        raise DescriptionUnusable(path, 'has a document type, which no robot needs')
+    return root
+
+
+def _expanded(path: Path) -> bytes:
+    """Run xacro; properties that a file asks for by argument keep their defaults."""
+    try:
+        import xacro
+    except ImportError as error:
+        raise MissingOptionalDependency('xacro', "pip install 'quadwalk[robots]'") from error
+    try:
+        text: str = xacro.process_file(str(path)).toxml()
+    # xacro evaluates what the file says, and lets pass whatever that raises.
+    except (Exception, SystemExit) as error:
+        reason = str(error) or type(error).__name__
+        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}') from error
+    return text.encode()
+
+
+def _robot_from_urdf(root: Any, path: Path) -> Any:
+    try:
+        model = yourdfpy.URDF.load(
+            io.BytesIO(etree.tostring(root)), load_meshes=False, build_scene_graph=False
+        )
+    except QuadError:
+        raise
+    # The reader raises what its parts raise: a number that is none, a tag that is not there.
+    except Exception as error:
+        reason = f'{type(error).__name__}: {error}'.rstrip(': ')
+        raise DescriptionUnusable(path, f'the URDF cannot be read: {reason}') from error
+    return model.robot

@@ -1,0 +1,111 @@
+"""
+Errors of robots' descriptions (URDF, xacro, MJCF), and of what is found in them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+
+from quad_common.errors.base import QuadError
+from quad_common.errors.quoting import clipped, quoted, shown
+
+
+@dataclass(eq=False, repr=False)
+class DescriptionError(QuadError):
+    """Base of what is wrong with a robot's description."""
+
+    path: str | PathLike[str]
+    """Path of the description."""
+
+
+@dataclass(eq=False, repr=False)
+class DescriptionUnusable(DescriptionError):
+    """A description cannot be read."""
+
+    reason: str
+    """Reason, as the reader of the format gives it."""
+
+    def sentence(self) -> str:
+        """Say what is wrong with the file."""
+        return f'{self.path}: {clipped(self.reason)}'
+
+
+@dataclass(eq=False, repr=False)
+class DescriptionEntryInvalid(DescriptionError):
+    """A link or a joint of a description is not what it can be."""
+
+    part: str
+    """Kind and name of the part, for example ``joint 'FL_hip'``."""
+    problem: str
+    """Problem of the part."""
+
+    def sentence(self) -> str:
+        """Say what is wrong with the part."""
+        return f'{self.path}: {clipped(self.part)} {clipped(self.problem)}'
+
+
+@dataclass(eq=False, repr=False)
+class MeshNotFound(DescriptionError):
+    """A mesh that a description names is not there."""
+
+    mesh: str
+    """Name of the mesh, as the description has it."""
+
+    def sentence(self) -> str:
+        """Say which mesh is missing, and where packages are looked for."""
+        return (
+            f'{self.path}: there is no mesh {quoted(self.mesh)}; packages are looked for around '
+            'the file, in ROS_PACKAGE_PATH and in AMENT_PREFIX_PATH'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class NotAQuadruped(DescriptionError):
+    """A description is not that of a robot with four legs of three joints."""
+
+    found: str
+    """Chains of moving joints that were found."""
+
+    def sentence(self) -> str:
+        """Say what was found instead."""
+        return (
+            f'{self.path}: a robot with four legs of three joints each is needed; found {self.found}'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class LegNotFeasible(DescriptionError):
+    """A leg is none that a gait can use."""
+
+    leg: str
+    """Name of the leg, or of its first joint."""
+    problem: str
+    """Problem of the leg."""
+
+    def sentence(self) -> str:
+        """Say what is wrong with the leg."""
+        return f'{self.path}: leg {self.leg} {self.problem}'
+
+
+@dataclass(eq=False, repr=False)
+class JointFiguresMissing(DescriptionError):
+    """A description does not say how strong or how fast joints are."""
+
+    figure: str
+    """Figure that is missing: ``effort`` or ``speed``."""
+    unit: str
+    """Unit of the figure."""
+    joints: tuple[str, ...]
+    """Names of the joints."""
+    stated: float | None = None
+    """Value in the description that cannot be, if there is one."""
+
+    def sentence(self) -> str:
+        """Say which figure must be given, and how."""
+        names = ', '.join(self.joints[:3]) + (' ...' if len(self.joints) > 3 else '')
+        what = 'no' if self.stated is None else f'the {self.figure} {shown(self.stated)} as'
+        return (
+            f'{self.path} has {what} largest {self.figure} of the joints {names}; give it with '
+            f'--{self.figure} (one number, or three from the body outward) [{self.unit}]'
+        )

@@ -1,0 +1,149 @@
+"""
+Which directions are up and forward for a robot, and where its middle is.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import LegNotFeasible
+from quad_common.importing.chains import LegChain
+from quad_common.importing.leg_axes import LegAxes
+from quad_common.importing.options import DIRECTIONS, Notes
+from quad_common.robot.robot_build import LEGS
+
+Array = NDArray[np.float64]
+
+_CLEARLY = 0.2
+"""Depth of the feet below the hips, as a fraction of their distance, that tells up from down."""
+
+_LEVEL = 0.7
+"""Cosine between a leg's first axis and the vertical above which the axis is upright."""
+
+_FRONT = re.compile(r'(^|[^a-z])f[lr]?([^a-z]|$)|front|fore|(^|[^a-z])[lr]f([^a-z]|$)')
+_HIND = re.compile(r'(^|[^a-z])[rhb][lr]([^a-z]|$)|rear|hind|back|(^|[^a-z])[lr][hb]([^a-z]|$)')
+
+
+def body_frame(path: object, legs: list[LegChain], axes: LegAxes, feet: Array, forward: str,
+               notes: Notes) -> tuple[Array, str]:
+    """
+    Find base_link's frame: x forward, y left, z up, in the middle of the hips.
+
+    Parameters
+    ----------
+    path : Path
+        The description, for the sentences of errors.
+    legs : list of LegChain
+        The four legs.
+    axes : LegAxes
+        Their axes.
+    feet : ndarray, shape (4, 3)
+        Their feet at the zero of all joints, in the root's frame [m].
+    forward : str
+        Where the robot is to walk, one of :data:`~quad_common.importing.options.DIRECTIONS`;
+        empty to find it.
+    notes : Notes
+        What was found and assumed is added to it.
+
+    Returns
+    -------
+    pose : ndarray, shape (4, 4)
+        Takes points of the root's frame to base_link's.
+    leg_type : str
+        ``roll_pitch_pitch`` or ``yaw_pitch_pitch``.
+    """
+    hips = axes.hips
+    up = _up(hips, feet, notes)
+    first = _common(axes.directions[:, 0])
+    is_upright = abs(float(first @ up)) > _LEVEL
+    if is_upright:
+        up = first * np.sign(first @ up)
+        ahead = _level(np.eye(3)[0], up, np.eye(3)[2])
+    else:
+        up = _level(up, first, up)
+        ahead = first * np.sign(first[int(np.argmax(np.abs(first)))])
+    ahead = _forward(ahead, up, legs, axes, forward, notes)
+    rotation = np.array([ahead, np.cross(up, ahead), up])
+    pose = np.eye(4)
+    pose[:3, :3] = rotation
+    pose[:3, 3] = -rotation @ hips.mean(axis=0)
+    if not is_upright and abs(float(first @ ahead)) < _LEVEL:
+        problem = 'turns about an axis across the body first; of level axes only one along it can be used'
+        raise LegNotFeasible(path, legs[0].joints[0].name, problem)  # type: ignore[arg-type]
+    return pose, 'yaw_pitch_pitch' if is_upright else 'roll_pitch_pitch'
+
+
+def corners(hips: Array, path: object) -> list[int]:
+    """Return the indices of the legs in the order of ``LEGS``, of hips (4, 3) in base_link [m]."""
+    order = {('l' if y > 0.0 else 'r') + ('f' if x > 0.0 else 'h'): k for k, (x, y, _) in enumerate(hips)}
+    if set(order) != set(LEGS):
+        raise LegNotFeasible(path, 'placement', 'is not one at each corner of the body')  # type: ignore[arg-type]
+    return [order[leg] for leg in LEGS]
+
+
+def _up(hips: Array, feet: Array, notes: Notes) -> Array:
+    """Return the direction in which hips spread least, away from the feet."""
+    up: Array = np.linalg.svd(hips - hips.mean(axis=0))[2][2]
+    arms = feet - hips
+    depth = float((arms @ up).mean())
+    if abs(depth) > _CLEARLY * float(np.linalg.norm(arms, axis=1).mean()):
+        return -up * np.sign(depth)
+    main = int(np.argmax(np.abs(up)))
+    notes.assume(
+        f"up is the root link's +{'xyz'[main]}: the legs at 0 do not show it, they are folded"
+    )
+    return up * np.sign(up[main])
+
+
+def _common(directions: Array) -> Array:
+    """Return the direction that four axes have in common, whatever their signs, shape (3,)."""
+    common: Array = np.linalg.svd(directions)[2][0]
+    return common
+
+
+def _level(direction: Array, normal: Array, otherwise: Array) -> Array:
+    """Return a direction without its part along a unit normal, of length 1."""
+    for candidate in (direction, otherwise):
+        rest = candidate - normal * float(candidate @ normal)
+        length = float(np.linalg.norm(rest))
+        if length > 0.1:
+            level: Array = rest / length
+            return level
+    raise AssertionError('one of two directions at right angles is not along the normal')
+
+
+def _forward(
+    ahead: Array, up: Array, legs: list[LegChain], axes: LegAxes, forward: str, notes: Notes
+) -> Array:
+    """Choose the sign of forward, by what was asked for or by the legs' names."""
+    if forward:
+        wanted = np.eye(3)[DIRECTIONS.index(forward) // 2]
+        wanted = wanted if forward.startswith('+') else -wanted
+        chosen = _level(wanted, up, ahead)
+        notes.found.append(f"forward is the root link's {forward}, as asked for")
+        # Along the legs' axes exactly, where they lie that way.
+        along = float(chosen @ ahead)
+        return ahead * np.sign(along) if abs(along) > _LEVEL else chosen
+    votes = 0.0
+    middle = axes.points[:, 1].mean(axis=0)
+    for leg, point in zip(legs, axes.points[:, 1]):
+        name = ' '.join([joint.name for joint in leg.joints[:2]] + list(leg.links[:2])).lower()
+        name = re.sub(r'_to_\S*|_2_\S*', ' ', name)
+        is_front, is_hind = bool(_FRONT.search(name)), bool(_HIND.search(name))
+        if is_front != is_hind:
+            votes += np.sign((point - middle) @ ahead) * (1.0 if is_front else -1.0)
+    named = ahead if votes >= 0.0 else -ahead
+    text = _axis_text(named)
+    if votes:
+        notes.found.append(f"forward is the root link's {text}: the legs' names say so")
+    else:
+        notes.assume(f"forward is the root link's {text}; choose otherwise with --forward")
+    return named
+
+
+def _axis_text(direction: Array) -> str:
+    main = int(np.argmax(np.abs(direction)))
+    return f'{"+" if direction[main] > 0.0 else "-"}{"xyz"[main]}'

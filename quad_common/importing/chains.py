@@ -1,0 +1,111 @@
+"""
+Which joints of a description are legs.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from quad_common.description.tree import TURNING, KinematicTree, TreeJoint
+from quad_common.errors import LegNotFeasible, NotAQuadruped
+from quad_common.importing.options import Notes
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
+
+_NUMBERS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
+
+
+@dataclass(frozen=True)
+class LegChain:
+    """The three joints of a leg, from the body outward."""
+
+    joints: tuple[TreeJoint, ...]
+    """Joints of the leg."""
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links that these joints move."""
+        return tuple(joint.child for joint in self.joints)
+
+
+def find_legs(tree: KinematicTree, notes: Notes) -> list[LegChain]:
+    """
+    Find the four legs: chains of three turning joints that share none, and nothing moves after.
+
+    Parameters
+    ----------
+    tree : KinematicTree
+        The description.
+    notes : Notes
+        What else moves is added to it; it is held where it is at 0.
+
+    Returns
+    -------
+    list of LegChain
+        Four of them, in the description's order.
+
+    Raises
+    ------
+    NotAQuadruped
+        If there are not four, naming what there is.
+    LegNotFeasible
+        If one of their joints slides.
+    """
+    chains = [_moving(tree, link) for link in _ends(tree)]
+    used = Counter(joint.name for chain in chains for joint in chain)
+    apart = [chain for chain in chains if all(used[joint.name] == 1 for joint in chain)]
+    legs = [chain for chain in apart if len(chain) == JOINTS_PER_LEG]
+    if len(legs) != len(LEGS):
+        raise NotAQuadruped(tree.path, _what_moves(chains, apart))
+    for joint in (joint for leg in legs for joint in leg):
+        if joint.kind not in TURNING:
+            problem = f"cannot be used: its joint '{joint.name}' is {joint.kind}"
+            raise LegNotFeasible(tree.path, joint.name, problem)
+    others = [chain for chain in chains if chain not in legs]
+    others_joints = {joint.name for chain in others for joint in chain}
+    if any(len(chain) == JOINTS_PER_LEG + 1 for chain in others):
+        raise NotAQuadruped(tree.path, _what_moves(chains, apart))
+    if others_joints:
+        names = ', '.join(sorted(others_joints)[:4]) + (' ...' if len(others_joints) > 4 else '')
+        count = len(others_joints)
+        notes.assume(
+            f'{count} other {"joint is" if count == 1 else "joints are"} held at 0 ({names})'
+        )
+    return [LegChain(tuple(leg)) for leg in legs]
+
+
+def _ends(tree: KinematicTree) -> list[str]:
+    """List the links that a joint moves, and after which nothing moves."""
+    return [
+        link
+        for link, joint in tree.parents.items()
+        if joint.moves
+        and not any(after.moves for member in tree.rigid_group(link) for after in tree.children[member])
+    ]
+
+
+def _moving(tree: KinematicTree, link: str) -> list[TreeJoint]:
+    # A base that floats in its description does so here anyway.
+    return [j for j in tree.chain(link) if j.moves and j.kind not in ('floating', 'planar')]
+
+
+def _what_moves(chains: list[list[TreeJoint]], apart: list[list[TreeJoint]]) -> str:
+    """Describe chains of moving joints in words."""
+    if not chains:
+        return 'no joint that moves'
+    lengths = Counter(len(chain) for chain in apart)
+    parts = [
+        f'{_word(count)} chain{"s" if count > 1 else ""} of {_word(length)} joint'
+        f'{"s" if length > 1 else ""}'
+        for length, count in sorted(lengths.items(), key=lambda item: -item[0])
+    ]
+    shared = len(chains) - len(apart)
+    if shared:
+        parts.append(f'{_word(shared)} that share joints')
+    if lengths.get(4, 0) == len(LEGS) and all(c[-1].kind == 'continuous' for c in apart if len(c) == 4):
+        parts.append('the last joints turn without end, as wheels do')
+    return ', '.join(parts)
+
+
+def _word(number: int) -> str:
+    return _NUMBERS[number] if number < len(_NUMBERS) else str(number)

@@ -1,0 +1,176 @@
+"""
+Writes the robot's own URDF as physics need it: its links, joints, meshes, masses and shapes.
+
+What moves as one is one link, named as in the description, so that frames without mass do not
+get one; feet that are links of their own stay so, for contacts to be told apart. The root has
+base_link's frame. Other joints are held at 0, and inertias are possible.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from copy import deepcopy
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.description.mass import Mass
+from quad_common.description.meshes import mesh_path
+from quad_common.description.reading import etree, yourdfpy
+from quad_common.description.tree import KinematicTree, pose_of
+from quad_common.errors import MeshNotFound
+from quad_common.importing.masses import Part
+from quad_common.importing.robot_import import ImportedRobot
+
+Array = NDArray[np.float64]
+
+_FOOT = 0.02
+"""Mass of a foot that has none of its own, as a fraction of its calf's; taken from that."""
+
+
+def own_urdf(robot: ImportedRobot) -> str:
+    """
+    Write a robot's own URDF.
+
+    Parameters
+    ----------
+    robot : ImportedRobot
+        The robot.
+
+    Returns
+    -------
+    str
+        The XML text. Meshes have absolute paths; what is seen of a link whose mesh is missing is
+        left out.
+    """
+    model = yourdfpy.urdf
+    to_base = robot.to_base
+    base_from_root = np.linalg.inv(to_base)
+    body = robot.parts.body
+    links = [_link(robot, body.link, body.links, base_from_root, body.mass)]
+    joints = []
+    for k, (chain, parts, foot) in enumerate(zip(robot.chains, robot.parts.legs, robot.feet)):
+        parent, parent_frame = body.link, base_from_root
+        for j, (joint, part) in enumerate(zip(chain.joints, parts)):
+            frame = robot.tree.pose(joint.child)
+            has_foot = j == 2 and foot.link != part.link
+            links += _calf_and_foot(robot, part, foot.link) if has_foot else [
+                _link(robot, part.link, part.links, frame, part.mass)
+            ]
+            joints.append(
+                model.Joint(
+                    name=joint.name,
+                    type='revolute',
+                    parent=parent,
+                    child=part.link,
+                    origin=np.linalg.inv(parent_frame) @ frame,
+                    axis=joint.axis,
+                    limit=model.Limit(
+                        effort=float(robot.effort[k, j]),
+                        velocity=float(robot.velocity[k, j]),
+                        lower=float(robot.legs[k].lower[j]),
+                        upper=float(robot.legs[k].upper[j]),
+                    ),
+                )
+            )
+            parent, parent_frame = part.link, frame
+        if foot.link != parent:
+            origin = np.linalg.inv(parent_frame) @ robot.tree.pose(foot.link)
+            joints.append(
+                model.Joint(
+                    name=f'{foot.link}_fixed', type='fixed', parent=parent, child=foot.link,
+                    origin=origin,
+                )
+            )
+    described = model.Robot(name=robot.name, links=links, joints=joints)
+    written = yourdfpy.URDF(described, build_scene_graph=False, load_meshes=False).write_xml()
+    text: bytes = etree.tostring(written, pretty_print=True)
+    return text.decode()
+
+
+def _calf_and_foot(robot: ImportedRobot, part: Part, foot: str) -> list[Any]:
+    """Make two links of a calf: the foot's link with what it carries, and the rest."""
+    tree = robot.tree
+    of_foot = set(tree.rigid_group(foot))
+    foot_links = [link for link in part.links if link in of_foot]
+    rest = [link for link in part.links if link not in of_foot]
+    foot_mass = _sum(tree, foot_links, part)
+    least = _FOOT * part.mass.amount
+    if foot_mass.amount < 1e-3 * part.mass.amount:
+        radius = robot.foot_radius
+        center = next(own.center for own in robot.feet if own.link == foot)
+        foot_mass = Mass(least, center, 0.4 * least * radius**2 * np.eye(3))
+    calf_mass = _difference(part.mass, foot_mass)
+    return [
+        _link(robot, part.link, rest, tree.pose(part.link), calf_mass),
+        _link(robot, foot, foot_links, tree.pose(foot), foot_mass),
+    ]
+
+
+def _sum(tree: KinematicTree, links: Iterable[str], part: Part) -> Mass:
+    """Return the mass of a foot; its inertia is a ball's of that mass if it is none."""
+    masses = [tree.mass_of(link) for link in links]
+    amount = sum(mass.amount for mass in masses)
+    if amount == 0.0:
+        return masses[0]
+    center = sum((mass.amount * mass.center for mass in masses), np.zeros(3)) / amount
+    inertia = sum((mass.inertia for mass in masses), np.zeros((3, 3)))
+    found = Mass(amount, center, inertia)
+    if found.is_possible:
+        return found
+    radius = 0.1 * float(np.linalg.norm(part.mass.center - center)) + 1e-3
+    return Mass(amount, center, 0.4 * amount * radius**2 * np.eye(3))
+
+
+def _difference(whole: Mass, part: Mass) -> Mass:
+    """Take a part of a mass away; what is left keeps an inertia that is possible."""
+    amount = whole.amount - part.amount
+    center = (whole.amount * whole.center - part.amount * part.center) / amount
+    inertia = whole.inertia.copy()
+    for sign, mass in ((1.0, whole), (-1.0, part), (-1.0, Mass(amount, center, np.zeros((3, 3))))):
+        arm = mass.center - whole.center
+        if mass is not whole:
+            inertia += sign * mass.amount * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    inertia -= part.inertia
+    left = Mass(amount, center, inertia)
+    return left if left.is_possible else Mass(amount, center, whole.inertia * amount / whole.amount)
+
+
+def _link(
+    robot: ImportedRobot, name: str, links: Iterable[str], frame: Array, mass: Mass
+) -> Any:
+    """Make one link of several, in a frame that the root's frame places."""
+    model, tree = yourdfpy.urdf, robot.tree
+    into = np.linalg.inv(frame)
+    own = mass.moved(into)
+    origin = np.eye(4)
+    origin[:3, 3] = own.center
+    inertial = model.Inertial(origin=origin, mass=own.amount, inertia=own.inertia)
+    made = model.Link(name=name, inertial=inertial)
+    for use in ('visuals', 'collisions'):
+        for link in links:
+            for shape in getattr(tree.links[link], use):
+                placed = deepcopy(shape)
+                placed.origin = into @ tree.pose(link) @ pose_of(shape.origin)
+                if placed.geometry is None or not _has_mesh(robot, placed, use):
+                    continue
+                # Names are free in URDF, but engines want different ones.
+                placed.name = None
+                getattr(made, use).append(placed)
+    return made
+
+
+def _has_mesh(robot: ImportedRobot, shape: Any, use: str) -> bool:
+    """Give a shape's mesh its absolute path; return whether it can be had."""
+    mesh = shape.geometry.mesh
+    if mesh is None:
+        return True
+    try:
+        mesh.filename = str(mesh_path(mesh.filename, robot.tree.path))
+    except MeshNotFound as error:
+        if use == 'collisions':
+            raise
+        robot.notes.assume(f'meshes that are only looked at are missing ({error.mesh} ...)')
+        return False
+    return True

@@ -1,0 +1,165 @@
+"""
+Writes the data file of an imported robot: every number with its source.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import ArrayLike
+
+from quad_common.files.bounded_file import make_folder, write_text
+from quad_common.importing.own_urdf import own_urdf
+from quad_common.importing.robot_import import ImportedRobot
+from quad_common.robot.robot_build import LEGS
+
+_ROUGHNESS = 0.04
+"""Depth by which the ground may be lower than expected, as a fraction of the hips' height."""
+
+_STATIC_PERIOD = 7.4
+"""Period of static gaits over the root of the hips' height: 4 s at A1's [s / m^0.5]."""
+
+_TROT_PERIOD = 0.65
+"""Period of the trot over the root of the hips' height: 0.35 s at A1's [s / m^0.5]."""
+
+_SWING_HEIGHT = {'crawl': 0.15, 'turn': 0.15, 'crab': 0.15, 'wave': 0.15, 'trot': 0.12}
+"""Heights to which feet are lifted, as fractions of the hips' height."""
+
+_PLACES = 9
+"""Decimal places that are written."""
+
+
+def write_robot(robot: ImportedRobot, path: Path) -> tuple[Path, Path]:
+    """
+    Write an imported robot's data file, and its URDF beside it.
+
+    Parameters
+    ----------
+    robot : ImportedRobot
+        The robot.
+    path : Path
+        The data file, ``*.yaml``; folders are made.
+
+    Returns
+    -------
+    data_file, urdf : Path
+        What was written.
+
+    Raises
+    ------
+    FileUnusable
+        If a file cannot be written.
+    """
+    urdf = path.with_suffix('.urdf')
+    text = own_urdf(robot)
+    document = robot_document(robot, urdf.name)
+    make_folder(path.parent)
+    write_text(urdf, text, 'URDF')
+    header = (
+        f'# Imported by "quadwalk robot import" from {robot.tree.path.name}. Legs are given each\n'
+        '# for itself, in the terms of docs/robots.md; angles are those of the robot\'s own joints.\n'
+    )
+    body = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100)
+    write_text(path, header + body, 'robot data file')
+    return path, urdf
+
+
+def robot_document(robot: ImportedRobot, urdf: str) -> dict[str, Any]:
+    """
+    Put an imported robot into the terms of a data file.
+
+    Parameters
+    ----------
+    robot : ImportedRobot
+        The robot.
+    urdf : str
+        Path of its URDF, relative to the data file.
+    """
+    stated = f'{robot.tree.path.name}'
+    length, width, height = robot.sizes.body_size.tolist()
+    forward, left, up = robot.sizes.body_center.tolist()
+    shapes = f'{stated}: shapes'
+    radii = {**robot.sizes.radii, 'foot': robot.foot_radius}
+    return {
+        'name': robot.name,
+        'description': f'Imported from {robot.tree.path.name}',
+        'leg_type': robot.leg_type,
+        'urdf': urdf,
+        'names': {
+            'joints': [joint.name for chain in robot.chains for joint in chain.joints],
+            'feet': [foot.link for foot in robot.feet],
+            'falls': [robot.parts.body.link, *(leg[0].link for leg in robot.parts.legs)],
+        },
+        'body': {
+            'length': _number(length, shapes),
+            'width': _number(width, shapes),
+            'height': _number(height, shapes),
+            'center_forward': _number(forward, shapes),
+            'center_left': _number(left, shapes),
+            'center_height': _number(up, shapes),
+            'mass': _number(robot.masses.body, f'{stated}: {robot.parts.body.link} and what is fixed to it'),
+            'center_of_mass': _number(robot.masses.body_center, stated),
+        },
+        'leg': {
+            f'{kind}_radius': _number(radius, shapes) for kind, radius in radii.items()
+        },
+        'legs': {name: _leg(robot, k, stated) for k, name in enumerate(LEGS)},
+        'gait': {
+            'roughness': _number(
+                _ROUGHNESS * robot.hip_height, 'chosen: 4 % of the height of the hips'
+            )
+        },
+        'gaits': _gaits(robot),
+    }
+
+
+def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
+    ranged = robot.legs[index]
+    leg, masses = ranged.leg, robot.masses
+    geometry = f'{stated}: axes at 0'
+    return {
+        'hip': _number(leg.hip, geometry),
+        'first_axis': _number(leg.first_axis, geometry),
+        'radial_direction': _number(leg.radial_direction, geometry),
+        'axial_offset': _number(float(leg.axial_offset), geometry),
+        'radial_offset': _number(float(leg.radial_offset), geometry),
+        'lateral_offset': _number(float(leg.lateral_offset), geometry),
+        'thigh_length': _number(float(leg.thigh_length), geometry),
+        'calf_length': _number(float(leg.calf_length), f'{geometry}, to the middle of the foot'),
+        'knee_sign': _number(int(float(leg.knee_sign)), f'{stated}: ranges, or assumed'),
+        'axis_signs': _number([int(sign) for sign in leg.signs], geometry),
+        'zeros': _number(leg.zeros, geometry),
+        'lower': _number(ranged.lower, f'{stated}, or assumed'),
+        'upper': _number(ranged.upper, f'{stated}, or assumed'),
+        'velocity': _number(robot.velocity[index], f'{stated}, or given'),
+        'effort': _number(robot.effort[index], f'{stated}, or given'),
+        'initial_posture': _number(
+            robot.initial[index], 'chosen: upright, the knee bent by a right angle'
+        ),
+        'masses': _number(masses.parts[index], stated),
+        'centers_of_mass': _number(masses.centers[index].reshape(-1), stated),
+    }
+
+
+def _gaits(robot: ImportedRobot) -> dict[str, Any]:
+    root = math.sqrt(robot.hip_height)
+    gaits = {}
+    for name, lifted in _SWING_HEIGHT.items():
+        factor = _TROT_PERIOD if name == 'trot' else _STATIC_PERIOD
+        gaits[name] = {
+            'cycle_period': _number(factor * root, 'chosen: with the root of the height of the hips'),
+            'swing_height': _number(
+                lifted * robot.hip_height, 'chosen: a fraction of the height of the hips'
+            ),
+        }
+    return gaits
+
+
+def _number(value: ArrayLike, source: str) -> dict[str, Any]:
+    rounded: Any = np.round(np.asarray(value), _PLACES)
+    # No minus before a zero.
+    return {'value': (rounded + 0).tolist() if rounded.dtype.kind == 'i' else (rounded + 0.0).tolist(), 'source': source}

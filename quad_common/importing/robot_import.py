@@ -1,0 +1,228 @@
+"""
+Imports a robot: from a description to everything that a gait needs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.description.reading import read_description
+from quad_common.description.tree import KinematicTree
+from quad_common.errors import JointFiguresMissing
+from quad_common.importing.body_frame import body_frame, corners
+from quad_common.importing.chains import LegChain, find_legs
+from quad_common.importing.feet import Foot, find_foot
+from quad_common.importing.leg_axes import LegAxes, leg_axes
+from quad_common.importing.leg_geometry import LegAtZero, leg_geometry
+from quad_common.importing.masses import Parts, exact_masses, find_parts
+from quad_common.importing.options import ImportOptions, Notes
+from quad_common.importing.ranges import RangedLeg, with_ranges
+from quad_common.importing.sizes import Sizes, body_box, link_radii
+from quad_common.importing.stance import stance
+from quad_common.robot.exact_masses import ExactMasses
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
+
+Array = NDArray[np.float64]
+
+_NO_NAMES = ('robot', 'urdf', 'xacro', 'main', 'model', 'description', 'scene')
+"""Names of files that name no robot."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImportedRobot:
+    """What a description says of a robot, in the terms of quadwalk; legs in the order of ``LEGS``."""
+
+    name: str
+    """Name of the robot."""
+    leg_type: str
+    """Build of the legs, one of ``LEG_TYPES``."""
+    tree: KinematicTree
+    """The description."""
+    to_base: Array
+    """Takes points of the root link's frame to base_link's, shape (4, 4)."""
+    chains: tuple[LegChain, ...]
+    """Joints of the legs."""
+    legs: tuple[RangedLeg, ...]
+    """Geometry and ranges of the legs."""
+    feet: tuple[Foot, ...]
+    """Feet, in the root's frame with all joints at 0."""
+    parts: Parts
+    """Links and masses of the moving parts."""
+    masses: ExactMasses
+    """Masses in the axes of the legs."""
+    sizes: Sizes
+    """Sizes of body and links."""
+    velocity: Array
+    """Largest speeds of the joints, shape (4, 3) [rad/s]."""
+    effort: Array
+    """Largest torques of the joints, shape (4, 3) [N m]."""
+    initial: Array
+    """Initial posture, shape (4, 3) [rad]."""
+    foot_radius: float
+    """Radius of the feet [m]."""
+    notes: Notes
+    """What was found and what was assumed, in words."""
+
+    @property
+    def hip_height(self) -> float:
+        """Mean height of the hips above the feet's centers in the initial posture [m]."""
+        heights = [
+            float((leg.leg.hip - leg.leg.forward(angles))[2])
+            for leg, angles in zip(self.legs, self.initial)
+        ]
+        return float(np.mean(heights))
+
+    @property
+    def leg_length(self) -> float:
+        """Mean length of the straight legs, from pitch axis to foot [m]."""
+        return float(np.mean([leg.leg.thigh_length + leg.leg.calf_length for leg in self.legs]))
+
+
+def import_robot(path: str | Path, options: ImportOptions | None = None) -> ImportedRobot:
+    """
+    Find out what a gait needs to know of a robot from its description.
+
+    Parameters
+    ----------
+    path : str or Path
+        URDF, xacro or MJCF file.
+    options : ImportOptions, optional
+        What the description leaves open.
+
+    Returns
+    -------
+    ImportedRobot
+        The robot, and what was found and assumed.
+
+    Raises
+    ------
+    DescriptionError
+        If the file cannot be read, is no quadruped that can be walked, or lacks figures.
+    MissingOptionalDependency
+        If the packages that read descriptions are not installed.
+    """
+    options = ImportOptions() if options is None else options
+    notes = Notes()
+    path = Path(path)
+    robot = read_description(path)
+    tree = KinematicTree(robot, path)
+    chains = find_legs(tree, notes)
+    axes = leg_axes(tree, chains)
+    feet = [
+        find_foot(tree, chain, points[2], directions[2], notes)
+        for chain, points, directions in zip(chains, axes.points, axes.directions)
+    ]
+    centers = np.array([foot.center for foot in feet])
+    to_base, leg_type = body_frame(path, chains, axes, centers, options.forward, notes)
+    order = corners(_moved(to_base, axes.hips), path)
+    chains, feet = [chains[k] for k in order], [feet[k] for k in order]
+    at_zero = _at_zero(axes, order, feet, to_base)
+    is_upright = leg_type == 'yaw_pitch_pitch'
+    legs = [
+        with_ranges(leg_geometry(leg, is_upright), chain, options.knees, notes)
+        for leg, chain in zip(at_zero, chains)
+    ]
+    parts = find_parts(tree, chains, notes)
+    geometries = [ranged.leg for ranged in legs]
+    foot_radius = float(np.mean([foot.radius for foot in feet]))
+    return ImportedRobot(
+        name=options.name or _name(path, robot.name),
+        leg_type=leg_type,
+        tree=tree,
+        to_base=to_base,
+        chains=tuple(chains),
+        legs=tuple(legs),
+        feet=tuple(feet),
+        parts=parts,
+        masses=exact_masses(parts, geometries, to_base),
+        sizes=_sizes(tree, chains, parts, at_zero, feet, to_base, notes),
+        velocity=_figures(tree, chains, 'speed', options.speed),
+        effort=_figures(tree, chains, 'effort', options.effort),
+        initial=stance(legs, path),
+        foot_radius=foot_radius,
+        notes=notes,
+    )
+
+
+def _name(path: Path, own: object) -> str:
+    """Return the file's name, as people call robots; the description's own if that says nothing."""
+    stem = path.name.partition('.')[0]
+    return str(own) if stem.lower() in _NO_NAMES and own else stem
+
+
+def _moved(pose: Array, points: Array) -> Array:
+    moved: Array = points @ pose[:3, :3].T + pose[:3, 3]
+    return moved
+
+
+def _at_zero(
+    axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array
+) -> list[LegAtZero]:
+    hips, points = _moved(to_base, axes.hips), _moved(to_base, axes.points)
+    directions = axes.directions @ to_base[:3, :3].T
+    return [
+        LegAtZero(
+            name=name,
+            hip=hips[k],
+            axes=directions[k],
+            points=points[k],
+            foot=_moved(to_base, foot.center),
+        )
+        for name, k, foot in zip(LEGS, order, feet)
+    ]
+
+
+def _sizes(
+    tree: KinematicTree,
+    chains: list[LegChain],
+    parts: Parts,
+    at_zero: list[LegAtZero],
+    feet: list[Foot],
+    to_base: Array,
+    notes: Notes,
+) -> Sizes:
+    hips = np.array([leg.hip for leg in at_zero])
+    size, center = body_box(tree, list(parts.body.links), to_base, hips, notes)
+    back = np.linalg.inv(to_base)
+    ends = np.array(
+        [
+            [_moved(back, np.array(pair)) for pair in _middle_lines(leg)]
+            for leg in at_zero
+        ]
+    )
+    foot_links = [
+        foot.link for foot, chain in zip(feet, chains) if foot.link != chain.links[-1]
+    ]
+    return Sizes(size, center, link_radii(tree, chains, ends, foot_links, notes))
+
+
+def _middle_lines(leg: LegAtZero) -> list[tuple[Array, Array]]:
+    """Return both ends of hip, thigh and calf in base_link, all in the plane of the foot [m]."""
+    across = leg.axes[1]
+    pitch_axis, knee = (
+        point + across * float((leg.foot - point) @ across) for point in leg.points[1:]
+    )
+    return [(leg.hip, pitch_axis), (pitch_axis, knee), (knee, leg.foot)]
+
+
+def _figures(
+    tree: KinematicTree, chains: list[LegChain], figure: str, given: tuple[float, ...]
+) -> Array:
+    """Return the largest efforts or speeds, shape (4, 3): given ones, or the description's."""
+    if given:
+        return np.tile(np.broadcast_to(np.array(given, dtype=float), JOINTS_PER_LEG), (4, 1))
+    field, unit = ('velocity', 'rad/s') if figure == 'speed' else ('effort', 'N m')
+    stated = [[getattr(joint, field) for joint in chain.joints] for chain in chains]
+    missing = [
+        joint.name
+        for chain in chains
+        for joint in chain.joints
+        if getattr(joint, field) is None
+    ]
+    if missing:
+        raise JointFiguresMissing(tree.path, figure, unit, tuple(missing))
+    return np.array(stated, dtype=float)

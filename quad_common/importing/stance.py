@@ -1,0 +1,115 @@
+"""
+The posture that an imported robot stands and walks in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import GaitError, LegNotFeasible
+from quad_common.importing.ranges import RangedLeg
+from quad_common.robot.leg_kinematics import Leg, stack_legs
+
+Array = NDArray[np.float64]
+
+_HEIGHT = 0.72
+"""Height of the pitch axes above the feet, as a fraction of the leg's length: the knee is bent by
+88 degrees, and the leg reaches as far forward as backward."""
+
+_OTHERS = (0.76, 0.68, 0.80, 0.64, 0.60, 0.84, 0.56, 0.52, 0.88, 0.48)
+"""Fractions that are tried where joints do not turn far enough."""
+
+_SPARE = 0.1
+"""Angle that joints keep from their limits in the stance [rad]."""
+
+_SPRAWL = (0.0, -0.3, 0.3, -0.6)
+"""Pitches of sprawling thighs that are tried, from level; positive is downward [rad]."""
+
+
+def stance(legs: list[RangedLeg], path: object) -> Array:
+    """
+    Find the initial posture.
+
+    Legs under the body stand upright with their feet under the pitch axes; sprawling legs have
+    their thighs level and their calves upright. All feet are at one height.
+
+    Parameters
+    ----------
+    legs : list of RangedLeg
+        The four legs.
+    path : Path
+        The description, for the sentence of the error.
+
+    Returns
+    -------
+    ndarray, shape (4, 3)
+        Joint angles [rad].
+
+    Raises
+    ------
+    LegNotFeasible
+        If the joints' ranges allow none of the postures that are tried.
+    """
+    stacked = stack_legs([ranged.leg for ranged in legs])
+    lower = np.array([ranged.lower for ranged in legs])
+    upper = np.array([ranged.upper for ranged in legs])
+    worst, least = 0, math.inf
+    for feet in _candidates([ranged.leg for ranged in legs]):
+        try:
+            angles = stacked.inverse(feet)
+        except GaitError:
+            continue
+        spare = np.minimum(angles - lower, upper - angles)
+        if float(spare.min()) >= _SPARE:
+            return angles
+        if -float(spare.min()) < least:
+            least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
+    problem = 'finds no posture to stand in: the ranges of its joints hold none with level feet'
+    raise LegNotFeasible(path, str(legs[worst].leg.name), problem)  # type: ignore[arg-type]
+
+
+def _candidates(legs: list[Leg]) -> Iterator[Array]:
+    """Yield places of the four feet in base_link, each of shape (4, 3) [m]."""
+    if abs(float(legs[0].first_axis[2])) > 0.7:
+        for pitch in _SPRAWL:
+            yield _level([_sprawled(leg, pitch) for leg in legs])
+        return
+    for fraction in (_HEIGHT, *_OTHERS):
+        yield _level([_upright(leg, fraction) for leg in legs])
+
+
+def _upright(leg: Leg, fraction: float) -> Array:
+    """Place a foot under a leg's pitch axis, the leg's plane upright."""
+    down = float(leg.radial_offset) + fraction * float(leg.thigh_length + leg.calf_length)
+    foot: Array = (
+        leg.hip
+        + leg.first_axis * float(leg.axial_offset)
+        + leg.lateral_direction * float(leg.lateral_offset)
+        + leg.radial_direction * down
+    )
+    return foot
+
+
+def _sprawled(leg: Leg, pitch: float) -> Array:
+    """Place the foot of a leg straight to the side, the calf upright."""
+    thigh = float(leg.thigh_length)
+    out = float(leg.radial_offset) + thigh * math.cos(pitch)
+    down = thigh * math.sin(pitch) + float(leg.calf_length) - float(leg.axial_offset)
+    foot: Array = (
+        leg.hip
+        + leg.radial_direction * out
+        + leg.lateral_direction * float(leg.lateral_offset)
+        - leg.first_axis * down
+    )
+    return foot
+
+
+def _level(feet: list[Array]) -> Array:
+    """Bring feet to the height of the highest of them, so that each leg reaches its own."""
+    level = np.array(feet)
+    level[:, 2] = level[:, 2].max()
+    return level

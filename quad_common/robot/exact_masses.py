@@ -1,0 +1,98 @@
+"""
+Where a robot's mass is, link by link, as its description states it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.leg_kinematics import Leg
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ExactMasses:
+    """
+    Masses of the body and of the three moving parts of each leg, and their centers.
+
+    A part is everything that moves with one joint: its link, and what is fixed to it. Centers of
+    a leg's parts are given in axes that turn with them, named as in
+    :mod:`quad_common.robot.leg_kinematics`: the hip's from the hip point along rho, nu and zeta;
+    those of thigh and calf from the pitch axis and from the knee, along the link, along nu, and
+    along their vector product.
+    """
+
+    body: float
+    """Mass of the body [kg]."""
+    body_center: Array
+    """Center of the body's mass in the body frame, shape (3,) [m]."""
+    parts: Array
+    """Masses of hip, thigh and calf of each leg, the foot's in the calf's, shape (4, 3) [kg]."""
+    centers: Array
+    """Centers of these masses, each in its part's own axes, shape (4, 3, 3) [m]."""
+
+    @cached_property
+    def total(self) -> float:
+        """Mass of the whole robot [kg]."""
+        return self.body + float(self.parts.sum())
+
+    def center(self, legs: Leg, chain: tuple[Array, Array, Array]) -> Array:
+        """
+        Find the center of mass from where the legs' joints are.
+
+        Parameters
+        ----------
+        legs : Leg
+            The four stacked legs.
+        chain : tuple of ndarray
+            Pitch axes, knees and feet in the body frame, each of shape (..., 4, 3) [m].
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            In the body frame [m].
+        """
+        pitch_axis, knee, foot = chain
+        zeta = np.asarray(legs.first_axis)
+        rho = self._radial(legs, knee - legs.hip)
+        nu = np.cross(np.broadcast_to(zeta, rho.shape), rho)
+        moment = self.body * self.body_center
+        axes = (rho, nu, np.broadcast_to(zeta, rho.shape))
+        moment = moment + self._moments(0, np.broadcast_to(legs.hip, rho.shape), axes)
+        for part, (start, end, length) in enumerate(
+            ((pitch_axis, knee, legs.thigh_length), (knee, foot, legs.calf_length)), start=1
+        ):
+            along = (end - start) / np.reshape(length, (-1, 1))
+            axes = (along, nu, np.cross(along, nu))
+            moment = moment + self._moments(part, start, axes)
+        center: Array = moment / self.total
+        return center
+
+    @staticmethod
+    def _radial(legs: Leg, arm: Array) -> Array:
+        """
+        Return rho of each leg, (..., 4, 3), from an arm from the hip point to its knee.
+
+        The arm is b along rho, with b > 0, and the lateral offset l along nu: across zeta it is
+        b rho + l (zeta x rho), which is solved for rho.
+        """
+        zeta = np.asarray(legs.first_axis)
+        across = arm - np.sum(arm * zeta, axis=-1, keepdims=True) * zeta
+        lateral = np.reshape(legs.lateral_offset, (-1, 1))
+        squared = np.sum(across * across, axis=-1, keepdims=True)
+        along = np.sqrt(np.maximum(squared - lateral * lateral, 0.0))
+        rho: Array = along * across - lateral * np.cross(np.broadcast_to(zeta, across.shape), across)
+        return rho / np.maximum(squared, 1e-18)
+
+    def _moments(self, part: int, start: Array, axes: tuple[Array, ...]) -> Array:
+        """Add mass times place of one part of all legs, (..., 3), that starts at (..., 4, 3)."""
+        place = start
+        for k, axis in enumerate(axes):
+            place = place + self.centers[:, part, k, None] * axis
+        moments: Array = np.sum(self.parts[:, part, None] * place, axis=-2)
+        return moments

@@ -1,0 +1,3 @@
+"""
+Files of robots: their data, and how fast their gaits take them.
+"""
