@@ -1,40 +1,109 @@
 """
-``quadwalk robot``: check a robot data file, say what follows from it, print its URDF.
+``quadwalk robot``: imports robots from their descriptions, lists them, checks and exports them.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from quad_cli.arguments import output_argument, quantity_argument
+from quad_common.errors import ParameterError
+from quad_common.files.bounded_file import check_target, user_path
+from quad_common.importing.known_robots import known_names
+from quad_common.importing.options import DIRECTIONS, KNEES, ImportOptions
+from quad_common.quantity import Quantity
+from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 from quad_common.robot.robot_figures import derived_figures
-from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot.urdf import published_urdf
+from quad_common.robot_files.robot_file import available_robots, load_robot
 
 EXAMPLES = f"""examples:
+  quadwalk robot import my_robot.urdf --effort 33.5 --speed 21
+  quadwalk robot import my_robot.urdf.xacro --output robots/my_robot.yaml
+  quadwalk robot list
   quadwalk robot check titan_viii
   quadwalk robot urdf titan_viii > titan_viii.urdf
 
 robots that ship: {', '.join(available_robots())}
 """
 
+_EFFORT = Quantity(1e-3, 1e5, 'N m')
+_SPEED = Quantity(0.01, 200.0, 'rad/s')
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument('action', choices=('check', 'urdf'))
-    parser.add_argument('robot', help='name of a robot, or path of a data file')
-    parser.add_argument('--json', action='store_true', help='print one JSON object only')
+    actions = parser.add_subparsers(dest='action', metavar='action', required=True)
+    importing = actions.add_parser(
+        'import', help='write a data file from a URDF, xacro or MJCF file, and draw what was found'
+    )
+    _add_import_arguments(importing)
+    listing = actions.add_parser('list', help='list the robots that can be asked for by name')
+    checking = actions.add_parser('check', help='check a robot, and say what follows from its data')
+    printing = actions.add_parser('urdf', help="print a robot's URDF")
+    for action in (checking, printing):
+        action.add_argument('robot', help='name of a robot, path of a data file or a description')
+    for action in (importing, listing, checking, printing):
+        action.add_argument('--json', action='store_true', help='print one JSON object only')
+
+
+def _add_import_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument('file', help='URDF, xacro or MJCF file')
+    parser.add_argument('--name', default='', help="name of the robot; the file's if left out")
+    for name, quantity in (('effort', _EFFORT), ('speed', _SPEED)):
+        parser.add_argument(
+            f'--{name}',
+            nargs='+',
+            default=[],
+            type=quantity_argument(name, quantity),
+            metavar='VALUE',
+            help=f'largest {name} of the joints, one or three from the body outward; '
+            f"the description's if left out [{quantity.unit}]",
+        )
+    parser.add_argument(
+        '--forward', choices=DIRECTIONS, default='', help="forward, along the root link's axes"
+    )
+    parser.add_argument('--knees', choices=KNEES, default='', help='where the knees point')
+    parser.add_argument(
+        '--output', type=output_argument, help='data file to write; NAME.yaml here if left out'
+    )
+    parser.add_argument('--no-picture', action='store_true', help='write no picture')
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
+    if arguments.action == 'import':
+        return _import(arguments)
+    if arguments.action == 'list':
+        return _list(arguments.json)
     robot = load_robot(arguments.robot)
     if arguments.action == 'urdf':
-        print(published_urdf(robot))
+        print(json.dumps({'urdf': published_urdf(robot)}) if arguments.json else published_urdf(robot))
         return 0
+    return _check(robot, arguments.json)
+
+
+def _list(as_json: bool) -> int:
+    names = {'shipped': available_robots(), 'installed': known_names()}
+    if as_json:
+        print(json.dumps(names))
+        return 0
+    print(f'ship with quadwalk: {", ".join(names["shipped"])}')
+    print(f'from descriptions that are installed: {", ".join(names["installed"]) or "none"}')
+    return 0
+
+
+def _check(robot: Robot, as_json: bool) -> int:
     figures = derived_figures(robot)
     overlapping = [str(pair) for pair in robot.own_parts.ignored]
-    if arguments.json:
+    if as_json:
         print(json.dumps({**figures, 'parts_not_watched': overlapping}))
         return 0
     print(f'{robot.name}: {len(robot.sources)} numbers, each with its source')
@@ -46,3 +115,73 @@ def run(arguments: argparse.Namespace) -> int:
             f'not kept apart: {", ".join(overlapping)}'
         )
     return 0
+
+
+def _import(arguments: argparse.Namespace) -> int:
+    # Packages that read descriptions are slow to import, and may not be there.
+    from quad_common.importing.robot_document import write_robot
+    from quad_common.importing.robot_import import import_robot
+
+    for name in ('effort', 'speed'):
+        if len(getattr(arguments, name)) not in (0, 1, JOINTS_PER_LEG):
+            raise ParameterError(name, getattr(arguments, name), 'one number, or three')
+    options = ImportOptions(
+        name=arguments.name,
+        effort=tuple(arguments.effort),
+        speed=tuple(arguments.speed),
+        forward=arguments.forward,
+        knees=arguments.knees,
+    )
+    imported = import_robot(user_path(arguments.file), options)
+    path = Path(arguments.output or f'{imported.name}.yaml')
+    for target in (path, path.with_suffix('.urdf')):
+        check_target(target, 'robot data file')
+    data_file, urdf = write_robot(imported, path)
+    robot = load_robot(data_file)
+    written = [data_file, urdf]
+    if not arguments.no_picture:
+        from quad_cli.robot_picture import draw_robot
+
+        written.append(draw_robot(robot, data_file.with_suffix('.png')))
+    figures = derived_figures(robot)
+    if arguments.json:
+        said = {'found': imported.notes.found, 'assumed': imported.notes.assumed}
+        files = {'written': [str(file) for file in written]}
+        print(json.dumps({'name': robot.name, **said, **files, **figures}))
+        return 0
+    console = Console()
+    console.print(_legs_table(robot))
+    for heading, sentences in (('found', imported.notes.found), ('assumed', imported.notes.assumed)):
+        for sentence in sentences:
+            console.print(f'{heading}: {escape(sentence)}', highlight=False)
+    console.print(
+        f'{escape(robot.name)}: {robot.mass:.2f} kg, hips {figures["hip_height_mm"]:.0f} mm above '
+        f'the feet, strides of up to {figures["largest_stride_mm"]:.0f} mm',
+        highlight=False,
+    )
+    print(f'written: {", ".join(str(file) for file in written)}')
+    print(f'next: quadwalk demo --robot {data_file}')
+    return 0
+
+
+def _legs_table(robot: Robot) -> Table:
+    """Tabulate which joints were taken for which legs, and what they can do."""
+    table = Table(title=f'{robot.name}: {robot.leg_type.replace("_", ", ")}')
+    for column in ('leg', 'joints, from the body outward', 'range [deg]', 'N m', 'rad/s', 'foot'):
+        table.add_column(column)
+    degrees = 57.29577951308232
+    for k, leg in enumerate(LEGS):
+        names = robot.joint_names[JOINTS_PER_LEG * k : JOINTS_PER_LEG * (k + 1)]
+        ranges = [
+            f'{degrees * low:.0f}..{degrees * high:.0f}'
+            for low, high in zip(robot.lower[k], robot.upper[k])
+        ]
+        table.add_row(
+            leg,
+            escape('\n'.join(names)),
+            '\n'.join(ranges),
+            '\n'.join(f'{value:g}' for value in robot.effort[k]),
+            '\n'.join(f'{value:g}' for value in robot.velocity[k]),
+            escape(robot.part_names.feet[k]),
+        )
+    return table

@@ -4,7 +4,6 @@ Meshes that descriptions name: where they are, and their corners.
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import DescriptionUnusable, MeshNotFound
+from quad_common.files.package_path import is_in_package, package_candidates
 
 Array = NDArray[np.float64]
-
-_SCHEMES = ('package://', 'model://')
 
 _FILE = 'file://'
 
@@ -52,19 +50,11 @@ def mesh_path(name: str, description: Path) -> Path:
 def _candidates(name: str, folder: Path) -> list[Path]:
     if name.startswith(_FILE):
         return [Path(name[len(_FILE) :])]
-    scheme = next((scheme for scheme in _SCHEMES if name.startswith(scheme)), None)
-    if scheme is None:
+    if not is_in_package(name):
         return [folder / name]
-    inside = name[len(scheme) :]
-    package, _, rest = inside.partition('/')
-    around = [folder, *folder.parents]
-    found = [above / rest for above in around if above.name == package]
-    found += [above / inside for above in around]
-    for variable, below in (('ROS_PACKAGE_PATH', ''), ('AMENT_PREFIX_PATH', 'share')):
-        for entry in filter(None, os.environ.get(variable, '').split(os.pathsep)):
-            found += [Path(entry) / below / inside, Path(entry) / rest]
     # Files of one folder are often handed on without their package.
-    return [*found, folder / rest, folder.parent / rest]
+    rest = name.partition('://')[2].partition('/')[2]
+    return [*package_candidates(name, folder), folder / rest, folder.parent / rest]
 
 
 def mesh_corners(mesh: Any, description: Path) -> Array:

@@ -28,7 +28,10 @@ from quad_common.errors import (
     UnknownKey,
 )
 from quad_common.files.bounded_file import is_file, user_path
+from quad_common.files.package_path import is_in_package, package_candidates
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
+from quad_common.importing.known_robots import known_names
+from quad_common.importing.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
 from quad_common.robot.leg_builds import (
     LegLengths,
     LegPlace,
@@ -80,26 +83,41 @@ def robot_file(robot: str | Path) -> Path:
     Parameters
     ----------
     robot : str or Path
-        Name of one that ships (``titan_viii``), or path of a YAML file.
+        Name of one that ships (``titan_viii``) or of one whose description is installed
+        (``a1``), path of a data file, ``package://PACKAGE/path`` of one, or a description (URDF,
+        xacro, MJCF), which is imported.
 
     Returns
     -------
     Path
-        The file.
+        The data file.
 
     Raises
     ------
     RobotModelError
         If there is no such robot.
+    DescriptionError
+        If it is to be imported and cannot be.
     """
     shipped = ROBOTS_FOLDER / f'{robot}.yaml'
     try:
-        path = shipped if is_file(shipped) else user_path(robot, _WHAT)
+        path = shipped if is_file(shipped) else _path_of(robot)
     except FileUnusable as error:
         raise error.of_kind(RobotFileUnusable) from error
-    if not is_file(path):
-        raise RobotUnknown(str(robot), available_robots())
-    return path
+    if is_file(path):
+        return imported_file(path) if path.suffix in DESCRIPTIONS else path
+    known = known_robot_file(str(robot))
+    if known is None:
+        raise RobotUnknown(str(robot), (*available_robots(), *known_names()))
+    return known
+
+
+def _path_of(robot: str | Path) -> Path:
+    """Return the path that a robot is given by; of a package's file, where it is found."""
+    if not is_in_package(str(robot)):
+        return user_path(robot, _WHAT)
+    candidates = package_candidates(str(robot))
+    return next((path for path in candidates if is_file(path)), Path(robot))
 
 
 def load_robot(robot: str | Path) -> Robot:
@@ -109,7 +127,7 @@ def load_robot(robot: str | Path) -> Robot:
     Parameters
     ----------
     robot : str or Path
-        Name (``titan_viii``) or path of a YAML file.
+        As for :func:`robot_file`.
 
     Returns
     -------

@@ -1,0 +1,91 @@
+"""
+Data files of robots that are asked for by name or by description, imported once and kept.
+
+They are kept in the user's folder for caches, by the description's content: one that changes is
+imported again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from quad_common.errors import DescriptionUnusable, FileUnusable
+from quad_common.files.bounded_file import make_folder, read_bytes, user_path
+from quad_common.importing.known_robots import KNOWN_ROBOTS
+from quad_common.importing.options import ImportOptions
+
+DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
+"""Suffixes of files that are imported where a robot is asked for."""
+
+_FORMAT = 1
+"""Number of the format of kept files: raised when an import finds more than it did."""
+
+_LARGEST = 2**24
+"""Bytes of the largest description that is read."""
+
+
+def cache_folder() -> Path:
+    """Return the folder in which imported robots are kept."""
+    home = os.environ.get('XDG_CACHE_HOME') or '~/.cache'
+    return user_path(home) / 'quadwalk' / 'robots'
+
+
+def known_robot_file(name: str) -> Path | None:
+    """Return the data file of a known robot, imported if need be; None if it is not known here."""
+    known = KNOWN_ROBOTS.get(name)
+    path = known.path if known is not None else None
+    if known is None or path is None:
+        return None
+    return imported_file(path, replace(known.options, name=name))
+
+
+def imported_file(description: Path, options: ImportOptions | None = None) -> Path:
+    """
+    Return the data file of the robot that a description describes.
+
+    Parameters
+    ----------
+    description : Path
+        URDF, xacro or MJCF file.
+    options : ImportOptions, optional
+        What it leaves open.
+
+    Returns
+    -------
+    Path
+        Kept since the last time, or written now.
+
+    Raises
+    ------
+    DescriptionError
+        If it cannot be imported.
+    FileUnusable
+        If nothing can be written in the folder for caches.
+    """
+    options = ImportOptions() if options is None else options
+    try:
+        content = read_bytes(description, "robot's description", _LARGEST)
+    except FileUnusable as error:
+        raise DescriptionUnusable(error.path, f"the robot's description {error.reason}") from error
+    asked = f'{_FORMAT} {description.resolve()} {options}'.encode()
+    key = hashlib.sha256(content + asked).hexdigest()[:12]
+    name = options.name or description.name.partition('.')[0]
+    path = cache_folder() / f'{name}-{key}.yaml'
+    if path.is_file() and path.with_suffix('.urdf').is_file():
+        return path
+    # Reading descriptions needs packages that are slow to import, and may not be there.
+    from quad_common.importing.robot_document import write_robot
+    from quad_common.importing.robot_import import import_robot
+
+    robot = import_robot(description, options)
+    make_folder(path.parent)
+    # Several nodes may begin at once: each writes files of its own, and the last one stays.
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        data_file, urdf = write_robot(robot, Path(folder) / path.name)
+        urdf.replace(path.with_suffix('.urdf'))
+        data_file.replace(path)
+    return path
