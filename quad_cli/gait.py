@@ -18,7 +18,12 @@ from quad_cli.arguments import output_argument, quantity_argument
 from quad_common.files.bounded_file import check_target
 from quad_common.quantity import Quantity
 from quad_common.robot_files.robot_file import load_robot
-from quad_common.robot_files.walking_time import WalkingTimeModel, load_paces, paces_file, save_paces
+from quad_common.robot_files.walking_time import (
+    WalkingTimeModel,
+    load_paces,
+    paces_file,
+    save_paces,
+)
 from quad_gait.cycle.gait import available_gaits, load_gait, turning_gait_for
 from quad_gait.cycle.gait_check import check_gait
 from quad_gait.cycle.motion_limits import MotionLimits

@@ -85,7 +85,9 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(arguments.json)
     robot = load_robot(arguments.robot)
     if arguments.action == 'urdf':
-        print(json.dumps({'urdf': published_urdf(robot)}) if arguments.json else published_urdf(robot))
+        print(
+            json.dumps({'urdf': published_urdf(robot)}) if arguments.json else published_urdf(robot)
+        )
         return 0
     return _check(robot, arguments.json)
 
@@ -151,7 +153,10 @@ def _import(arguments: argparse.Namespace) -> int:
         return 0
     console = Console()
     console.print(_legs_table(robot))
-    for heading, sentences in (('found', imported.notes.found), ('assumed', imported.notes.assumed)):
+    for heading, sentences in (
+        ('found', imported.notes.found),
+        ('assumed', imported.notes.assumed),
+    ):
         for sentence in sentences:
             console.print(f'{heading}: {escape(sentence)}', highlight=False)
     console.print(

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from quad_common.planar_pose import Twist2D as Twist2D
     from quad_common.resources import sample_map as sample_map
     from quad_common.robot.robot import Robot as Robot
+    from quad_common.robot.urdf import urdf_from_robot as urdf_from_robot
     from quad_common.robot_files.robot_file import available_robots as available_robots
     from quad_common.robot_files.robot_file import load_robot as load_robot
-    from quad_common.robot.urdf import urdf_from_robot as urdf_from_robot
     from quad_common.robot_files.walking_time import WalkingTimeModel as WalkingTimeModel
     from quad_common.robot_files.walking_time import load_pace as load_pace
     from quad_common.trajectory.joint_trajectory import JointTrajectory as JointTrajectory

@@ -66,7 +66,9 @@ def read_description(path: str | Path) -> Any:
 
         return robot_from_mjcf(path)
     if root.tag != 'robot':
-        raise DescriptionUnusable(path, f'is neither URDF, xacro nor MJCF: it begins with {root.tag}')
+        raise DescriptionUnusable(
+            path, f'is neither URDF, xacro nor MJCF: it begins with {root.tag}'
+        )
     if path.suffix == '.xacro' or 'http://www.ros.org/wiki/xacro' in root.nsmap.values():
         root = _parsed(_expanded(path), path)
     return _robot_from_urdf(root, path)

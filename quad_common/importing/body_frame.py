@@ -27,8 +27,9 @@ _FRONT = re.compile(r'(^|[^a-z])f[lr]?([^a-z]|$)|front|fore|(^|[^a-z])[lr]f([^a-
 _HIND = re.compile(r'(^|[^a-z])[rhb][lr]([^a-z]|$)|rear|hind|back|(^|[^a-z])[lr][hb]([^a-z]|$)')
 
 
-def body_frame(path: object, legs: list[LegChain], axes: LegAxes, feet: Array, forward: str,
-               notes: Notes) -> tuple[Array, str]:
+def body_frame(
+    path: object, legs: list[LegChain], axes: LegAxes, feet: Array, forward: str, notes: Notes
+) -> tuple[Array, str]:
     """
     Find base_link's frame: x forward, y left, z up, in the middle of the hips.
 
@@ -71,14 +72,18 @@ def body_frame(path: object, legs: list[LegChain], axes: LegAxes, feet: Array, f
     pose[:3, :3] = rotation
     pose[:3, 3] = -rotation @ hips.mean(axis=0)
     if not is_upright and abs(float(first @ ahead)) < _LEVEL:
-        problem = 'turns about an axis across the body first; of level axes only one along it can be used'
+        problem = (
+            'turns about an axis across the body first; of level axes only one along it can be used'
+        )
         raise LegNotFeasible(path, legs[0].joints[0].name, problem)  # type: ignore[arg-type]
     return pose, 'yaw_pitch_pitch' if is_upright else 'roll_pitch_pitch'
 
 
 def corners(hips: Array, path: object) -> list[int]:
     """Return the indices of the legs in the order of ``LEGS``, of hips (4, 3) in base_link [m]."""
-    order = {('l' if y > 0.0 else 'r') + ('f' if x > 0.0 else 'h'): k for k, (x, y, _) in enumerate(hips)}
+    order = {
+        ('l' if y > 0.0 else 'r') + ('f' if x > 0.0 else 'h'): k for k, (x, y, _) in enumerate(hips)
+    }
     if set(order) != set(LEGS):
         raise LegNotFeasible(path, 'placement', 'is not one at each corner of the body')  # type: ignore[arg-type]
     return [order[leg] for leg in LEGS]

@@ -80,7 +80,9 @@ def _ends(tree: KinematicTree) -> list[str]:
         link
         for link, joint in tree.parents.items()
         if joint.moves
-        and not any(after.moves for member in tree.rigid_group(link) for after in tree.children[member])
+        and not any(
+            after.moves for member in tree.rigid_group(link) for after in tree.children[member]
+        )
     ]
 
 
@@ -102,7 +104,9 @@ def _what_moves(chains: list[list[TreeJoint]], apart: list[list[TreeJoint]]) -> 
     shared = len(chains) - len(apart)
     if shared:
         parts.append(f'{_word(shared)} that share joints')
-    if lengths.get(4, 0) == len(LEGS) and all(c[-1].kind == 'continuous' for c in apart if len(c) == 4):
+    if lengths.get(4, 0) == len(LEGS) and all(
+        c[-1].kind == 'continuous' for c in apart if len(c) == 4
+    ):
         parts.append('the last joints turn without end, as wheels do')
     return ', '.join(parts)
 

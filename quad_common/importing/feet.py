@@ -96,7 +96,9 @@ def _end_of_links(
     if length < 1e-3:
         raise LegNotFeasible(tree.path, links[0], 'has no shape and no link at its end: no foot')
     radius = _THIN * length
-    notes.assume(f'calves have no shapes: the feet are where {links[last]} is, {1e3 * radius:.0f} mm thick')
+    notes.assume(
+        f'calves have no shapes: the feet are where {links[last]} is, {1e3 * radius:.0f} mm thick'
+    )
     return Foot(places[last], radius, links[last])
 
 

@@ -58,10 +58,14 @@ def leg_axes(tree: KinematicTree, legs: list[LegChain]) -> LegAxes:
         names = [joint.name for joint in leg.joints]
         if abs(pitch @ knee) < 1.0 - _PARALLEL:
             angle = np.degrees(np.arccos(min(1.0, abs(float(pitch @ knee)))))
-            problem = f'bends about two axes that are {angle:.1f} degrees apart ({names[1]}, {names[2]})'
+            problem = (
+                f'bends about two axes that are {angle:.1f} degrees apart ({names[1]}, {names[2]})'
+            )
             raise LegNotFeasible(tree.path, names[0], problem)
         if abs(first @ pitch) > _SQUARE:
             angle = np.degrees(np.arccos(min(1.0, abs(float(first @ pitch)))))
-            problem = f'has its first axis at {angle:.1f} degrees to the second ({names[0]}, {names[1]})'
+            problem = (
+                f'has its first axis at {angle:.1f} degrees to the second ({names[0]}, {names[1]})'
+            )
             raise LegNotFeasible(tree.path, names[0], problem)
     return found

@@ -55,9 +55,11 @@ def own_urdf(robot: ImportedRobot) -> str:
         for j, (joint, part) in enumerate(zip(chain.joints, parts)):
             frame = robot.tree.pose(joint.child)
             has_foot = j == 2 and foot.link != part.link
-            links += _calf_and_foot(robot, part, foot.link) if has_foot else [
-                _link(robot, part.link, part.links, frame, part.mass)
-            ]
+            links += (
+                _calf_and_foot(robot, part, foot.link)
+                if has_foot
+                else [_link(robot, part.link, part.links, frame, part.mass)]
+            )
             joints.append(
                 model.Joint(
                     name=joint.name,
@@ -79,7 +81,10 @@ def own_urdf(robot: ImportedRobot) -> str:
             origin = np.linalg.inv(parent_frame) @ robot.tree.pose(foot.link)
             joints.append(
                 model.Joint(
-                    name=f'{foot.link}_fixed', type='fixed', parent=parent, child=foot.link,
+                    name=f'{foot.link}_fixed',
+                    type='fixed',
+                    parent=parent,
+                    child=foot.link,
                     origin=origin,
                 )
             )
@@ -137,9 +142,7 @@ def _difference(whole: Mass, part: Mass) -> Mass:
     return left if left.is_possible else Mass(amount, center, whole.inertia * amount / whole.amount)
 
 
-def _link(
-    robot: ImportedRobot, name: str, links: Iterable[str], frame: Array, mass: Mass
-) -> Any:
+def _link(robot: ImportedRobot, name: str, links: Iterable[str], frame: Array, mass: Mass) -> Any:
     """Make one link of several, in a frame that the root's frame places."""
     model, tree = yourdfpy.urdf, robot.tree
     into = np.linalg.inv(frame)

@@ -26,8 +26,20 @@ _STATIC_PERIOD = 7.4
 _TROT_PERIOD = 0.65
 """Period of the trot over the root of the hips' height: 0.35 s at A1's [s / m^0.5]."""
 
-_SWING_HEIGHT = {'crawl': 0.15, 'turn': 0.15, 'crab': 0.15, 'wave': 0.15, 'trot': 0.12}
-"""Heights to which feet are lifted, as fractions of the hips' height."""
+_LIFT = 0.15
+"""Height to which static gaits lift feet, as a fraction of the hips' height."""
+
+_TROT_LIFT = (0.05, 0.12)
+"""Least and largest height to which the trot lifts them."""
+
+_SWING_FRACTION = 0.46
+"""Part of a trot's period in which a foot is in the air."""
+
+_OF_SPEED_TO_LIFT, _OF_SPEED_AT_MOST = 0.35, 0.5
+"""Parts of a knee's speed that a trot in place may take: wanted, and with a longer period."""
+
+_LONGEST = 2.0
+"""Largest period of a trot over that of quick knees: with a longer one bodies fall too far."""
 
 _PLACES = 9
 """Decimal places that are written."""
@@ -61,7 +73,7 @@ def write_robot(robot: ImportedRobot, path: Path) -> tuple[Path, Path]:
     write_text(urdf, text, 'URDF')
     header = (
         f'# Imported by "quadwalk robot import" from {robot.tree.path.name}. Legs are given each\n'
-        '# for itself, in the terms of docs/robots.md; angles are those of the robot\'s own joints.\n'
+        "# for itself, in the terms of docs/robots.md; angles are those of the robot's own joints.\n"
     )
     body = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100)
     write_text(path, header + body, 'robot data file')
@@ -101,12 +113,12 @@ def robot_document(robot: ImportedRobot, urdf: str) -> dict[str, Any]:
             'center_forward': _number(forward, shapes),
             'center_left': _number(left, shapes),
             'center_height': _number(up, shapes),
-            'mass': _number(robot.masses.body, f'{stated}: {robot.parts.body.link} and what is fixed to it'),
+            'mass': _number(
+                robot.masses.body, f'{stated}: {robot.parts.body.link} and what is fixed to it'
+            ),
             'center_of_mass': _number(robot.masses.body_center, stated),
         },
-        'leg': {
-            f'{kind}_radius': _number(radius, shapes) for kind, radius in radii.items()
-        },
+        'leg': {f'{kind}_radius': _number(radius, shapes) for kind, radius in radii.items()},
         'legs': {name: _leg(robot, k, stated) for k, name in enumerate(LEGS)},
         'gait': {
             'roughness': _number(
@@ -146,20 +158,47 @@ def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
 
 
 def _gaits(robot: ImportedRobot) -> dict[str, Any]:
-    root = math.sqrt(robot.hip_height)
-    gaits = {}
-    for name, lifted in _SWING_HEIGHT.items():
-        factor = _TROT_PERIOD if name == 'trot' else _STATIC_PERIOD
-        gaits[name] = {
-            'cycle_period': _number(factor * root, 'chosen: with the root of the height of the hips'),
-            'swing_height': _number(
-                lifted * robot.hip_height, 'chosen: a fraction of the height of the hips'
-            ),
-        }
+    static = {
+        'cycle_period': _number(
+            _STATIC_PERIOD * math.sqrt(robot.hip_height), 'chosen: grows as the root of the height'
+        ),
+        'swing_height': _number(_LIFT * robot.hip_height, 'chosen: 15 % of the height of the hips'),
+    }
+    gaits = {name: dict(static) for name in ('crawl', 'turn', 'crab', 'wave')}
+    gaits['trot'] = _trot(robot)
     return gaits
+
+
+def _trot(robot: ImportedRobot) -> dict[str, Any]:
+    """
+    Choose period and lift of a trot: as quick as the height asks for, if the knees are.
+
+    A foot that is lifted by h in a swing of the duration t, along half a sine, is as fast as
+    pi h / t; the knee of a leg of two equal links l, bent by k, gives it l sin(k / 2) per rad/s.
+    """
+    period, (least, lift) = _TROT_PERIOD * math.sqrt(robot.hip_height), _TROT_LIFT
+    bends = [float(leg.leg.bends(angles)) for leg, angles in zip(robot.legs, robot.initial)]
+    lever = 0.5 * robot.leg_length * math.sin(0.5 * float(np.mean(bends)))
+    speed = float(robot.velocity[:, 2].min())
+
+    def needed(lift: float, period: float) -> float:
+        """Return the part of the knee's speed that marching in place takes."""
+        return math.pi * lift * robot.hip_height / (_SWING_FRACTION * period) / lever / speed
+
+    lift = max(least, lift * min(1.0, _OF_SPEED_TO_LIFT / needed(lift, period)))
+    period *= min(_LONGEST, max(1.0, needed(lift, period) / _OF_SPEED_AT_MOST))
+    return {
+        'cycle_period': _number(period, 'chosen: grows as the root of the height, for quick knees'),
+        'swing_height': _number(
+            lift * robot.hip_height, 'chosen: so that the knees are fast enough'
+        ),
+    }
 
 
 def _number(value: ArrayLike, source: str) -> dict[str, Any]:
     rounded: Any = np.round(np.asarray(value), _PLACES)
     # No minus before a zero.
-    return {'value': (rounded + 0).tolist() if rounded.dtype.kind == 'i' else (rounded + 0.0).tolist(), 'source': source}
+    return {
+        'value': (rounded + 0).tolist() if rounded.dtype.kind == 'i' else (rounded + 0.0).tolist(),
+        'source': source,
+    }

@@ -129,6 +129,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     parts = find_parts(tree, chains, notes)
     geometries = [ranged.leg for ranged in legs]
     foot_radius = float(np.mean([foot.radius for foot in feet]))
+    sizes = _sizes(tree, chains, parts, at_zero, feet, to_base, notes)
     return ImportedRobot(
         name=options.name or _name(path, robot.name),
         leg_type=leg_type,
@@ -139,10 +140,10 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         feet=tuple(feet),
         parts=parts,
         masses=exact_masses(parts, geometries, to_base),
-        sizes=_sizes(tree, chains, parts, at_zero, feet, to_base, notes),
+        sizes=sizes,
         velocity=_figures(tree, chains, 'speed', options.speed),
         effort=_figures(tree, chains, 'effort', options.effort),
-        initial=stance(legs, path),
+        initial=stance(legs, sizes, foot_radius, path),
         foot_radius=foot_radius,
         notes=notes,
     )
@@ -159,9 +160,7 @@ def _moved(pose: Array, points: Array) -> Array:
     return moved
 
 
-def _at_zero(
-    axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array
-) -> list[LegAtZero]:
+def _at_zero(axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array) -> list[LegAtZero]:
     hips, points = _moved(to_base, axes.hips), _moved(to_base, axes.points)
     directions = axes.directions @ to_base[:3, :3].T
     return [
@@ -189,15 +188,11 @@ def _sizes(
     size, center = body_box(tree, list(parts.body.links), to_base, hips, notes)
     back = np.linalg.inv(to_base)
     ends = np.array(
-        [
-            [_moved(back, np.array(pair)) for pair in _middle_lines(leg)]
-            for leg in at_zero
-        ]
+        [[_moved(back, np.array(pair)) for pair in _middle_lines(leg)] for leg in at_zero]
     )
-    foot_links = [
-        foot.link for foot, chain in zip(feet, chains) if foot.link != chain.links[-1]
-    ]
-    return Sizes(size, center, link_radii(tree, chains, ends, foot_links, notes))
+    across = np.array([leg.axes[1] for leg in at_zero]) @ to_base[:3, :3]
+    foot_links = [foot.link for foot, chain in zip(feet, chains) if foot.link != chain.links[-1]]
+    return Sizes(size, center, link_radii(tree, chains, ends, across, foot_links, notes))
 
 
 def _middle_lines(leg: LegAtZero) -> list[tuple[Array, Array]]:
@@ -218,10 +213,7 @@ def _figures(
     field, unit = ('velocity', 'rad/s') if figure == 'speed' else ('effort', 'N m')
     stated = [[getattr(joint, field) for joint in chain.joints] for chain in chains]
     missing = [
-        joint.name
-        for chain in chains
-        for joint in chain.joints
-        if getattr(joint, field) is None
+        joint.name for chain in chains for joint in chain.joints if getattr(joint, field) is None
     ]
     if missing:
         raise JointFiguresMissing(tree.path, figure, unit, tuple(missing))

@@ -22,6 +22,10 @@ _SLIM = 0.06
 _THICKEST = 0.35
 """Largest radius of a link, as a fraction of the leg's length: covers reach far along a leg."""
 
+_DEPTH = 0.6
+"""Part of its extent in the leg's plane that a thigh's or calf's radius holds at least: legs pass
+the body and each other sideways, and are flatter that way than they are deep."""
+
 _QUANTILE = 0.9
 """Part of a link's points that its thickness holds: bolts and edges stand out."""
 
@@ -79,6 +83,7 @@ def link_radii(
     tree: KinematicTree,
     legs: list[LegChain],
     ends: Array,
+    across: Array,
     foot_links: list[str],
     notes: Notes,
 ) -> dict[str, float]:
@@ -93,6 +98,8 @@ def link_radii(
         The four legs.
     ends : ndarray, shape (4, 3, 2, 3)
         Both ends of each link's middle line at the zero of all joints, in the root's frame [m].
+    across : ndarray, shape (4, 3)
+        Unit vectors along the pitch axes, in the root's frame.
     foot_links : list of str
         Links of the feet, which are not the calves'.
     notes : Notes
@@ -105,8 +112,12 @@ def link_radii(
         for leg, chain in enumerate(legs):
             links = [n for n in tree.rigid_group(chain.links[part]) if n not in foot_links]
             for shape in points_of(tree, links):
-                away = _distances(shape.places, *ends[leg, part])
-                found.append(float(np.quantile(away, _QUANTILE)) + shape.radius)
+                start, end = ends[leg, part]
+                away = float(np.quantile(_distances(shape.places, start, end), _QUANTILE))
+                if part > 0:
+                    aside = np.abs((shape.places - start) @ across[leg])
+                    away = max(_DEPTH * away, float(np.quantile(aside, _QUANTILE)))
+                found.append(away + shape.radius)
         if found:
             radius = min(float(np.median(found)), _THICKEST * length)
         else:

@@ -6,13 +6,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError, LegNotFeasible
 from quad_common.importing.ranges import RangedLeg
+from quad_common.importing.sizes import Sizes
 from quad_common.robot.leg_kinematics import Leg, stack_legs
+from quad_common.robot.robot_shape import RobotShape
 
 Array = NDArray[np.float64]
 
@@ -26,21 +29,33 @@ _OTHERS = (0.76, 0.68, 0.80, 0.64, 0.60, 0.84, 0.56, 0.52, 0.88, 0.48)
 _SPARE = 0.1
 """Angle that joints keep from their limits in the stance [rad]."""
 
+_SPREADS = (0.0, 0.04, 0.08, 0.12)
+"""Distances by which feet stand farther out than hips, as fractions of the leg's length."""
+
+_ROOM = 0.035
+"""Distance between parts that is enough in the stance, as a fraction of the leg's length: in the
+crawl the body sways over its feet."""
+
 _SPRAWL = (0.0, -0.3, 0.3, -0.6)
 """Pitches of sprawling thighs that are tried, from level; positive is downward [rad]."""
 
 
-def stance(legs: list[RangedLeg], path: object) -> Array:
+def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) -> Array:
     """
     Find the initial posture.
 
-    Legs under the body stand upright with their feet under the pitch axes; sprawling legs have
-    their thighs level and their calves upright. All feet are at one height.
+    Legs under the body stand with their feet under the pitch axes, and farther out where that
+    keeps them off the body; sprawling legs have their thighs level and their calves upright. All
+    feet are at one height.
 
     Parameters
     ----------
     legs : list of RangedLeg
         The four legs.
+    sizes : Sizes
+        Sizes of the parts.
+    foot_radius : float
+        Radius of the feet [m].
     path : Path
         The description, for the sentence of the error.
 
@@ -57,39 +72,65 @@ def stance(legs: list[RangedLeg], path: object) -> Array:
     stacked = stack_legs([ranged.leg for ranged in legs])
     lower = np.array([ranged.lower for ranged in legs])
     upper = np.array([ranged.upper for ranged in legs])
+    size = sizes.body_size.tolist()
+    center = sizes.body_center.tolist()
+    radii = {**sizes.radii, 'foot': foot_radius}
+    shape = RobotShape(stacked, tuple(center), tuple(size), radii)
+    length = float(np.mean(stacked.reach()[1]))
     worst, least = 0, math.inf
-    for feet in _candidates([ranged.leg for ranged in legs]):
-        try:
-            angles = stacked.inverse(feet)
-        except GaitError:
-            continue
-        spare = np.minimum(angles - lower, upper - angles)
-        if float(spare.min()) >= _SPARE:
-            return angles
-        if -float(spare.min()) < least:
-            least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
+    for candidates in _candidates([ranged.leg for ranged in legs]):
+        first, best, most = None, None, -math.inf
+        for feet in candidates:
+            try:
+                angles = stacked.inverse(feet)
+            except GaitError:
+                continue
+            spare = np.minimum(angles - lower, upper - angles)
+            if float(spare.min()) < _SPARE:
+                if -float(spare.min()) < least:
+                    least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
+                continue
+            first = angles if first is None else first
+            room = _room(shape, angles)
+            if room >= _ROOM * length:
+                return angles
+            if room > most:
+                best, most = angles, room
+        if first is not None:
+            # A box that the thighs are in says nothing of where to stand.
+            return best if best is not None and most > 0.0 else first
     problem = 'finds no posture to stand in: the ranges of its joints hold none with level feet'
-    raise LegNotFeasible(path, str(legs[worst].leg.name), problem)  # type: ignore[arg-type]
+    raise LegNotFeasible(path, str(legs[worst].leg.name), problem)
 
 
-def _candidates(legs: list[Leg]) -> Iterator[Array]:
-    """Yield places of the four feet in base_link, each of shape (4, 3) [m]."""
+def _room(shape: RobotShape, angles: Array) -> float:
+    """Return the least distance between the body and thighs or calves [m]."""
+    segments = shape.segments(shape.legs.chain(angles))
+    with_body = [group for group in shape.groups if group.with_body]
+    return min(float(shape.group_clearances(group, segments).min()) for group in with_body)
+
+
+def _candidates(legs: list[Leg]) -> Iterator[list[Array]]:
+    """Yield places of the four feet in base_link, (4, 3) [m]: by height, then by spread."""
     if abs(float(legs[0].first_axis[2])) > 0.7:
         for pitch in _SPRAWL:
-            yield _level([_sprawled(leg, pitch) for leg in legs])
+            yield [_level([_sprawled(leg, pitch) for leg in legs])]
         return
     for fraction in (_HEIGHT, *_OTHERS):
-        yield _level([_upright(leg, fraction) for leg in legs])
+        yield [_level([_upright(leg, fraction, spread) for leg in legs]) for spread in _SPREADS]
 
 
-def _upright(leg: Leg, fraction: float) -> Array:
-    """Place a foot under a leg's pitch axis, the leg's plane upright."""
-    down = float(leg.radial_offset) + fraction * float(leg.thigh_length + leg.calf_length)
+def _upright(leg: Leg, fraction: float, spread: float) -> Array:
+    """Place a foot under a leg's pitch axis, or as far away but farther out."""
+    length = float(leg.thigh_length + leg.calf_length)
+    down = float(leg.radial_offset) + math.sqrt(fraction**2 - spread**2) * length
+    side = math.copysign(1.0, float(leg.hip[1]))
     foot: Array = (
         leg.hip
         + leg.first_axis * float(leg.axial_offset)
         + leg.lateral_direction * float(leg.lateral_offset)
         + leg.radial_direction * down
+        + np.array([0.0, side * spread * length, 0.0])
     )
     return foot
 

@@ -86,7 +86,9 @@ class ExactMasses:
         lateral = np.reshape(legs.lateral_offset, (-1, 1))
         squared = np.sum(across * across, axis=-1, keepdims=True)
         along = np.sqrt(np.maximum(squared - lateral * lateral, 0.0))
-        rho: Array = along * across - lateral * np.cross(np.broadcast_to(zeta, across.shape), across)
+        rho: Array = along * across - lateral * np.cross(
+            np.broadcast_to(zeta, across.shape), across
+        )
         return rho / np.maximum(squared, 1e-18)
 
     def _moments(self, part: int, start: Array, axes: tuple[Array, ...]) -> Array:

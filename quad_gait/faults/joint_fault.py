@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_common.robot.robot_build import LEGS
-from quad_common.robot.robot_build import JOINTS_PER_LEG
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 
 
 @dataclass(frozen=True)

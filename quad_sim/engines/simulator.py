@@ -153,6 +153,7 @@ def falls_of(robot: Robot) -> frozenset[Contact]:
     """Return the contacts of a robot that has fallen."""
     return frozenset(Contact(link, 'ground') for link in robot.part_names.falls)
 
+
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""
 

@@ -10,8 +10,8 @@ from pybullet_utils.bullet_client import BulletClient
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import FollowerOptions

@@ -22,10 +22,10 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
-from quad_common.robot import robot_numbers, walking_time
 from quad_common.robot.robot_figures import derived_figures
-from quad_common.robot_files.robot_file import ROBOTS_FOLDER, load_robot
 from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files import robot_numbers, walking_time
+from quad_common.robot_files.robot_file import ROBOTS_FOLDER, load_robot
 from quad_common.vision import camera
 from quad_common.vision.camera_file import load_camera, save_camera
 from quad_gait.cycle import gait_document

@@ -8,8 +8,8 @@ import pytest
 
 from quad_common.robot.own_parts import LEAST_CLEARANCE
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot.robot_shape import BODY, LINKS
+from quad_common.robot_files.robot_file import available_robots, load_robot
 
 ROBOTS = {name: load_robot(name) for name in available_robots()}
 

@@ -19,8 +19,8 @@ from quad_common.errors import (
     SingularPosture,
 )
 from quad_common.robot.robot_build import LEGS, GaitSettings
-from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 
 DATA = Path(quad_common.__file__).parent / 'robots' / 'titan_viii.yaml'
 DOCUMENT = yaml.safe_load(DATA.read_text(encoding='utf-8'))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from quad_common.robot.robot_build import LEGS
-from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import load_robot
 
 
 class Model:
