@@ -82,7 +82,8 @@ def mesh_corners(mesh: Any, description: Path) -> Array:
 
     path = mesh_path(mesh.filename, description)
     try:
-        corners = np.asarray(trimesh.load(path, force='mesh', process=False).vertices, dtype=float)
+        mesh_read: Any = trimesh.load(path, force='mesh', process=False)
+        corners: Array = np.array(mesh_read.vertices, dtype=np.float64)
     # Readers of a dozen formats raise what they like.
     except Exception as error:
         reason = f'the mesh {path} cannot be read: {type(error).__name__}: {error}'

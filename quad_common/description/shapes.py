@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.description.meshes import mesh_corners
-from quad_common.description.tree import KinematicTree, pose_of
+from quad_common.description.poses import moved, pose_of
+from quad_common.description.tree import KinematicTree
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ def points_of(tree: KinematicTree, links: Iterable[str]) -> Iterator[Points]:
             for link, shape in shapes:
                 pose = tree.pose(link) @ pose_of(shape.origin)
                 kind, places, radius = _sampled(shape.geometry, tree.path)
-                yield Points(kind, link, places @ pose[:3, :3].T + pose[:3, 3], radius)
+                yield Points(kind, link, moved(pose, places), radius)
             return
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from quad_common.description.mass import Mass, no_mass
+from quad_common.description.poses import pose_of
 from quad_common.errors import DescriptionEntryInvalid, DescriptionUnusable
 
 Array = NDArray[np.float64]
@@ -235,11 +236,6 @@ class KinematicTree:
 
     def _invalid(self, kind: str, name: str, problem: str) -> DescriptionEntryInvalid:
         return DescriptionEntryInvalid(self.path, f"{kind} '{name}'", problem)
-
-
-def pose_of(origin: Any) -> Array:
-    """Return an origin of a description as a matrix, shape (4, 4); it may be left out."""
-    return np.eye(4) if origin is None else np.array(origin, dtype=float)
 
 
 def _stated(figure: float | None) -> float | None:

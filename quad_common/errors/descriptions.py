@@ -69,7 +69,7 @@ class NotAQuadruped(DescriptionError):
 
     def sentence(self) -> str:
         """Say what was found instead."""
-        return f'{self.path}: a robot with four legs of three joints each is needed; found {self.found}'
+        return f'{self.path}: four legs of three joints each are needed; found {self.found}'
 
 
 @dataclass(eq=False, repr=False)

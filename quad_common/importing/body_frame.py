@@ -5,6 +5,7 @@ Which directions are up and forward for a robot, and where its middle is.
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ _HIND = re.compile(r'(^|[^a-z])[rhb][lr]([^a-z]|$)|rear|hind|back|(^|[^a-z])[lr]
 
 
 def body_frame(
-    path: object, legs: list[LegChain], axes: LegAxes, feet: Array, forward: str, notes: Notes
+    path: Path, legs: list[LegChain], axes: LegAxes, feet: Array, forward: str, notes: Notes
 ) -> tuple[Array, str]:
     """
     Find base_link's frame: x forward, y left, z up, in the middle of the hips.
@@ -75,17 +76,17 @@ def body_frame(
         problem = (
             'turns about an axis across the body first; of level axes only one along it can be used'
         )
-        raise LegNotFeasible(path, legs[0].joints[0].name, problem)  # type: ignore[arg-type]
+        raise LegNotFeasible(path, legs[0].joints[0].name, problem)
     return pose, 'yaw_pitch_pitch' if is_upright else 'roll_pitch_pitch'
 
 
-def corners(hips: Array, path: object) -> list[int]:
+def corners(hips: Array, path: Path) -> list[int]:
     """Return the indices of the legs in the order of ``LEGS``, of hips (4, 3) in base_link [m]."""
     order = {
         ('l' if y > 0.0 else 'r') + ('f' if x > 0.0 else 'h'): k for k, (x, y, _) in enumerate(hips)
     }
     if set(order) != set(LEGS):
-        raise LegNotFeasible(path, 'placement', 'is not one at each corner of the body')  # type: ignore[arg-type]
+        raise LegNotFeasible(path, 'placement', 'is not one at each corner of the body')
     return [order[leg] for leg in LEGS]
 
 
@@ -95,12 +96,12 @@ def _up(hips: Array, feet: Array, notes: Notes) -> Array:
     arms = feet - hips
     depth = float((arms @ up).mean())
     if abs(depth) > _CLEARLY * float(np.linalg.norm(arms, axis=1).mean()):
-        return -up * np.sign(depth)
+        return np.asarray(-up * np.sign(depth))
     main = int(np.argmax(np.abs(up)))
     notes.assume(
         f"up is the root link's +{'xyz'[main]}: the legs at 0 do not show it, they are folded"
     )
-    return up * np.sign(up[main])
+    return np.asarray(up * np.sign(up[main]))
 
 
 def _common(directions: Array) -> Array:

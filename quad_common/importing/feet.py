@@ -80,7 +80,7 @@ def find_foot(tree: KinematicTree, leg: LegChain, knee: Array, axis: Array, note
     radius = _THIN * length
     end = tip + outward * (length - float((tip - knee) @ outward))
     notes.assume(
-        f'no ball is at the ends of the legs: feet of {1e3 * radius:.0f} mm radius are assumed there'
+        f"no ball is at the legs' ends: feet of {1e3 * radius:.0f} mm radius are assumed there"
     )
     return Foot(end - radius * outward, radius, shape.link)
 

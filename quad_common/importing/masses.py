@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.description.mass import Mass, box_inertia, total
+from quad_common.description.poses import inverse, moved
 from quad_common.description.shapes import points_of
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import LegNotFeasible
@@ -89,7 +90,8 @@ def find_parts(tree: KinematicTree, legs: list[LegChain], notes: Notes) -> Parts
     if replaced:
         names = ', '.join(replaced[:4]) + (' ...' if len(replaced) > 4 else '')
         notes.assume(
-            f'inertias that no body can have are replaced by those of boxes around the shapes ({names})'
+            'inertias that no body can have are replaced by those of boxes around the shapes '
+            f'({names})'
         )
     return parts
 
@@ -113,8 +115,7 @@ def _replaced(tree: KinematicTree, link: str, mass: Mass) -> Mass:
         return mass
     pose = tree.pose(link)
     places = [
-        ((shape.places - pose[:3, 3]) @ pose[:3, :3], shape.radius)
-        for shape in points_of(tree, [link])
+        (moved(inverse(pose), shape.places), shape.radius) for shape in points_of(tree, [link])
     ]
     size = np.full(3, _SMALLEST)
     if places:
@@ -143,10 +144,10 @@ def exact_masses(parts: Parts, legs: list[Leg], to_base: Array) -> ExactMasses:
     for k, (leg, own) in enumerate(zip(legs, parts.legs)):
         starts, axes = _frames_at_zero(leg)
         for j, part in enumerate(own):
-            center = to_base[:3, :3] @ part.mass.center + to_base[:3, 3]
+            center = moved(to_base, part.mass.center)
             amounts[k, j] = part.mass.amount
             centers[k, j] = axes[j] @ (center - starts[j])
-    body = to_base[:3, :3] @ parts.body.mass.center + to_base[:3, 3]
+    body = moved(to_base, parts.body.mass.center)
     return ExactMasses(parts.body.mass.amount, body, amounts, centers)
 
 

@@ -13,12 +13,14 @@ from copy import deepcopy
 from typing import Any
 
 import numpy as np
+import yourdfpy
+from lxml import etree
 from numpy.typing import NDArray
 
 from quad_common.description.mass import Mass
 from quad_common.description.meshes import mesh_path
-from quad_common.description.reading import etree, yourdfpy
-from quad_common.description.tree import KinematicTree, pose_of
+from quad_common.description.poses import inverse, pose_of
+from quad_common.description.tree import KinematicTree
 from quad_common.errors import MeshNotFound
 from quad_common.importing.masses import Part
 from quad_common.importing.robot_import import ImportedRobot
@@ -46,7 +48,7 @@ def own_urdf(robot: ImportedRobot) -> str:
     """
     model = yourdfpy.urdf
     to_base = robot.to_base
-    base_from_root = np.linalg.inv(to_base)
+    base_from_root = inverse(to_base)
     body = robot.parts.body
     links = [_link(robot, body.link, body.links, base_from_root, body.mass)]
     joints = []
@@ -66,7 +68,7 @@ def own_urdf(robot: ImportedRobot) -> str:
                     type='revolute',
                     parent=parent,
                     child=part.link,
-                    origin=np.linalg.inv(parent_frame) @ frame,
+                    origin=inverse(parent_frame) @ frame,
                     axis=joint.axis,
                     limit=model.Limit(
                         effort=float(robot.effort[k, j]),
@@ -78,7 +80,7 @@ def own_urdf(robot: ImportedRobot) -> str:
             )
             parent, parent_frame = part.link, frame
         if foot.link != parent:
-            origin = np.linalg.inv(parent_frame) @ robot.tree.pose(foot.link)
+            origin = inverse(parent_frame) @ robot.tree.pose(foot.link)
             joints.append(
                 model.Joint(
                     name=f'{foot.link}_fixed',
@@ -145,7 +147,7 @@ def _difference(whole: Mass, part: Mass) -> Mass:
 def _link(robot: ImportedRobot, name: str, links: Iterable[str], frame: Array, mass: Mass) -> Any:
     """Make one link of several, in a frame that the root's frame places."""
     model, tree = yourdfpy.urdf, robot.tree
-    into = np.linalg.inv(frame)
+    into = inverse(frame)
     own = mass.moved(into)
     origin = np.eye(4)
     origin[:3, 3] = own.center

@@ -25,7 +25,7 @@ _BENT = 0.1
 """Angle from straight, and from folded, at which a knee at 0 shows its side [rad]."""
 
 _FREE_FIRST, _FREE_PITCH = 1.0, 2.0
-"""Half ranges of first joints and pitch joints without limits, about straight down, or out [rad]."""
+"""Half ranges of first and pitch joints without limits, about straight down, or out [rad]."""
 
 _FREE_KNEE = (0.05, 2.75)
 """Least and largest bend of knees without limits [rad]."""

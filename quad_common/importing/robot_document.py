@@ -72,8 +72,8 @@ def write_robot(robot: ImportedRobot, path: Path) -> tuple[Path, Path]:
     make_folder(path.parent)
     write_text(urdf, text, 'URDF')
     header = (
-        f'# Imported by "quadwalk robot import" from {robot.tree.path.name}. Legs are given each\n'
-        "# for itself, in the terms of docs/robots.md; angles are those of the robot's own joints.\n"
+        f'# Imported by "quadwalk robot import" from {robot.tree.path.name}. Legs are\n'
+        "# given each for itself, as docs/robots.md says; angles are those of the robot's joints.\n"
     )
     body = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100)
     write_text(path, header + body, 'robot data file')

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.description.poses import inverse, moved
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import JointFiguresMissing
@@ -22,7 +23,7 @@ from quad_common.importing.masses import Parts, exact_masses, find_parts
 from quad_common.importing.options import ImportOptions, Notes
 from quad_common.importing.ranges import RangedLeg, with_ranges
 from quad_common.importing.sizes import Sizes, body_box, link_radii
-from quad_common.importing.stance import stance
+from quad_common.importing.stance import over_feet, stance
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 
@@ -34,7 +35,7 @@ _NO_NAMES = ('robot', 'urdf', 'xacro', 'main', 'model', 'description', 'scene')
 
 @dataclass(frozen=True, eq=False)
 class ImportedRobot:
-    """What a description says of a robot, in the terms of quadwalk; legs in the order of ``LEGS``."""
+    """What a description says of a robot, in quadwalk's terms; legs in the order of ``LEGS``."""
 
     name: str
     """Name of the robot."""
@@ -118,7 +119,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     ]
     centers = np.array([foot.center for foot in feet])
     to_base, leg_type = body_frame(path, chains, axes, centers, options.forward, notes)
-    order = corners(_moved(to_base, axes.hips), path)
+    order = corners(moved(to_base, axes.hips), path)
     chains, feet = [chains[k] for k in order], [feet[k] for k in order]
     at_zero = _at_zero(axes, order, feet, to_base)
     is_upright = leg_type == 'yaw_pitch_pitch'
@@ -127,7 +128,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         for leg, chain in zip(at_zero, chains)
     ]
     parts = find_parts(tree, chains, notes)
-    geometries = [ranged.leg for ranged in legs]
+    masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))
     sizes = _sizes(tree, chains, parts, at_zero, feet, to_base, notes)
     return ImportedRobot(
@@ -139,11 +140,11 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         legs=tuple(legs),
         feet=tuple(feet),
         parts=parts,
-        masses=exact_masses(parts, geometries, to_base),
+        masses=masses,
         sizes=sizes,
         velocity=_figures(tree, chains, 'speed', options.speed),
         effort=_figures(tree, chains, 'effort', options.effort),
-        initial=stance(legs, sizes, foot_radius, path),
+        initial=over_feet(legs, masses, stance(legs, sizes, foot_radius, path)),
         foot_radius=foot_radius,
         notes=notes,
     )
@@ -155,13 +156,8 @@ def _name(path: Path, own: object) -> str:
     return str(own) if stem.lower() in _NO_NAMES and own else stem
 
 
-def _moved(pose: Array, points: Array) -> Array:
-    moved: Array = points @ pose[:3, :3].T + pose[:3, 3]
-    return moved
-
-
 def _at_zero(axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array) -> list[LegAtZero]:
-    hips, points = _moved(to_base, axes.hips), _moved(to_base, axes.points)
+    hips, points = moved(to_base, axes.hips), moved(to_base, axes.points)
     directions = axes.directions @ to_base[:3, :3].T
     return [
         LegAtZero(
@@ -169,7 +165,7 @@ def _at_zero(axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array) 
             hip=hips[k],
             axes=directions[k],
             points=points[k],
-            foot=_moved(to_base, foot.center),
+            foot=moved(to_base, foot.center),
         )
         for name, k, foot in zip(LEGS, order, feet)
     ]
@@ -186,9 +182,9 @@ def _sizes(
 ) -> Sizes:
     hips = np.array([leg.hip for leg in at_zero])
     size, center = body_box(tree, list(parts.body.links), to_base, hips, notes)
-    back = np.linalg.inv(to_base)
+    back = inverse(to_base)
     ends = np.array(
-        [[_moved(back, np.array(pair)) for pair in _middle_lines(leg)] for leg in at_zero]
+        [[moved(back, np.array(pair)) for pair in _middle_lines(leg)] for leg in at_zero]
     )
     across = np.array([leg.axes[1] for leg in at_zero]) @ to_base[:3, :3]
     foot_links = [foot.link for foot, chain in zip(feet, chains) if foot.link != chain.links[-1]]

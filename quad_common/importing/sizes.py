@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.description.poses import moved
 from quad_common.description.shapes import points_of
 from quad_common.description.tree import KinematicTree
 from quad_common.importing.chains import LegChain
@@ -68,7 +69,7 @@ def body_box(
     """
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for shape in points_of(tree, body):
-        places = shape.places @ to_base[:3, :3].T + to_base[:3, 3]
+        places = moved(to_base, shape.places)
         low = np.minimum(low, places.min(axis=0) - shape.radius)
         high = np.maximum(high, places.max(axis=0) + shape.radius)
     if not np.isfinite(low).all():

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from quad_common.errors import GaitError, LegNotFeasible
 from quad_common.importing.ranges import RangedLeg
 from quad_common.importing.sizes import Sizes
+from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.robot_shape import RobotShape
 
@@ -101,6 +102,38 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
             return best if best is not None and most > 0.0 else first
     problem = 'finds no posture to stand in: the ranges of its joints hold none with level feet'
     raise LegNotFeasible(path, str(legs[worst].leg.name), problem)
+
+
+def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Array:
+    """
+    Shift the feet so that they stand around the center of mass.
+
+    Parameters
+    ----------
+    legs : list of RangedLeg
+        The four legs.
+    masses : ExactMasses
+        Masses of the robot.
+    angles : ndarray, shape (4, 3)
+        Posture with the feet around the hips [rad].
+
+    Returns
+    -------
+    ndarray, shape (4, 3)
+        Joint angles [rad]; as given where legs do not reach that far.
+    """
+    stacked = stack_legs([ranged.leg for ranged in legs])
+    chain = stacked.chain(angles)
+    feet = chain[2]
+    shift = masses.center(stacked, chain) - feet.mean(axis=0)
+    try:
+        shifted = stacked.inverse(feet + np.array([shift[0], shift[1], 0.0]))
+    except GaitError:
+        return angles
+    lower = np.array([ranged.lower for ranged in legs])
+    upper = np.array([ranged.upper for ranged in legs])
+    spare = float(np.minimum(shifted - lower, upper - shifted).min())
+    return shifted if spare >= _SPARE / 2.0 else angles
 
 
 def _room(shape: RobotShape, angles: Array) -> float:

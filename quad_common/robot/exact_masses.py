@@ -60,17 +60,18 @@ class ExactMasses:
         pitch_axis, knee, foot = chain
         zeta = np.asarray(legs.first_axis)
         rho = self._radial(legs, knee - legs.hip)
-        nu = np.cross(np.broadcast_to(zeta, rho.shape), rho)
-        moment = self.body * self.body_center
-        axes = (rho, nu, np.broadcast_to(zeta, rho.shape))
-        moment = moment + self._moments(0, np.broadcast_to(legs.hip, rho.shape), axes)
+        upright: Array = np.broadcast_to(zeta, rho.shape)
+        nu: Array = np.cross(upright, rho)
+        axes: tuple[Array, ...] = (rho, nu, upright)
+        moment: Array = self._moments(0, np.broadcast_to(legs.hip, rho.shape), axes)
         for part, (start, end, length) in enumerate(
             ((pitch_axis, knee, legs.thigh_length), (knee, foot, legs.calf_length)), start=1
         ):
             along = (end - start) / np.reshape(length, (-1, 1))
-            axes = (along, nu, np.cross(along, nu))
+            third: Array = np.cross(along, nu)
+            axes = (along, nu, third)
             moment = moment + self._moments(part, start, axes)
-        center: Array = moment / self.total
+        center: Array = (moment + self.body * self.body_center) / self.total
         return center
 
     @staticmethod
@@ -86,10 +87,9 @@ class ExactMasses:
         lateral = np.reshape(legs.lateral_offset, (-1, 1))
         squared = np.sum(across * across, axis=-1, keepdims=True)
         along = np.sqrt(np.maximum(squared - lateral * lateral, 0.0))
-        rho: Array = along * across - lateral * np.cross(
-            np.broadcast_to(zeta, across.shape), across
-        )
-        return rho / np.maximum(squared, 1e-18)
+        beside: Array = np.cross(np.broadcast_to(zeta, across.shape), across)
+        rho: Array = (along * across - lateral * beside) / np.maximum(squared, 1e-18)
+        return rho
 
     def _moments(self, part: int, start: Array, axes: tuple[Array, ...]) -> Array:
         """Add mass times place of one part of all legs, (..., 3), that starts at (..., 4, 3)."""

@@ -66,15 +66,20 @@ class Robot(RobotBuild):
     def largest_stride(self) -> float:
         """S_max of S0 [m], from the legs' geometry."""
         if self.leg_type == 'roll_pitch_pitch':
-            return reach.largest_step(self.legs[0], self.neutral_feet[0], self.roughness)
+            return min(
+                reach.largest_step(leg, foot, self.roughness)
+                for leg, foot in zip(self.legs, self.neutral_feet)
+            )
         stretch = reach.largest_stretch(self.legs[0], self.hip_height, self.roughness)
         return reach.largest_stride(stretch, self.stance_reach)
 
     @cached_property
     def largest_turn(self) -> float:
         """phi_max of S0 [rad], from the legs' geometry."""
-        x, y, _ = self.neutral_feet[0]
-        distance = math.hypot(x, y) if self.leg_type == 'roll_pitch_pitch' else float(y)
+        if self.leg_type == 'roll_pitch_pitch':
+            distance = max(math.hypot(x, y) for x, y, _ in self.neutral_feet)
+        else:
+            distance = float(self.neutral_feet[0, 1])
         return reach.largest_turn(self.largest_stride, distance)
 
     @cached_property
@@ -82,7 +87,10 @@ class Robot(RobotBuild):
         """Highest step that the robot climbs [m], from the legs' geometry."""
         stride = reach.STEP_FRACTION * self.largest_stride
         if self.leg_type == 'roll_pitch_pitch':
-            lower = reach.lowest_at_step(self.legs[0], self.neutral_feet[0], stride)
+            lower = min(
+                reach.lowest_at_step(leg, foot, stride)
+                for leg, foot in zip(self.legs, self.neutral_feet)
+            )
         else:
             stretch = math.hypot(stride, self.stance_reach)
             lower = reach.lowest_at_stretch(self.legs[0], self.hip_height, stretch)

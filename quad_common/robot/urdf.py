@@ -1,8 +1,8 @@
 """
 URDF of a robot: its own, or one generated from its data with links, inertias, limits and feet.
 
-Of a generated one: one link per body, hip, thigh, calf and foot. The inertias are those of solid boxes,
-cylinders and spheres with the data file's masses and sizes.
+A generated one has one link per body, hip, thigh, calf and foot. The inertias are those of solid
+boxes, cylinders and spheres with the data file's masses and sizes.
 """
 
 from __future__ import annotations

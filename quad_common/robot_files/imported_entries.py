@@ -164,7 +164,7 @@ def part_names(document: Mapping[str, Any], path: Path) -> PartNames:
 
 def _names(names: Mapping[str, Any], key: str, path: Path, count: int = 0) -> tuple[str, ...]:
     """Read a list of different names; of any length if no count is given."""
-    given = names.get(key)
+    given: Any = names.get(key)
     is_list = isinstance(given, list) and all(
         isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
         for name in given

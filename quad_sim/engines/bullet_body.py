@@ -39,7 +39,7 @@ class InertialFrame:
     def from_base(
         self, base: Array, orientation: Sequence[float] | Array, to_world: Array
     ) -> tuple[Array, Sequence[float] | Array]:
-        """Return the pose of this frame for one of base_link, of which ``to_world`` is the matrix."""
+        """Return this frame's pose for one of base_link, of which ``to_world`` is the matrix."""
         center: Array = base + to_world @ self.center
         if self.turn is None:
             return center, orientation
@@ -67,6 +67,8 @@ class BulletBody:
     """Names of the links by Bullet's indices."""
     inertial: InertialFrame
     """Frame of the body's inertia."""
+    feet_by_calf: dict[int, int]
+    """Links of the feet by those that they are fixed to; none where all shapes are known."""
 
 
 def load_body(client: Any, robot: Robot, in_physics: bool) -> BulletBody:
@@ -97,11 +99,15 @@ def load_body(client: Any, robot: Robot, in_physics: bool) -> BulletBody:
         path.write_text(urdf_from_robot(robot), encoding='utf-8')
         number: int = client.loadURDF(str(path), flags=flags)
     by_name, links = {}, {-1: client.getBodyInfo(number)[0].decode()}
+    feet: dict[int, int] = {}
     for index in range(client.getNumJoints(number)):
         described = client.getJointInfo(number, index)
         by_name[described[1].decode()], links[index] = index, described[12].decode()
+        if robot.own_urdf and links[index] in robot.part_names.feet:
+            is_fixed = described[2] == client.JOINT_FIXED
+            feet.update({described[16]: index} if is_fixed else {})
     joints = [by_name[name] for name in robot.joint_names]
-    body = BulletBody(number, joints, links, _inertial_frame(client, number, robot))
+    body = BulletBody(number, joints, links, _inertial_frame(client, number, robot), feet)
     if in_physics:
         _set_dynamics(client, body)
         if robot.own_urdf:

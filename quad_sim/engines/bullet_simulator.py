@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import math
 import os
 import sys
 from collections.abc import Hashable, Iterator, Sequence
@@ -26,6 +27,7 @@ from quad_sim.engines.bullet_scene import BulletScene
 from quad_sim.engines.bullet_walls import build_walls
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
+    FOOT_ZONE,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
@@ -142,6 +144,8 @@ class BulletSimulator:
         self._efforts = robot.effort.reshape(-1).tolist()
         self._feet = robot.part_names.feet
         self._falls = falls_of(robot)
+        self._foot_of = body.feet_by_calf
+        """Feet by the calves that they are fixed to, of robots with a URDF of their own."""
         self._last_velocity = np.zeros(3)
         self.reset(Pose2D(0.0, 0.0, 0.0))
 
@@ -239,9 +243,8 @@ class BulletSimulator:
         """
         forces = dict.fromkeys(self._feet, 0.0)
         for point in self._bullet.getContactPoints(bodyA=self._body):
-            name = self._link_names[point[3]]
-            if name in forces and point[2] != self._body:
-                forces[name] += point[9]
+            if point[2] != self._body and self._is_foot(point[3], point[5]):
+                forces[self._link_names[self._foot_of.get(point[3], point[3])]] += point[9]
         return np.array(list(forces.values()))
 
     def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
@@ -297,7 +300,7 @@ class BulletSimulator:
         if self._bullet.isConnected():
             self._bullet.disconnect()
 
-    def _to_world(self, orientation: Sequence[float]) -> Array:
+    def _to_world(self, orientation: Sequence[float] | Array) -> Array:
         matrix = self._bullet.getMatrixFromQuaternion(orientation)
         return np.reshape(matrix, (3, 3))
 
@@ -339,12 +342,22 @@ class BulletSimulator:
             scene.put_goal_marker(self._goal)
         return scene
 
+    def _is_foot(self, link: int, place: Sequence[float]) -> bool:
+        """Whether a link that touches something at a place [m] stands there as a foot."""
+        if self._link_names[link] in self._feet:
+            return True
+        foot = self._foot_of.get(link)
+        if foot is None:
+            return False
+        center = self._bullet.getLinkState(self._body, foot)[4]
+        return math.dist(place, center) < FOOT_ZONE * self._robot.foot_radius
+
     def _contacts(self) -> tuple[Contact, ...]:
         found = set()
         for point in self._bullet.getContactPoints(bodyA=self._body):
             other_body, link, other_link, distance = point[2], point[3], point[4], point[8]
             name = self._link_names[link]
-            if distance > 0.0 or (other_body in self._grounds and name in self._feet):
+            if distance > 0.0 or (other_body in self._grounds and self._is_foot(link, point[5])):
                 continue
             if other_body == self._body:
                 found.add(Contact(*sorted((name, self._link_names[other_link]))))

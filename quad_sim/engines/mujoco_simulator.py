@@ -16,6 +16,7 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import quaternion_from_matrix
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
+    FOOT_ZONE,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
@@ -348,6 +349,9 @@ class MujocoSimulator:
         self._names = [self._name_of(geom) for geom in range(model.ngeom)]
         self._is_foot = [name in self._feet for name in self._names]
         self._is_ground = [name == GROUND for name in self._names]
+        feet = [model.body(name).id for name in self._feet] if self._robot.own_urdf else []
+        jointed = set(model.jnt_bodyid.tolist())
+        self._foot_of = {int(model.body_parentid[f]): f for f in feet if f not in jointed}
 
     def _name_of(self, geom: int) -> str:
         """Name what a geometry belongs to: a link, the ground or an obstacle."""
@@ -365,10 +369,21 @@ class MujocoSimulator:
         for index, (a, b) in enumerate(data.contact.geom.tolist()):
             if (is_foot[a] and is_ground[b]) or (is_foot[b] and is_ground[a]):
                 continue
+            if self._foot_of and self._stands_as_foot(index, a, b):
+                continue
             if data.contact.dist[index] <= 0.0:
                 found = found or set()
                 found.add(self._contact(a, b))
         return tuple(sorted(found, key=str)) if found else ()
+
+    def _stands_as_foot(self, index: int, a: int, b: int) -> bool:
+        """Whether a contact is that of a calf with the ground, where its foot is."""
+        leg, other = (b, a) if self._is_ground[a] else (a, b)
+        foot = self._foot_of.get(int(self._model.geom_bodyid[leg]))
+        if foot is None or not self._is_ground[other]:
+            return False
+        arm = self._data.contact.pos[index] - self._data.xpos[foot]
+        return float(np.linalg.norm(arm)) < FOOT_ZONE * self._robot.foot_radius
 
     def _contact(self, a: int, b: int) -> Contact:
         """Name two geometries that touch, the robot's first."""

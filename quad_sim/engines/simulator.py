@@ -154,6 +154,10 @@ def falls_of(robot: Robot) -> frozenset[Contact]:
     return frozenset(Contact(link, 'ground') for link in robot.part_names.falls)
 
 
+FOOT_ZONE = 2.5
+"""Distance from a foot's center, in its radii, within which its calf stands on the ground as the
+foot does: meshes of calves reach around their feet."""
+
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""
 
