@@ -125,7 +125,7 @@ def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Arra
     stacked = stack_legs([ranged.leg for ranged in legs])
     chain = stacked.chain(angles)
     feet = chain[2]
-    shift = masses.center(stacked, chain) - feet.mean(axis=0)
+    shift = masses.center(stacked, angles, chain) - feet.mean(axis=0)
     try:
         shifted = stacked.inverse(feet + np.array([shift[0], shift[1], 0.0]))
     except GaitError:

@@ -41,16 +41,19 @@ class ExactMasses:
         """Mass of the whole robot [kg]."""
         return self.body + float(self.parts.sum())
 
-    def center(self, legs: Leg, chain: tuple[Array, Array, Array]) -> Array:
+    def center(self, legs: Leg, joint_angles: Array, chain: tuple[Array, Array, Array]) -> Array:
         """
-        Find the center of mass from where the legs' joints are.
+        Find the center of mass.
 
         Parameters
         ----------
         legs : Leg
             The four stacked legs.
+        joint_angles : ndarray, shape (..., 4, 3)
+            [rad]
         chain : tuple of ndarray
-            Pitch axes, knees and feet in the body frame, each of shape (..., 4, 3) [m].
+            Pitch axes, knees and feet in the body frame, each of shape (..., 4, 3), where these
+            angles place them [m].
 
         Returns
         -------
@@ -58,10 +61,8 @@ class ExactMasses:
             In the body frame [m].
         """
         pitch_axis, knee, foot = chain
-        zeta = np.asarray(legs.first_axis)
-        rho = self._radial(legs, knee - legs.hip)
-        upright: Array = np.broadcast_to(zeta, rho.shape)
-        nu: Array = np.cross(upright, rho)
+        rho, nu = legs.plane_axes(joint_angles)
+        upright: Array = np.broadcast_to(legs.first_axis, rho.shape)
         axes: tuple[Array, ...] = (rho, nu, upright)
         moment: Array = self._moments(0, np.broadcast_to(legs.hip, rho.shape), axes)
         for part, (start, end, length) in enumerate(
@@ -73,23 +74,6 @@ class ExactMasses:
             moment = moment + self._moments(part, start, axes)
         center: Array = (moment + self.body * self.body_center) / self.total
         return center
-
-    @staticmethod
-    def _radial(legs: Leg, arm: Array) -> Array:
-        """
-        Return rho of each leg, (..., 4, 3), from an arm from the hip point to its knee.
-
-        The arm is b along rho, with b > 0, and the lateral offset l along nu: across zeta it is
-        b rho + l (zeta x rho), which is solved for rho.
-        """
-        zeta = np.asarray(legs.first_axis)
-        across = arm - np.sum(arm * zeta, axis=-1, keepdims=True) * zeta
-        lateral = np.reshape(legs.lateral_offset, (-1, 1))
-        squared = np.sum(across * across, axis=-1, keepdims=True)
-        along = np.sqrt(np.maximum(squared - lateral * lateral, 0.0))
-        beside: Array = np.cross(np.broadcast_to(zeta, across.shape), across)
-        rho: Array = (along * across - lateral * beside) / np.maximum(squared, 1e-18)
-        return rho
 
     def _moments(self, part: int, start: Array, axes: tuple[Array, ...]) -> Array:
         """Add mass times place of one part of all legs, (..., 3), that starts at (..., 4, 3)."""

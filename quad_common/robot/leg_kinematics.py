@@ -112,6 +112,15 @@ class Leg:
             points.append(k.points(joint_angles.shape, c1, s1, length, height))
         return points[0], points[1], points[2]
 
+    def plane_axes(self, joint_angles: Array) -> tuple[Array, Array]:
+        """Return rho and nu in the body frame, each (..., 3) of joint angles (..., 3) [rad]."""
+        zeros, signs = np.asarray(self.zeros)[..., 0], np.asarray(self.signs)[..., 0]
+        q1 = (zeros + signs * joint_angles[..., 0])[..., None]
+        cos, sin = np.cos(q1), np.sin(q1)
+        rho: Array = cos * self.radial_direction + sin * self.lateral_direction
+        nu: Array = cos * self.lateral_direction - sin * self.radial_direction
+        return rho, nu
+
     def bends(self, joint_angles: Array) -> Array:
         """Return how far knees are bent, 0 if straight, (...) of joint angles (..., 3) [rad]."""
         zeros, signs = np.asarray(self.zeros)[..., 2], np.asarray(self.signs)[..., 2]

@@ -230,16 +230,19 @@ class Robot(RobotBuild):
         ndarray, shape (..., 3)
             In the body frame [m].
         """
-        return self.center_of_mass_of(self.stacked_legs.chain(joint_angles))
+        return self.center_of_mass_of(joint_angles, self.stacked_legs.chain(joint_angles))
 
-    def center_of_mass_of(self, chain: tuple[Array, Array, Array]) -> Array:
+    def center_of_mass_of(self, joint_angles: Array, chain: tuple[Array, Array, Array]) -> Array:
         """
-        Find the center of mass from where the legs' joints are.
+        Find the center of mass where it is known where the legs' joints are.
 
         Parameters
         ----------
+        joint_angles : ndarray, shape (..., 4, 3)
+            [rad].
         chain : tuple of ndarray
-            Pitch axes, knees and feet in the body frame, each of shape (..., 4, 3) [m].
+            Pitch axes, knees and feet in the body frame, each of shape (..., 4, 3), where these
+            angles place them [m].
 
         Returns
         -------
@@ -247,7 +250,7 @@ class Robot(RobotBuild):
             As :meth:`center_of_mass` [m].
         """
         if self.exact_masses is not None:
-            return self.exact_masses.center(self.stacked_legs, chain)
+            return self.exact_masses.center(self.stacked_legs, joint_angles, chain)
         mass = {kind: link.mass for kind, link in self.links.items()}
         pitch_axis, knee, feet = chain
         moment = 0.5 * (mass['hip'] + mass['thigh']) * pitch_axis

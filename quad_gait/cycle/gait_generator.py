@@ -96,7 +96,7 @@ def generate_cycle(
     positions, velocities = _joint_motion(robot, schedule.times, feet, options.track)
     chain = robot.stacked_legs.chain(positions)
     check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
-    center_of_mass = _center_of_mass(robot, chain, course.pose)
+    center_of_mass = _center_of_mass(robot, positions, chain, course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
     if np.min(margin) < options.least_margin:
         raise UnstableCycle(float(np.min(margin)), options.least_margin)
@@ -224,7 +224,7 @@ def margins_of_orders(
     course = body_course(orders[0], legs, schedule, motion, ends, footholds)
     feet = rolled_paths(robot, schedule, footholds, course)
     positions = robot.stacked_legs.inverse(feet.in_body)
-    center_of_mass = _center_of_mass(robot, robot.stacked_legs.chain(positions), course.pose)
+    center_of_mass = _center_of_mass(robot, positions, robot.stacked_legs.chain(positions), course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
     result: Array = np.where(robot.within_joint_limits(positions), margin, -np.inf).min(axis=1)
     return result
@@ -244,9 +244,11 @@ def _joint_motion(
     return angles, speeds
 
 
-def _center_of_mass(robot: Robot, chain: tuple[Array, Array, Array], body: Array) -> Array:
+def _center_of_mass(
+    robot: Robot, joint_angles: Array, chain: tuple[Array, Array, Array], body: Array
+) -> Array:
     """Project the center of mass to the ground, ground frame, shape (..., n, 2) [m]."""
-    center = robot.center_of_mass_of(chain)
+    center = robot.center_of_mass_of(joint_angles, chain)
     cos, sin = np.cos(body[..., 2]), np.sin(body[..., 2])
     x, y = center[..., 0], center[..., 1]
     result: Array = body[..., :2] + np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

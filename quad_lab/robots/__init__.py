@@ -1,0 +1,3 @@
+"""
+What is measured of robots that are imported from other people's descriptions.
+"""
