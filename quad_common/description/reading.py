@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from quad_common.errors import (
+    DescriptionEntryInvalid,
     DescriptionUnusable,
     FileUnusable,
     MissingOptionalDependency,
-    QuadError,
 )
 from quad_common.files.bounded_file import read_bytes, user_path
 
@@ -25,6 +25,15 @@ LARGEST_DESCRIPTION = 2**24
 """Bytes of the largest description that is read."""
 
 _WHAT = "robot's description"
+
+_SHAPES = {
+    'box': ('size',),
+    'cylinder': ('radius', 'length'),
+    'capsule': ('radius', 'length'),
+    'sphere': ('radius',),
+    'mesh': ('filename',),
+}
+"""Shapes that a geometry may be, and the attributes that each must have."""
 
 try:
     import yourdfpy
@@ -106,14 +115,44 @@ def _expanded(path: Path) -> bytes:
 
 
 def _robot_from_urdf(root: Any, path: Path) -> Any:
+    _check_elements(root, path)
     try:
         model = yourdfpy.URDF.load(
             io.BytesIO(etree.tostring(root)), load_meshes=False, build_scene_graph=False
         )
-    except QuadError:
-        raise
-    # The reader raises what its parts raise: a number that is none, a tag that is not there.
+    # The reader raises what its parts raise, mostly of a number that is none.
     except Exception as error:
-        reason = f'{type(error).__name__}: {error}'.rstrip(': ')
-        raise DescriptionUnusable(path, f'the URDF cannot be read: {reason}') from error
+        raise DescriptionUnusable(path, f'the URDF cannot be read: {error}') from error
     return model.robot
+
+
+def _check_elements(root: Any, path: Path) -> None:
+    """Refuse elements without what the reader of URDF expects of them."""
+    needed = {
+        'link': (('name',), {}),
+        'joint': (('name', 'type'), {'parent': 'link', 'child': 'link'}),
+    }
+    for kind, (attributes, children) in needed.items():
+        for element in root.iterfind(kind):
+            name = f"{kind} '{element.get('name', '')}'"
+            for attribute in attributes:
+                if not element.get(attribute):
+                    raise DescriptionEntryInvalid(path, name, f'has no {attribute}')
+            for child, attribute in children.items():
+                found = element.find(child)
+                if found is None or not found.get(attribute):
+                    raise DescriptionEntryInvalid(path, name, f'names no {child}')
+    for geometry in root.iter('geometry'):
+        owner = geometry.getparent().getparent()
+        name = f"link '{owner.get('name', '')}'" if owner is not None else 'a shape'
+        shapes = [shape for shape in geometry if isinstance(shape.tag, str)]
+        if len(shapes) != 1 or shapes[0].tag not in _SHAPES:
+            found_tags = ', '.join(str(shape.tag) for shape in shapes) or 'nothing'
+            raise DescriptionEntryInvalid(path, name, f'has a geometry of {found_tags}')
+        for attribute in _SHAPES[shapes[0].tag]:
+            if not shapes[0].get(attribute):
+                problem = f'has a {shapes[0].tag} without {attribute}'
+                raise DescriptionEntryInvalid(path, name, problem)
+        if shapes[0].tag == 'capsule':
+            # An extension of some engines, which the reader does not know.
+            shapes[0].tag = 'cylinder'

@@ -18,7 +18,7 @@ from quad_common.robot.robot_build import LEGS
 
 Array = NDArray[np.float64]
 
-_CLEARLY = 0.2
+_CLEARLY = 0.5
 """Depth of the feet below the hips, as a fraction of their distance, that tells up from down."""
 
 _LEVEL = 0.7

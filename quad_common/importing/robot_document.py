@@ -32,6 +32,9 @@ _LIFT = 0.15
 _TROT_LIFT = (0.05, 0.12)
 """Least and largest height to which the trot lifts them."""
 
+_USED = (0.8, 0.8, 0.55)
+"""Fractions of what legs and joints allow that a trot uses: forward, sideways, in turns."""
+
 _SWING_FRACTION = 0.46
 """Part of a trot's period in which a foot is in the air."""
 
@@ -188,6 +191,7 @@ def _trot(robot: ImportedRobot) -> dict[str, Any]:
     lift = max(least, lift * min(1.0, _OF_SPEED_TO_LIFT / needed(lift, period)))
     period *= min(_LONGEST, max(1.0, needed(lift, period) / _OF_SPEED_AT_MOST))
     return {
+        'largest_fractions': _number(_USED, 'chosen: faster trots fall in simulation'),
         'cycle_period': _number(period, 'chosen: grows as the root of the height, for quick knees'),
         'swing_height': _number(
             lift * robot.hip_height, 'chosen: so that the knees are fast enough'

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from quad_common.description.poses import inverse, moved
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import JointFiguresMissing
+from quad_common.errors import JointFiguresMissing, LegNotFeasible
 from quad_common.importing.body_frame import body_frame, corners
 from quad_common.importing.chains import LegChain, find_legs
 from quad_common.importing.feet import Foot, find_foot
@@ -28,6 +28,9 @@ from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 
 Array = NDArray[np.float64]
+
+_SHORTEST = 0.005
+"""Length of a link that is too short to walk with [m]."""
 
 _NO_NAMES = ('robot', 'urdf', 'xacro', 'main', 'model', 'description', 'scene')
 """Names of files that name no robot."""
@@ -127,6 +130,10 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         with_ranges(leg_geometry(leg, is_upright), chain, options.knees, notes)
         for leg, chain in zip(at_zero, chains)
     ]
+    for ranged, chain in zip(legs, chains):
+        if min(float(ranged.leg.thigh_length), float(ranged.leg.calf_length)) < _SHORTEST:
+            problem = f'has links without length between {chain.joints[1].name} and its foot'
+            raise LegNotFeasible(path, str(ranged.leg.name), problem)
     parts = find_parts(tree, chains, notes)
     masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))

@@ -30,12 +30,16 @@ _OTHERS = (0.76, 0.68, 0.80, 0.64, 0.60, 0.84, 0.56, 0.52, 0.88, 0.48)
 _SPARE = 0.1
 """Angle that joints keep from their limits in the stance [rad]."""
 
-_SPREADS = (0.0, 0.04, 0.08, 0.12)
+_SPREADS = (0.0, 0.03, 0.06, 0.09, 0.12)
 """Distances by which feet stand farther out than hips, as fractions of the leg's length."""
 
 _ROOM = 0.035
 """Distance between parts that is enough in the stance, as a fraction of the leg's length: in the
 crawl the body sways over its feet."""
+
+_WIDTH = 0.5
+"""Distance of the feet from the middle line that is enough, as a fraction of the hips' height
+above them: narrow robots rock when they trot sideways."""
 
 _SPRAWL = (0.0, -0.3, 0.3, -0.6)
 """Pitches of sprawling thighs that are tried, from level; positive is downward [rad]."""
@@ -80,7 +84,7 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
     length = float(np.mean(stacked.reach()[1]))
     worst, least = 0, math.inf
     for candidates in _candidates([ranged.leg for ranged in legs]):
-        first, best, most = None, None, -math.inf
+        best, most = None, -math.inf
         for feet in candidates:
             try:
                 angles = stacked.inverse(feet)
@@ -91,15 +95,17 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
                 if -float(spare.min()) < least:
                     least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
                 continue
-            first = angles if first is None else first
             room = _room(shape, angles)
-            if room >= _ROOM * length:
+            wide = float(np.abs(feet[:, 1]).min() / np.abs(feet[:, 2]).max())
+            if room >= _ROOM * length and wide >= _WIDTH:
                 return angles
-            if room > most:
-                best, most = angles, room
-        if first is not None:
-            # A box that the thighs are in says nothing of where to stand.
-            return best if best is not None and most > 0.0 else first
+            # Narrow stances are less bad than parts that touch.
+            fraction_of_room = min(max(room, 0.0) / (_ROOM * length), 1.0)
+            score = fraction_of_room + min(wide / _WIDTH, 1.0)
+            if score > most:
+                best, most = angles, score
+        if best is not None:
+            return best
     problem = 'finds no posture to stand in: the ranges of its joints hold none with level feet'
     raise LegNotFeasible(path, str(legs[worst].leg.name), problem)
 

@@ -69,6 +69,9 @@ class GaitSettings:
     """Duration of a cycle [s]."""
     swing_height: float | None = None
     """Height to which feet are lifted [m]."""
+    largest_fractions: tuple[float, float, float] | None = None
+    """Fractions of what legs and joints allow that are walked at most forward, sideways and in
+    turns: of a gait whose dynamics allow less."""
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ _QUANTITIES = ('lower', 'upper', 'velocity', 'effort')
 _NOT_NUMBERS = ('name', 'description', 'leg_type', 'stated')
 """Keys of a robot data file that hold no number of the robot."""
 
-_GAIT_KEYS = ('cycle_period', 'swing_height')
+_GAIT_KEYS = ('cycle_period', 'swing_height', 'largest_fractions')
 """What a robot may change in a gait."""
 
 _WHAT = 'robot data file'
@@ -301,11 +301,17 @@ def _signs_of_the_file(kinds: tuple[str, ...], leg: Leg) -> Array:
     return signs
 
 
+def _setting(number: RobotNumbers, gait: str, key: str) -> Any:
+    name = f'gaits.{gait}.{key}'
+    if key != 'largest_fractions':
+        return number(name)
+    return tuple(number.vector(name).tolist())
+
+
 def _gaits(number: RobotNumbers) -> dict[str, GaitSettings]:
     gaits = {}
     for name in number.names_under('gaits'):
         changed = number.names_under(f'gaits.{name}')
         check_keys(dict.fromkeys(changed), _GAIT_KEYS, f'gaits.{name}')
-        settings = {key: number(f'gaits.{name}.{key}') for key in changed}
-        gaits[name] = GaitSettings(**settings)
+        gaits[name] = GaitSettings(**{key: _setting(number, name, key) for key in changed})
     return gaits

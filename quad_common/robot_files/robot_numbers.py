@@ -73,6 +73,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     'legs.*.centers_of_mass': _OFFSET,
     'gait.roughness': Quantity(0.0, 2.0, 'm'),
     'gaits.*.cycle_period': CYCLE_PERIOD,
+    'gaits.*.largest_fractions': Quantity(0.01, 1.0),
     'gaits.*.swing_height': Quantity(1e-4, 5.0, 'm'),
 }
 """Ranges by dotted names; a star stands for the name of a joint, a link or a gait."""

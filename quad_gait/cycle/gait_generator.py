@@ -224,7 +224,8 @@ def margins_of_orders(
     course = body_course(orders[0], legs, schedule, motion, ends, footholds)
     feet = rolled_paths(robot, schedule, footholds, course)
     positions = robot.stacked_legs.inverse(feet.in_body)
-    center_of_mass = _center_of_mass(robot, positions, robot.stacked_legs.chain(positions), course.pose)
+    chain = robot.stacked_legs.chain(positions)
+    center_of_mass = _center_of_mass(robot, positions, chain, course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
     result: Array = np.where(robot.within_joint_limits(positions), margin, -np.inf).min(axis=1)
     return result

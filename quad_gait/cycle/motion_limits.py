@@ -82,6 +82,8 @@ class MotionLimits:
     ) -> None:
         self._robot = robot
         self._gait = gait
+        settings = robot.gaits.get(gait.name)
+        self._fractions = settings.largest_fractions if settings is not None else None
         self._reserve = reserve
         self._limits: dict[_Direction, _Limit] = {}
         self._orders: dict[_Direction, Gait] = {}
@@ -205,7 +207,18 @@ class MotionLimits:
                 low = middle
             else:
                 high, reason = middle, problem
-        return _Limit(self._reserve * low, reason)
+        return _Limit(self._reserve * self._used_of(direction) * low, reason)
+
+    def _used_of(self, direction: BodyMotion) -> float:
+        """Return which fraction of a motion's limit is used: the mean of its parts' fractions."""
+        if self._fractions is None:
+            return 1.0
+        parts = (
+            abs(direction.forward),
+            abs(direction.left),
+            self._robot.footprint_radius * abs(direction.turn),
+        )
+        return sum(parts) / sum(part / used for part, used in zip(parts, self._fractions))
 
     def _best_variant(self, towards: _Direction) -> Gait:
         """

@@ -129,9 +129,7 @@ class _BulletReading:
         root = robot.tree.mass_of(robot.tree.root).amount
         self._weights[-1] = root
         self.mass = float(sum(self._weights.values()))
-        self._locals = [
-            _local(robot.tree.pose(foot.link), foot.center) for foot in robot.feet
-        ]
+        self._locals = [_local(robot.tree.pose(foot.link), foot.center) for foot in robot.feet]
 
     def pose(self, angles: dict[str, float]) -> None:
         """Turn the joints; others are at 0 [rad]."""

@@ -1,0 +1,183 @@
+"""
+Descriptions of a robot with one fault each, which an import must name.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from quad_common.errors import QuadError
+from quad_common.importing.options import ImportOptions
+from quad_common.importing.robot_document import write_robot
+from quad_common.importing.robot_import import import_robot
+from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import load_robot
+
+Change = Callable[[str], str]
+
+_LONGEST = 5.0
+"""Time after which an import counts as hanging [s]."""
+
+
+@dataclass(frozen=True)
+class BrokenImport:
+    """One fault, and what the import said of it."""
+
+    fault: str
+    """Fault that was put into the description."""
+    said: str
+    """Sentence of the error; empty if there was none."""
+    is_named: bool
+    """Whether the fault was refused in one sentence, in time."""
+
+
+def good_description() -> str:
+    """Return the URDF of a robot that ships: nothing of others is needed."""
+    return urdf_from_robot(load_robot('genibo'))
+
+
+def broken_descriptions() -> dict[str, Change]:
+    """Return the faults by their names, each as what it makes of a good description."""
+
+    def replaced(pattern: str, by: str, count: int = 1) -> Change:
+        def change(text: str) -> str:
+            changed, made = re.subn(pattern, lambda match: match.expand(by), text, count=count)
+            if not made:
+                raise AssertionError(f'nothing to change: {pattern}')
+            return changed
+
+        return change
+
+    def without_joint(name: str) -> Change:
+        return replaced(rf'(?s)<joint name="{name}".*?</joint>', '')
+
+    faults: dict[str, Change] = {
+        'an empty file': lambda text: '',
+        'no XML': lambda text: 'robot: genibo',
+        'cut in the middle': lambda text: text[: len(text) // 2],
+        'another format': lambda text: '<sdf version="1.7"/>',
+        'no robot': lambda text: '<robot name="none"/>',
+        'a document type': lambda text: '<!DOCTYPE robot [<!ENTITY a "b">]>' + text,
+        'entities of entities': lambda text: (
+            '<!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]>' + text
+        ),
+        'bytes that are no text': lambda text: text[:200] + '\udcff' + text[200:],
+        'a null byte': lambda text: text[:200] + '\0' + text[200:],
+        'nested too deeply': lambda text: '<robot>' + '<link>' * 5000,
+        'a link twice': replaced(r'(<link name="lf_thigh">)', r'\1</link>\1'),
+        'a joint twice': replaced(r'(?s)(<joint name="lf_hip_pitch_joint".*?</joint>)', r'\1\1'),
+        'a parent that is not there': replaced('parent link="lf_hip"', 'parent link="moon"'),
+        'a child that is not there': replaced('child link="lf_thigh"', 'child link="moon"'),
+        'a loop': replaced('parent link="base_link"', 'parent link="lf_thigh"'),
+        'two trees': without_joint('lf_hip_roll_joint'),
+        'a link at two joints': replaced('child link="rf_hip"', 'child link="lf_hip"'),
+        'a joint without parent': replaced(r'<parent link="lf_hip" ?/>', ''),
+        'a joint without child': replaced(r'<child link="lf_thigh" ?/>', ''),
+        'a joint without name': replaced('<joint name="lf_hip_pitch_joint"', '<joint'),
+        'a joint without kind': replaced(' type="revolute"', ''),
+        'an unknown kind of joint': replaced('type="revolute"', 'type="elastic"'),
+        'a sliding joint': replaced('type="revolute"', 'type="prismatic"'),
+        'a fixed joint in a leg': replaced('type="revolute"', 'type="fixed"'),
+        'an axis of zero': replaced(r'axis xyz="[^"]*"', 'axis xyz="0 0 0"'),
+        'an axis of two numbers': replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0"'),
+        'an axis that is no number': replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0 nan"'),
+        'an axis of words': replaced(r'axis xyz="[^"]*"', 'axis xyz="up"'),
+        'an oblique axis': replaced(r'axis xyz="0 1 0"', 'axis xyz="0.5 1 0"'),
+        'an axis across the others': replaced(r'axis xyz="0 1 0"', 'axis xyz="1 0 0"'),
+        'an origin of words': replaced(r'origin xyz="[^"]*"', 'origin xyz="here"', 4),
+        'an origin far away': replaced(
+            r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>1e30 0 0'
+        ),
+        'an origin that is infinite': replaced(
+            r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>inf 0 0'
+        ),
+        'a mass of words': replaced(r'mass value="[^"]*"', 'mass value="heavy"'),
+        'a negative mass': replaced(r'mass value="[^"]*"', 'mass value="-1"'),
+        'a mass that is no number': replaced(r'mass value="[^"]*"', 'mass value="nan"'),
+        'an infinite mass': replaced(r'mass value="[^"]*"', 'mass value="inf"'),
+        'a mass of planets': replaced(r'mass value="[^"]*"', 'mass value="1e24"'),
+        'an inertia that is no number': replaced(r'ixx="[^"]*"', 'ixx="nan"'),
+        'an inertia of words': replaced(r'ixx="[^"]*"', 'ixx="some"'),
+        'an infinite inertia': replaced(r'izz="[^"]*"', 'izz="inf"'),
+        'no masses': replaced(r'(?s)<inertial>.*?</inertial>', '', 0),
+        'a leg without mass': replaced(
+            r'(?s)(<link name="lf_thigh">.*?mass value=")[^"]*', r'\g<1>0'
+        ),
+        'no efforts': replaced(r' effort="[^"]*"', '', 0),
+        'no speeds': replaced(r' velocity="[^"]*"', '', 0),
+        'an effort of zero': replaced(r' effort="[^"]*"', ' effort="0"', 0),
+        'a negative speed': replaced(r' velocity="[^"]*"', ' velocity="-8"'),
+        'an effort of words': replaced(r' effort="[^"]*"', ' effort="strong"'),
+        'limits exchanged': replaced(
+            r' lower="([^"]*)" upper="([^"]*)"', r' lower="\2" upper="\1"'
+        ),
+        'limits of words': replaced(r' lower="[^"]*"', ' lower="low"'),
+        'limits that are no number': replaced(r' lower="[^"]*"', ' lower="nan"'),
+        'a range in which nothing stands': replaced(
+            r'(?s)(joint name="lf_knee_pitch_joint".*?) lower="[^"]*" upper="[^"]*"',
+            r'\1 lower="-0.11" upper="-0.10"',
+        ),
+        'three legs': replaced(
+            r'(?s)<joint name="lf_hip_roll_joint".*?type="revolute"',
+            '<joint name="lf_hip_roll_joint" type="fixed"',
+        ),
+        'a mesh that is not there': replaced(
+            r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
+            r'\1<mesh filename="missing.stl"/>\2',
+        ),
+        'a mesh that is none': replaced(
+            r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
+            r'\1<mesh filename="broken.urdf"/>\2',
+        ),
+        'a box of words': replaced(r'box size="[^"]*"', 'box size="large"', 2),
+        'a ball without radius': replaced(r'<sphere radius="[^"]*" ?/>', '<sphere/>', 0),
+        'a shape of no kind': replaced(
+            r'(?s)(<collision>.*?<geometry>).*?(</geometry>)', r'\1<cone radius="1"/>\2', 0
+        ),
+        'legs at one place': replaced(
+            r'(?s)(joint name="(?:rf|lf|lh|rh)_hip_roll_joint".*?origin xyz=")[^"]*',
+            r'\g<1>0 0 0',
+            4,
+        ),
+        'a leg on the wrong side': replaced(
+            r'(?s)(joint name="rf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>0.075 0.06 0'
+        ),
+        'a thigh without length': replaced(
+            r'(?s)(joint name="lf_knee_pitch_joint".*?origin xyz=")[^"]*', r'\g<1>0 0 0'
+        ),
+    }
+    return faults
+
+
+def import_broken(fault: str, change: Change) -> BrokenImport:
+    """
+    Import a description with a fault.
+
+    Parameters
+    ----------
+    fault : str
+        Name of the fault.
+    change : callable
+        Puts it into a good description.
+    """
+    text = change(good_description())
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / 'broken.urdf'
+        path.write_bytes(text.encode('utf-8', 'surrogateescape'))
+        began = time.monotonic()
+        try:
+            robot = import_robot(path, ImportOptions())
+            data_file, _ = write_robot(robot, Path(folder) / 'robot.yaml')
+            load_robot(data_file)
+        except QuadError as error:
+            said = str(error)
+            in_time = time.monotonic() - began < _LONGEST
+            return BrokenImport(fault, said, '\n' not in said and len(said) < 700 and in_time)
+        except Exception as error:
+            return BrokenImport(fault, f'{type(error).__name__}: {error}', False)
+    return BrokenImport(fault, '', False)

@@ -1,0 +1,122 @@
+"""
+Walks of imported robots on their own links, in every gait and direction.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from quad_common.errors import QuadError
+from quad_common.robot_files.robot_file import load_robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_lab.closed_loop.gait_measures import steady_walk
+from quad_sim.engines.registry import preferred
+
+DIRECTIONS = {
+    'forward': BodyMotion(1.0, 0.0, 0.0),
+    'backward': BodyMotion(-1.0, 0.0, 0.0),
+    'left': BodyMotion(0.0, 1.0, 0.0),
+    'turn': BodyMotion(0.0, 0.0, 1.0),
+}
+"""Directions that are walked."""
+
+_LEAST_MARGIN = 0.005
+
+_DURATIONS = {'trot': 12.0}
+"""Duration of a walk [s]."""
+
+_OTHERWISE = 24.0
+
+
+@dataclass(frozen=True)
+class ImportedWalk:
+    """One robot in one gait and direction."""
+
+    robot: str
+    """Name of the robot."""
+    gait: str
+    """Name of the gait."""
+    direction: str
+    """One of :data:`DIRECTIONS`."""
+    backend: str
+    """Physics engine."""
+    fraction: float
+    """Part of the most that was asked for."""
+    most: float
+    """Most that the limits allow [m/s, or rad/s for turns]."""
+    reason: str
+    """What limits it."""
+    error: float = math.nan
+    """What was walked beside what was asked for, as a fraction less 1."""
+    drift: float = math.nan
+    """Sideways distance per metre."""
+    tilt_rms: float = math.nan
+    """Tilt of the body [rad]."""
+    has_fallen: bool = False
+    """Whether the robot fell."""
+    problem: str = ''
+    """Why it did not walk; empty if it did."""
+
+
+def walk_imported(
+    robot: str, gait: str, direction: str, backend: str, fraction: float
+) -> ImportedWalk:
+    """
+    Let a robot walk.
+
+    Parameters
+    ----------
+    robot : str
+        Name or path of the robot.
+    gait : str
+        Name of the gait.
+    direction : str
+        One of :data:`DIRECTIONS`.
+    backend : str
+        Physics engine.
+    fraction : float
+        Part of the most that the gait's limits allow.
+    """
+    loaded = load_robot(robot)
+    fitted = load_gait(gait, loaded)
+    limits = MotionLimits(loaded, fitted, _LEAST_MARGIN)
+    motion = DIRECTIONS[direction]
+    scale = limits.largest_scale(motion)
+    found = ImportedWalk(
+        robot, gait, direction, backend, fraction,
+        most=scale / fitted.cycle_period,
+        reason=limits.reason(motion),
+    )  # fmt: skip
+    if scale == 0.0:
+        return _with(found, problem='the limits allow none')
+    asked = motion.scaled(fraction * scale)
+    try:
+        with preferred(backend):
+            duration = _DURATIONS.get(gait, _OTHERWISE)
+            walk = steady_walk(loaded, fitted, motion, duration, asked, _LEAST_MARGIN)
+    except QuadError as error:
+        has_fallen = 'fallen' in str(error)
+        return _with(found, problem=str(error), has_fallen=has_fallen)
+    return _with(
+        found,
+        error=_along(walk.done, motion) / _along(walk.asked, motion) - 1.0,
+        drift=abs(walk.drift),
+        tilt_rms=walk.tilt_rms,
+        has_fallen=walk.has_fallen,
+    )
+
+
+def _with(walk: ImportedWalk, **changes: object) -> ImportedWalk:
+    return replace(walk, **changes)  # type: ignore[arg-type]
+
+
+def _along(motion: BodyMotion, direction: BodyMotion) -> float:
+    """Return the part of a motion along a direction."""
+    return (
+        motion.forward * direction.forward
+        + motion.left * direction.left
+        + motion.turn * direction.turn
+    )

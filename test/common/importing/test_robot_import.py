@@ -1,0 +1,351 @@
+"""
+Whatever a description's names, orders, axes, zero poses and frames: the same robot is found.
+"""
+
+import json
+from copy import deepcopy
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from quad_common.robot.leg_kinematics import stack_legs
+from quad_common.robot.robot_build import LEGS
+from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import load_robot
+
+pytest.importorskip('yourdfpy')
+
+from quad_common.errors import DescriptionError, JointFiguresMissing, NotAQuadruped
+from quad_common.importing.options import ImportOptions
+from quad_common.importing.robot_document import write_robot
+from quad_common.importing.robot_import import import_robot
+
+SHIPPED = {name: load_robot(name) for name in ('genibo', 'pukyong', 'cuhk', 'titan_viii')}
+
+
+class Variant:
+    """A shipped robot's URDF, and what was done to its joints."""
+
+    def __init__(self, robot):
+        self.robot = robot
+        self.root = ElementTree.fromstring(urdf_from_robot(robot))
+        # Own joint angle = sign * (robot's - zero), by the robot's joint names.
+        self.names = {name: name for name in robot.joint_names}
+        self.signs = dict.fromkeys(robot.joint_names, 1.0)
+        self.zeros = dict.fromkeys(robot.joint_names, 0.0)
+
+    def write(self, folder):
+        path = folder / 'variant.urdf'
+        path.write_text(ElementTree.tostring(self.root, encoding='unicode'))
+        return path
+
+    def joints(self):
+        return {joint.get('name'): joint for joint in self.root.iter('joint')}
+
+    def own_angles(self, imported, angles):
+        """Angles (4, 3) of the shipped robot in the imported one's order and sense."""
+        by_name = {
+            self.names[name]: self.signs[name] * (angle - self.zeros[name])
+            for name, angle in zip(self.robot.joint_names, np.ravel(angles))
+        }
+        own = [by_name[joint.name] for chain in imported.chains for joint in chain.joints]
+        return np.reshape(own, (4, 3))
+
+
+def renamed(variant, rng):
+    """Names that say nothing."""
+    for index, (old, joint) in enumerate(
+        sorted(variant.joints().items(), key=lambda _: rng.random())
+    ):
+        joint.set('name', f'joint {index}')
+        if old in variant.names:
+            variant.names[old] = f'joint {index}'
+    links = {link.get('name'): f'part {k}' for k, link in enumerate(variant.root.iter('link'))}
+    for link in variant.root.iter('link'):
+        link.set('name', links[link.get('name')])
+    for end in (*variant.root.iter('parent'), *variant.root.iter('child')):
+        end.set('link', links[end.get('link')])
+
+
+def shuffled(variant, rng):
+    """Links and joints in any order."""
+    children = list(variant.root)
+    for child in children:
+        variant.root.remove(child)
+    variant.root.extend(children[k] for k in rng.permutation(len(children)))
+
+
+def flipped(variant, rng):
+    """Axes the other way round, ranges with them."""
+    for name, joint in variant.joints().items():
+        if name not in variant.names or rng.random() < 0.5:
+            continue
+        axis, limit = joint.find('axis'), joint.find('limit')
+        axis.set('xyz', ' '.join(str(-float(x)) for x in axis.get('xyz').split()))
+        lower, upper = float(limit.get('lower')), float(limit.get('upper'))
+        limit.set('lower', str(-upper))
+        limit.set('upper', str(-lower))
+        variant.signs[name] = -1.0
+
+
+def bent(variant, rng):
+    """Another zero pose: each joint's origin is turned, its range moved."""
+    for name, joint in variant.joints().items():
+        if name not in variant.names:
+            continue
+        zero = rng.uniform(-0.6, 0.6)
+        origin, limit = joint.find('origin'), joint.find('limit')
+        axis = np.array([float(x) for x in joint.find('axis').get('xyz').split()])
+        turn = Rotation.from_euler('xyz', [float(x) for x in origin.get('rpy').split()])
+        turned = turn * Rotation.from_rotvec(zero * axis)
+        origin.set('rpy', ' '.join(map(repr, turned.as_euler('xyz').tolist())))
+        for end in ('lower', 'upper'):
+            limit.set(end, repr(float(limit.get(end)) - zero))
+        variant.zeros[name] = zero
+
+
+def turned(variant, rng):
+    """A root whose y is up, and whose origin is somewhere else."""
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler('xyz', [np.pi / 2, 0.0, np.pi / 2]).as_matrix()
+    pose[:3, 3] = [0.03, -0.02, 0.01]
+    base = next(link for link in variant.root.iter('link') if link.get('name') == 'base_link')
+    origins = [element.find('origin') for element in base if element.find('origin') is not None]
+    origins += [
+        joint.find('origin')
+        for joint in variant.root.iter('joint')
+        if joint.find('parent').get('link') == 'base_link'
+    ]
+    for origin in origins:
+        rpy = [float(x) for x in origin.get('rpy').split()]
+        matrix = np.eye(4)
+        matrix[:3, :3] = Rotation.from_euler('xyz', rpy).as_matrix()
+        matrix[:3, 3] = [float(x) for x in origin.get('xyz').split()]
+        moved = pose @ matrix
+        euler = Rotation.from_matrix(moved[:3, :3]).as_euler('xyz')
+        origin.set('rpy', ' '.join(map(repr, euler.tolist())))
+        origin.set('xyz', ' '.join(map(repr, moved[:3, 3].tolist())))
+
+
+def with_arm(variant, rng):
+    """An arm of four joints with two fingers on the back, and a camera."""
+    parent = 'base_link'
+    for index in range(4):
+        link = ElementTree.SubElement(variant.root, 'link', name=f'arm_{index}')
+        inertial = ElementTree.SubElement(link, 'inertial')
+        ElementTree.SubElement(inertial, 'mass', value='0.01')
+        ElementTree.SubElement(
+            inertial, 'inertia', ixx='1e-6', iyy='1e-6', izz='1e-6', ixy='0', ixz='0', iyz='0'
+        )
+        add_joint(variant.root, f'arm_joint_{index}', 'revolute', parent, f'arm_{index}')
+        parent = f'arm_{index}'
+    for finger in ('left', 'right'):
+        ElementTree.SubElement(variant.root, 'link', name=f'{finger}_finger')
+        add_joint(variant.root, f'{finger}_finger_joint', 'prismatic', parent, f'{finger}_finger')
+    ElementTree.SubElement(variant.root, 'link', name='camera')
+    add_joint(variant.root, 'camera_joint', 'fixed', 'base_link', 'camera')
+
+
+def add_joint(root, name, kind, parent, child):
+    joint = ElementTree.SubElement(root, 'joint', name=name, type=kind)
+    ElementTree.SubElement(joint, 'origin', xyz='0 0 0.05', rpy='0 0 0')
+    ElementTree.SubElement(joint, 'parent', link=parent)
+    ElementTree.SubElement(joint, 'child', link=child)
+    ElementTree.SubElement(joint, 'axis', xyz='0 1 0')
+    ElementTree.SubElement(joint, 'limit', lower='-1', upper='1', effort='1', velocity='1')
+
+
+CHANGES = {
+    'as it is': (),
+    'renamed': (renamed,),
+    'in any order': (shuffled,),
+    'axes flipped': (flipped,),
+    'another zero pose': (bent,),
+    'turned root': (turned,),
+    'with an arm': (with_arm,),
+    'all of it': (with_arm, bent, flipped, turned, shuffled),
+}
+
+
+@pytest.mark.parametrize('name', SHIPPED)
+@pytest.mark.parametrize('change', CHANGES)
+def test_the_same_robot_is_found(name, change, tmp_path):
+    rng = np.random.default_rng(7)
+    robot = SHIPPED[name]
+    variant = Variant(robot)
+    for step in CHANGES[change]:
+        step(variant, rng)
+    # Nothing tells the front of a robot whose names say nothing and whose axes are upright.
+    imported = import_robot(variant.write(tmp_path), forward_of(name, change))
+    legs = stack_legs([ranged.leg for ranged in imported.legs])
+    angles = rng.uniform(robot.lower, robot.upper, (20, 4, 3))
+    own = np.array([variant.own_angles(imported, posture) for posture in angles])
+    # base_link's origin is in the middle of the hips, level with their pitch axes.
+    off = legs.forward(own) - robot.foot_positions(angles)
+    shift = off.mean(axis=(0, 1))
+    assert np.abs(off - shift).max() < 1e-6
+    assert np.abs(shift[:2]).max() < 1e-6
+    within = (own >= [r.lower - 1e-9 for r in imported.legs]) & (
+        own <= [r.upper + 1e-9 for r in imported.legs]
+    )
+    assert within.all()
+    carried = 0.04 if with_arm in CHANGES[change] else 0.0
+    assert imported.masses.total == pytest.approx(robot.mass + carried, rel=1e-6)
+    if not carried:
+        center = imported.masses.center(legs, own, legs.chain(own))
+        assert np.abs(center - shift - robot.center_of_mass(angles)).max() < 1e-6
+
+
+def forward_of(name, change):
+    if 'turned root' in change or change == 'all of it':
+        return ImportOptions(forward='+y')
+    return ImportOptions(forward='+x')
+
+
+@pytest.mark.parametrize('name', SHIPPED)
+def test_inverse_kinematics_stay_within_the_ranges(name, tmp_path):
+    variant = Variant(SHIPPED[name])
+    rng = np.random.default_rng(3)
+    bent(variant, rng)
+    flipped(variant, rng)
+    data_file, _ = write_robot(
+        import_robot(variant.write(tmp_path)), tmp_path / 'robots' / 'mine.yaml'
+    )
+    robot = load_robot(data_file)
+    near = robot.initial_joint_angles + rng.uniform(-0.2, 0.2, (50, 4, 3))
+    near = np.clip(near, robot.lower, robot.upper)
+    again = robot.joint_angles(robot.foot_positions(near))
+    assert np.abs(again - near).max() < 1e-6
+    feet = robot.foot_positions(near)
+    step = 1e-6
+    speeds = rng.uniform(-1.0, 1.0, near.shape)
+    moved = robot.foot_positions(near + step * speeds)
+    jacobians = robot.foot_jacobians(near)
+    assert np.abs((moved - feet) / step - np.einsum('...ij,...j', jacobians, speeds)).max() < 1e-4
+    back = robot.joint_velocities(near, np.einsum('...ij,...j', jacobians, speeds))
+    assert np.abs(back - speeds).max() < 1e-6
+
+
+@pytest.mark.parametrize('name', SHIPPED)
+def test_the_data_file_holds_the_robot(name, tmp_path):
+    imported = import_robot(Variant(SHIPPED[name]).write(tmp_path))
+    data_file, urdf = write_robot(imported, tmp_path / 'mine.yaml')
+    robot = load_robot(data_file)
+    assert robot.joint_names == SHIPPED[name].joint_names
+    assert robot.part_names.feet == tuple(f'{leg}_foot' for leg in LEGS)
+    assert robot.mass == pytest.approx(imported.masses.total, rel=1e-6)
+    assert np.allclose(robot.initial_joint_angles, imported.initial, atol=1e-8)
+    assert robot.own_urdf == urdf.read_text()
+    # What stands is level, over its feet, within the ranges.
+    feet, center = robot.neutral_feet, robot.center_of_mass(robot.initial_joint_angles)
+    assert np.ptp(feet[:, 2]) < 1e-6
+    assert np.linalg.norm(feet[:, :2].mean(axis=0) - center[:2]) < 0.1 * robot.hip_height
+    # Imported again, its own URDF is the same robot.
+    again = import_robot(urdf)
+    assert again.masses.total == pytest.approx(imported.masses.total, rel=1e-6)
+    for one, other in zip(again.legs, imported.legs):
+        angles = one.lower + 0.3 * (one.upper - one.lower)
+        assert np.abs(one.leg.forward(angles) - other.leg.forward(angles)).max() < 1e-6
+
+
+def test_names_tell_the_front(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    backward = {'lf': 'rh', 'rf': 'lh', 'lh': 'rf', 'rh': 'lf'}
+    text = ElementTree.tostring(variant.root, encoding='unicode')
+    for old in backward:
+        text = text.replace(f'"{old}_', f'"@{backward[old]}_')
+    path = tmp_path / 'backward.urdf'
+    path.write_text(text.replace('@', ''))
+    imported = import_robot(path)
+    assert imported.to_base[0, 0] == pytest.approx(-1.0)
+    assert any('names' in sentence for sentence in imported.notes.found)
+    assert imported.chains[0].joints[0].name == 'lf_hip_roll_joint'
+
+
+def test_efforts_and_speeds_are_asked_for(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    for limit in variant.root.iter('limit'):
+        del limit.attrib['effort']
+    path = variant.write(tmp_path)
+    with pytest.raises(JointFiguresMissing, match='--effort') as error:
+        import_robot(path)
+    assert len(error.value.joints) == 12
+    robot = import_robot(path, ImportOptions(effort=(1.0, 2.0, 3.0)))
+    assert robot.effort.tolist() == [[1.0, 2.0, 3.0]] * 4
+
+
+@pytest.mark.parametrize('legs', [2, 3])
+def test_other_numbers_of_legs_are_refused(legs, tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    for name in LEGS[legs:]:
+        for element in list(variant.root):
+            if element.get('name').startswith(f'{name}_'):
+                variant.root.remove(element)
+    with pytest.raises(NotAQuadruped) as error:
+        import_robot(variant.write(tmp_path))
+    assert ('two', 'three')[legs - 2] in error.value.found
+
+
+def test_six_legs_are_refused(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    for element in list(variant.root):
+        if not element.get('name').startswith(('lf_', 'rf_')):
+            continue
+        copied = deepcopy(element)
+        for part in copied.iter():
+            for key in ('name', 'link'):
+                if part.get(key, '').startswith(('lf_', 'rf_')):
+                    part.set(key, f'middle_{part.get(key)}')
+        variant.root.append(copied)
+    with pytest.raises(NotAQuadruped, match='six chains of three joints'):
+        import_robot(variant.write(tmp_path))
+
+
+def test_wheels_are_refused(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    for leg in LEGS:
+        ElementTree.SubElement(variant.root, 'link', name=f'{leg}_wheel')
+        add_joint(variant.root, f'{leg}_wheel_joint', 'continuous', f'{leg}_foot', f'{leg}_wheel')
+    with pytest.raises(NotAQuadruped, match='wheels'):
+        import_robot(variant.write(tmp_path))
+
+
+def test_impossible_inertias_are_replaced_and_said(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    next(variant.root.iter('inertia')).set('ixx', '5.0')
+    imported = import_robot(variant.write(tmp_path))
+    assert any('inertias' in sentence for sentence in imported.notes.assumed)
+    assert imported.parts.body.mass.is_possible
+
+
+def test_meshes_are_found_in_their_package(tmp_path):
+    package = tmp_path / 'my_robot'
+    (package / 'meshes').mkdir(parents=True)
+    (package / 'urdf').mkdir()
+    corners = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.05, 0.05) for z in (-0.02, 0.04)]
+    faces = 'f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n'
+    mesh = package / 'meshes' / 'trunk.obj'
+    mesh.write_text(''.join(f'v {x} {y} {z}\n' for x, y, z in corners) + faces)
+    variant = Variant(SHIPPED['genibo'])
+    base = next(link for link in variant.root.iter('link') if link.get('name') == 'base_link')
+    for use in ('visual', 'collision'):
+        geometry = base.find(f'{use}/geometry')
+        geometry.clear()
+        ElementTree.SubElement(geometry, 'mesh', filename='package://my_robot/meshes/trunk.obj')
+        base.find(f'{use}/origin').set('xyz', '0 0 0')
+    path = variant.write(package / 'urdf')
+    imported = import_robot(path)
+    assert np.allclose(imported.sizes.body_size, [0.2, 0.1, 0.06], atol=1e-9)
+    assert np.allclose(imported.sizes.body_center, [0.0, 0.0, 0.01], atol=1e-9)
+    _, urdf = write_robot(imported, tmp_path / 'out' / 'mine.yaml')
+    assert f'filename="{mesh.resolve()}"' in urdf.read_text()
+    mesh.unlink()
+    with pytest.raises(DescriptionError, match='trunk.obj'):
+        import_robot(path)
+
+
+def test_notes_are_plain_data(tmp_path):
+    notes = import_robot(Variant(SHIPPED['pukyong']).write(tmp_path)).notes
+    assert json.loads(json.dumps([notes.found, notes.assumed]))
