@@ -23,6 +23,7 @@ BENCHMARKS = {
     'terrain': 'quad_lab.benchmarks.bench_terrain',
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
+    'robots': 'quad_lab.robots.bench_robots',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }
@@ -40,6 +41,7 @@ EXAMPLES = """examples:
   quadwalk bench localisation --quick
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
+  quadwalk bench robots --only imports broken
 """
 
 

@@ -32,7 +32,7 @@ _LIFT = 0.15
 _TROT_LIFT = (0.05, 0.12)
 """Least and largest height to which the trot lifts them."""
 
-_USED = (0.8, 0.8, 0.55)
+_USED = (0.9, 0.8, 0.55)
 """Fractions of what legs and joints allow that a trot uses: forward, sideways, in turns."""
 
 _SWING_FRACTION = 0.46

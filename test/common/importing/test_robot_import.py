@@ -342,7 +342,7 @@ def test_meshes_are_found_in_their_package(tmp_path):
     _, urdf = write_robot(imported, tmp_path / 'out' / 'mine.yaml')
     assert f'filename="{mesh.resolve()}"' in urdf.read_text()
     mesh.unlink()
-    with pytest.raises(DescriptionError, match='trunk.obj'):
+    with pytest.raises(DescriptionError, match=r'trunk\.obj'):
         import_robot(path)
 
 
