@@ -12,13 +12,21 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from quad_common.importing.known_robots import known_names
+from quad_common.errors import NotAQuadruped
+from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
+from quad_common.importing.robot_import import import_robot
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.robots.broken_descriptions import broken_descriptions, import_broken
-from quad_lab.robots.import_check import ImportCheck, check_import
+from quad_lab.robots.import_check import (
+    REFUSED,
+    UPRIGHT_Y,
+    ImportCheck,
+    check_import,
+    other_description,
+)
 from quad_lab.robots.imported_walks import DIRECTIONS, ImportedWalk, walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
@@ -79,9 +87,13 @@ def measure(
     bars: list[Criterion] = []
     details: dict[str, Any] = {}
     if 'imports' in parts:
-        checks = [check for name in names for check in check_import(name, seed)]
+        described = {name: KNOWN_ROBOTS[name] for name in names}
+        if 'laikago' in described:
+            described['laikago, y up'] = other_description(UPRIGHT_Y, 'laikago')
+        checks = [c for name, known in described.items() for c in check_import(name, known, seed)]
         console.print(_import_table(checks))
-        bars += _import_bars(checks, len(names))
+        bars += _import_bars(checks, len(described))
+        bars += _refusal_bars() if 'laikago' in described else []
         details['imports'] = [asdict(check) for check in checks]
     if 'broken' in parts:
         bars += _broken_bars(console)
@@ -114,7 +126,7 @@ def _import_table(checks: list[ImportCheck]) -> Table:
 def _import_bars(checks: list[ImportCheck], robots: int) -> list[Criterion]:
     read = [check for check in checks if math.isfinite(check.foot)]
     return [
-        at_least('robots imported without an edit', robots, '', 7),
+        at_least('robots imported without an edit', robots, '', 8),
         at_most('feet beside the engines', max((c.foot for c in read), default=None), 'm', 1e-5),
         at_most('masses beside the engines', max((c.mass for c in read), default=None), '', 1e-6),
         at_most(
@@ -125,6 +137,16 @@ def _import_bars(checks: list[ImportCheck], robots: int) -> list[Criterion]:
         ),
         figure('longest import', max((c.seconds for c in checks), default=None), 's'),
     ]
+
+
+def _refusal_bars() -> list[Criterion]:
+    known = other_description(REFUSED, 'laikago')
+    assert known.path is not None
+    try:
+        import_robot(known.path, known.options)
+    except NotAQuadruped:
+        return [at_least('robot with closed loops refused', 1, '', 1)]
+    return [at_least('robot with closed loops refused', 0, '', 1)]
 
 
 def _broken_bars(console: Console) -> list[Criterion]:

@@ -5,7 +5,7 @@ Imported robots beside what physics engines make of the same descriptions.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from quad_common.description.poses import moved
 from quad_common.errors import QuadError
-from quad_common.importing.known_robots import KNOWN_ROBOTS
+from quad_common.importing.known_robots import KNOWN_ROBOTS, KnownRobot
 from quad_common.importing.robot_import import ImportedRobot, import_robot
 from quad_common.robot.leg_kinematics import stack_legs
 
@@ -41,14 +41,29 @@ class ImportCheck:
     """Largest distance between centers of mass [m]."""
 
 
-def check_import(name: str, seed: int) -> list[ImportCheck]:
+UPRIGHT_Y = 'laikago/laikago_toes.urdf'
+"""Description in pybullet_data whose root has its y axis up, of a robot that is also there with z
+up."""
+
+REFUSED = 'quadruped/minitaur.urdf'
+"""Description in pybullet_data of a robot whose legs are closed loops."""
+
+
+def other_description(file: str, like: str) -> KnownRobot:
+    """Return another description of the package that holds a known robot's."""
+    return replace(KNOWN_ROBOTS[like], file=file)
+
+
+def check_import(name: str, known: KnownRobot, seed: int) -> list[ImportCheck]:
     """
-    Import a known robot and compare it with PyBullet and MuJoCo, which read the same file.
+    Import a robot and compare it with PyBullet and MuJoCo, which read the same file.
 
     Parameters
     ----------
     name : str
-        One of ``KNOWN_ROBOTS``.
+        Name of the robot in the result.
+    known : KnownRobot
+        Where its description is, and what that lacks.
     seed : int
         Of the postures.
 
@@ -57,7 +72,6 @@ def check_import(name: str, seed: int) -> list[ImportCheck]:
     list of ImportCheck
         One for each engine that is installed.
     """
-    known = KNOWN_ROBOTS[name]
     assert known.path is not None
     began = time.perf_counter()
     robot = import_robot(known.path, known.options)
