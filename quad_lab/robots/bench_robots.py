@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import asdict
 from typing import Any
 
@@ -15,10 +14,7 @@ from rich.table import Table
 from quad_common.errors import NotAQuadruped
 from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
 from quad_common.importing.robot_import import import_robot
-from quad_common.planar_pose import Pose2D
-from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
-from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.robots.broken_descriptions import broken_descriptions, import_broken
 from quad_lab.robots.import_check import (
     REFUSED,
@@ -31,7 +27,6 @@ from quad_lab.robots.imported_walks import DIRECTIONS, ImportedWalk, walk_import
 from quad_lab.robots.numeric_kinematics import compare_kinematics
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
-from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_sim.engines.registry import ENGINES
 
 PARTS = ('imports', 'broken', 'kinematics', 'walks', 'fast', 'topics')
@@ -43,16 +38,6 @@ _FRACTIONS = {'walks': 0.6, 'fast': 0.95}
 """Parts of the most that are walked."""
 
 _QUICK = ('a1',)
-
-_ON_TOPICS = ('a1', 'mini_cheetah')
-
-_GOALS = 10
-
-_START = Pose2D(1.2, 1.2, 0.0)
-"""Where the first walk over topics begins, in the room."""
-
-_SHORTEST, _LONGEST = 0.5, 4.0
-"""Lengths of the plans of these walks [m]."""
 
 
 def measure(
@@ -105,7 +90,10 @@ def measure(
             bars += _walk_bars(walks) if part == 'walks' else _fast_bars(walks)
             details[part] = [asdict(found) for found in walks]
     if 'topics' in parts:
-        bars += _topic_bars(console, [name for name in _ON_TOPICS if name in names], seed)
+        # Whatever is not over topics needs no ROS.
+        from quad_lab.robots.topic_walks import topic_bars
+
+        bars += topic_bars(console, names, seed)
     return bars, details
 
 
@@ -233,32 +221,3 @@ def _fast_bars(walks: list[ImportedWalk]) -> list[Criterion]:
         speed = min(f.fraction * f.most * (1.0 + f.error) for f in trots)
         bars.append(at_least('a1: trot, walked', speed, 'm/s', 1.0))
     return bars
-
-
-def _topic_bars(console: Console, robots: list[str], seed: int) -> list[Criterion]:
-    bars = []
-    room = sample_map('room')
-    for name in robots:
-        drawer = GoalDrawer(load_robot(name), room, seed)
-        arrived, off, turned, began = 0, 0.0, 0.0, time.monotonic()
-        start = _START
-        for number in range(_GOALS):
-            goal = drawer.draw(start, _SHORTEST, _LONGEST)
-            record = walk(WalkOptions(map_file=room, start=start, goal=goal, robot=name, seed=seed))
-            result = record.result()
-            arrived += result.arrived
-            off = max(off, _or_nan(result.position_error))
-            turned = max(turned, abs(_or_nan(result.heading_error)))
-            console.print(f'{name}, goal {number + 1} of {_GOALS}: arrived: {result.arrived}')
-            start = goal
-        bars += [
-            at_least(f'{name}: goals reached over topics, of {_GOALS}', arrived, '', _GOALS),
-            at_most(f'{name}: final position error', off, 'm', 0.05),
-            at_most(f'{name}: final heading error', turned, 'deg', 5.0),
-            figure(f'{name}: time of these walks', time.monotonic() - began, 's'),
-        ]
-    return bars
-
-
-def _or_nan(value: float | None) -> float:
-    return math.nan if value is None else value

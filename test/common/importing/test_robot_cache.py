@@ -1,0 +1,105 @@
+"""
+Robots by name and by description are imported once, and again when the description changes.
+"""
+
+import concurrent.futures
+import importlib.util
+
+import pytest
+
+from quad_common.errors import DescriptionError, RobotModelError
+from quad_common.robot.urdf import published_urdf, urdf_from_robot
+from quad_common.robot_files.robot_file import load_robot, robot_file
+
+pytest.importorskip('yourdfpy')
+
+from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
+
+needs_descriptions = pytest.mark.skipif(
+    importlib.util.find_spec('pybullet_data') is None, reason='pybullet_data is not installed'
+)
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    folder = tmp_path / 'cache'
+    monkeypatch.setenv('XDG_CACHE_HOME', str(folder))
+    return folder / 'quadwalk' / 'robots'
+
+
+@pytest.fixture
+def description(tmp_path):
+    path = tmp_path / 'mine.urdf'
+    path.write_text(urdf_from_robot(load_robot('genibo')))
+    return path
+
+
+def test_a_description_is_a_robot(cache, description):
+    robot = load_robot(description)
+    assert robot.name == 'mine'
+    assert robot.mass == pytest.approx(load_robot('genibo').mass)
+    assert [path.suffix for path in sorted(cache.iterdir())] == ['.urdf', '.yaml']
+
+
+def test_it_is_imported_once(cache, description, monkeypatch):
+    first = robot_file(description)
+    monkeypatch.setattr(
+        'quad_common.importing.robot_import.import_robot', lambda *_: pytest.fail('imported again')
+    )
+    assert robot_file(description) == first
+
+
+def test_a_changed_description_is_imported_again(cache, description):
+    first = robot_file(description)
+    description.write_text(description.read_text().replace('effort="2"', 'effort="3"'))
+    second = robot_file(description)
+    assert second != first
+    assert load_robot(second).effort.max() == 3.0
+
+
+def test_many_at_once_do_not_disturb_each_other(cache, description):
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        files = list(pool.map(robot_file, [description] * 8))
+    assert len(set(files)) == 1
+    assert load_robot(files[0]).name == 'mine'
+    assert len(list(cache.iterdir())) == 2
+
+
+def test_what_cannot_be_imported_is_said(cache, tmp_path):
+    path = tmp_path / 'broken.urdf'
+    path.write_text('<robot name="x"><link name="a"/></robot>')
+    with pytest.raises(DescriptionError, match='no joint that moves'):
+        load_robot(path)
+    assert not cache.exists()
+
+
+def test_a_package_holds_a_robot(cache, tmp_path, monkeypatch):
+    share = tmp_path / 'install' / 'share' / 'my_robot' / 'urdf'
+    share.mkdir(parents=True)
+    (share / 'mine.urdf').write_text(urdf_from_robot(load_robot('pukyong')))
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path / 'install'))
+    assert load_robot('package://my_robot/urdf/mine.urdf').leg_type == 'yaw_pitch_pitch'
+    with pytest.raises(RobotModelError, match='there is no robot'):
+        load_robot('package://my_robot/urdf/other.urdf')
+
+
+@needs_descriptions
+@pytest.mark.parametrize('name', KNOWN_ROBOTS)
+def test_known_robots_stand_within_their_limits(name, cache):
+    robot = load_robot(name)
+    assert robot.name == name
+    angles = robot.joint_angles(robot.neutral_feet)
+    assert abs(angles - robot.initial_joint_angles).max() < 1e-6
+    assert robot.largest_stride > 0.2 * robot.hip_height
+
+
+@needs_descriptions
+def test_frames_of_others_begin_at_base_link(cache):
+    text = published_urdf(load_robot('a1'))
+    assert '<parent link="base_link" />' in text
+    assert '<child link="trunk" />' in text
+
+
+def test_names_of_robots_that_are_not_installed_are_not_offered(monkeypatch):
+    monkeypatch.setattr('importlib.util.find_spec', lambda name: None)
+    assert known_names() == ()

@@ -1,0 +1,70 @@
+"""
+What ``quadwalk bench robots`` measures.
+"""
+
+import importlib.util
+
+import pytest
+
+pytest.importorskip('yourdfpy')
+
+from quad_common.importing.known_robots import KNOWN_ROBOTS
+from quad_common.robot_files.robot_file import load_robot
+from quad_lab.robots.broken_descriptions import broken_descriptions, import_broken
+from quad_lab.robots.import_check import check_import
+from quad_lab.robots.imported_walks import walk_imported
+from quad_lab.robots.numeric_kinematics import compare_kinematics
+from quad_sim.engines.registry import ENGINES
+
+ENGINES_WITH_PHYSICS = [
+    name for name, engine in ENGINES.items() if engine.has_world and engine.is_installed
+]
+
+needs_descriptions = pytest.mark.skipif(
+    importlib.util.find_spec('pybullet_data') is None, reason='pybullet_data is not installed'
+)
+
+
+@pytest.mark.parametrize('fault', broken_descriptions())
+def test_every_fault_is_named(fault):
+    result = import_broken(fault, broken_descriptions()[fault])
+    assert result.is_named, result.said or 'it was accepted'
+
+
+def test_a_good_description_is_not_refused():
+    result = import_broken('none', lambda text: text)
+    assert not result.is_named
+    assert result.said == ''
+
+
+@needs_descriptions
+@pytest.mark.parametrize('name', ['a1', 'laikago', 'spirit40'])
+def test_engines_agree_with_an_import(name):
+    checks = check_import(name, KNOWN_ROBOTS[name], seed=1)
+    assert [check.engine for check in checks] == ENGINES_WITH_PHYSICS
+    for check in checks:
+        assert check.foot < 1e-5
+        assert check.mass < 1e-6
+        assert check.center < 1e-3
+
+
+def test_closed_form_and_iteration_agree():
+    assert compare_kinematics(load_robot('genibo'), seed=2).difference < 1e-6
+
+
+@needs_descriptions
+@pytest.mark.parametrize('backend', ENGINES_WITH_PHYSICS)
+@pytest.mark.parametrize('robot', ['a1', 'spirit40'])
+def test_imported_robots_walk_as_they_are_asked_to(robot, backend):
+    walk = walk_imported(robot, 'trot', 'forward', backend, 0.6)
+    assert walk.problem == ''
+    assert not walk.has_fallen
+    assert abs(walk.error) < 0.02
+    assert walk.drift < 0.02
+    assert walk.tilt_rms < 0.026
+
+
+@needs_descriptions
+def test_limits_that_allow_nothing_are_said():
+    walk = walk_imported('a1', 'crab', 'turn', ENGINES_WITH_PHYSICS[0], 0.0)
+    assert walk.problem or walk.error != walk.error
