@@ -30,6 +30,8 @@ EXTRAS = {
     # PyBullet has wheels for Python up to 3.11; above it pip compiles for about seven minutes.
     # MuJoCo 4 splits its package, and an upgrade in place across the split breaks.
     'sim': ['mujoco>=3.3,<4', 'pybullet>=3.2.5; python_version < "3.12"'],
+    # Robots from other people's descriptions: URDF, xacro, and with MuJoCo MJCF.
+    'robots': ['yourdfpy>=0.0.56', 'trimesh>=4.0', 'lxml>=4.8', 'xacro>=2.0'],
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
     # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
