@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yourdfpy
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from quad_common.description.reading import yourdfpy
 from quad_common.errors import (
     DescriptionEntryInvalid,
     DescriptionUnusable,

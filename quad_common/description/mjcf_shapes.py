@@ -10,10 +10,9 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import yourdfpy
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
-
-from quad_common.description.reading import yourdfpy
 
 Array = NDArray[np.float64]
 

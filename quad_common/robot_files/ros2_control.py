@@ -1,7 +1,7 @@
 """
 Writes what ros2_control needs to move a robot by quadwalk's ``joint_trajectory``.
 
-The names of parameters are those of ROS 2 Jazzy; ``docs/hardware.md`` says where each is documented.
+Parameters are named as in ROS 2 Jazzy; ``docs/hardware.md`` says where each is documented.
 """
 
 from __future__ import annotations
@@ -221,8 +221,8 @@ def _document(document: dict[str, Any], header: str) -> str:
 _CONTROLLERS_HEADER = """\
 # Parameters of ros2_control's nodes, written by "quadwalk robot export". The trajectories of
 # gait_node replace one another before they end, each with its own time stamp, and end at rest:
-# - interpolate_from_desired_state: the way to the first point begins where the joints are commanded,
-#   not where they are under their load, so that trajectories join without a jerk.
+# - interpolate_from_desired_state: the way to the first point begins where the joints are commanded
+#   to be, not where they are under their load, so that trajectories join without a jerk.
 # - constraints of 0 are none: a tolerance that is exceeded would hold the joints in the middle of a
 #   step. gait_node watches the joints, and brings the robot to rest with the feet on the ground.
 # - cmd_timeout 0: after its last point, which is at rest, a trajectory is held.

@@ -7,6 +7,8 @@ Written after the rules of ROS 2 Jazzy's controller, with the settings of an exp
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from trajectory_msgs.msg import JointTrajectory
@@ -49,7 +51,7 @@ class TrajectoryController:
         start = seconds_from_time(message.header.stamp)
         if start != 0.0 and start + times[-1] < now:
             return 'it has ended'
-        if any(later <= earlier for earlier, later in zip(times, times[1:])):
+        if any(later <= earlier for earlier, later in pairwise(times)):
             return 'its times do not rise'
         for point in message.points:
             if len(point.positions) != count:

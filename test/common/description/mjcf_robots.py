@@ -49,7 +49,8 @@ def with_classes(folder: Path) -> Path:
           <geom class="visual" mesh="thigh"/>
           <geom class="collision" size="0.015" fromto="0 0 0 0 0 -{THIGH}"/>
           <body name="{leg}_calf" pos="0 0 -{THIGH}">
-            <inertial pos="0.004 0.001 -0.12" mass="0.2" fullinertia="0.0015 0.0015 0.00004 0 0 0.00001"/>
+            <inertial pos="0.004 0.001 -0.12" mass="0.2"
+              fullinertia="0.0015 0.0015 0.00004 0 0 0.00001"/>
             <joint class="knee" name="{leg}_calf_joint"/>
             <geom class="collision" size="0.01" fromto="0 0 0 0 0 -{CALF - 0.03}"/>
             <geom class="foot" name="{leg}"/>

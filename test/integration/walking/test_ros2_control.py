@@ -1,6 +1,4 @@
-"""What gait_node publishes is what ros2_control's joint_trajectory_controller takes, and follows."""
-
-import math
+"""What gait_node publishes ros2_control's joint_trajectory_controller takes, and follows."""
 
 import numpy as np
 import pytest
@@ -158,4 +156,5 @@ def test_trajectories_begin_in_the_future_at_rest_and_in_the_past_in_motion(
     robot.run(6.0, steered(0.05, 0.0))
     assert arrivals[0] > 0.0
     assert len(arrivals) > 5
-    assert all(math.isfinite(ahead) and ahead > -0.2 for ahead in arrivals)
+    # One that replaces another in motion begins where that one is now.
+    assert all(-0.1 < ahead <= 0.0 for ahead in arrivals[1:])
