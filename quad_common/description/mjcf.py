@@ -28,7 +28,6 @@ from quad_common.errors import (
     MissingOptionalDependency,
     NotAQuadruped,
 )
-from quad_common.robot.robot_build import LEGS
 
 try:
     import mujoco
@@ -38,6 +37,9 @@ except ImportError as error:
 from quad_common.description.mjcf_shapes import LinkShapes, pose_from
 
 Array = NDArray[np.float64]
+
+_LEGS = 4
+"""Number of chains of joints that the body of a quadruped carries at least."""
 
 _BETWEEN = 0.02
 """Fraction of a body's mass that a link between two of its joints gets: engines need some."""
@@ -225,7 +227,7 @@ class _Conversion:
     def _root(self) -> int:
         """Find the body that carries the legs, below whatever moves it in the world."""
         tops = [body for body in self._children[0] if self._ends(body) > 0]
-        robots = [body for body in tops if self._ends(body) >= len(LEGS)] or tops
+        robots = [body for body in tops if self._ends(body) >= _LEGS] or tops
         if not robots:
             raise NotAQuadruped(self._path, 'no joint that moves')
         if len(robots) > 1:
@@ -238,7 +240,7 @@ class _Conversion:
         root = body = robots[0]
         while not self._is_free(body):
             moving = [child for child in self._children[body] if self._ends(child) > 0]
-            if len(moving) != 1 or self._ends(moving[0]) < len(LEGS):
+            if len(moving) != 1 or self._ends(moving[0]) < _LEGS:
                 break
             # Planar bases are made of bodies that slide one upon another.
             body = moving[0]
