@@ -6,15 +6,17 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from quad_cli.arguments import output_argument, quantity_argument
+from quad_cli.arguments import folder_argument, output_argument, quantity_argument
 from quad_common.errors import ParameterError
-from quad_common.files.bounded_file import check_target, user_path
+from quad_common.errors.quoting import quoted
+from quad_common.files.bounded_file import check_target, is_file, user_path
 from quad_common.importing.known_robots import known_names
 from quad_common.importing.options import DIRECTIONS, KNEES, ImportOptions
 from quad_common.quantity import Quantity
@@ -23,6 +25,7 @@ from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 from quad_common.robot.robot_figures import derived_figures
 from quad_common.robot.urdf import published_urdf
 from quad_common.robot_files.robot_file import available_robots, load_robot
+from quad_common.robot_files.ros2_control import MOCK_PLUGIN, ExportOptions, export_robot
 
 EXAMPLES = f"""examples:
   quadwalk robot import my_robot.urdf --effort 33.5 --speed 21
@@ -30,12 +33,16 @@ EXAMPLES = f"""examples:
   quadwalk robot list
   quadwalk robot check titan_viii
   quadwalk robot urdf titan_viii > titan_viii.urdf
+  quadwalk robot export my_robot.yaml --output my_robot_bringup --plugin my_hardware/System
 
 robots that ship: {', '.join(available_robots())}
 """
 
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
 _SPEED = Quantity(0.01, 200.0, 'rad/s')
+
+_PLUGIN = re.compile(r'[A-Za-z]\w*/\w+(::\w+)*|\w+(::\w+)+')
+"""Names of pluginlib: ``package/Class``, or a class with its namespace."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,9 +55,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listing = actions.add_parser('list', help='list the robots that can be asked for by name')
     checking = actions.add_parser('check', help='check a robot, and say what follows from its data')
     printing = actions.add_parser('urdf', help="print a robot's URDF")
-    for action in (checking, printing):
+    exporting = actions.add_parser(
+        'export', help='write what ros2_control needs: URDF, controllers, limits and a launch file'
+    )
+    for action in (checking, printing, exporting):
         action.add_argument('robot', help='name of a robot, path of a data file or a description')
-    for action in (importing, listing, checking, printing):
+    exporting.add_argument(
+        '--output', type=folder_argument, help='folder to write to; NAME_bringup here if left out'
+    )
+    exporting.add_argument(
+        '--plugin',
+        type=plugin_argument,
+        default=MOCK_PLUGIN,
+        help='hardware plugin; %(default)s, which has no hardware, if left out',
+    )
+    for action in (importing, listing, checking, printing, exporting):
         action.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
@@ -89,7 +108,33 @@ def run(arguments: argparse.Namespace) -> int:
             json.dumps({'urdf': published_urdf(robot)}) if arguments.json else published_urdf(robot)
         )
         return 0
+    if arguments.action == 'export':
+        return _export(robot, arguments)
     return _check(robot, arguments.json)
+
+
+def plugin_argument(text: str) -> str:
+    """Read the name of a plugin; raise argparse.ArgumentTypeError."""
+    if not _PLUGIN.fullmatch(text):
+        raise argparse.ArgumentTypeError(
+            f'{quoted(text)} is no plugin, which is package/Class, for example {MOCK_PLUGIN}'
+        )
+    return text
+
+
+def _export(robot: Robot, arguments: argparse.Namespace) -> int:
+    path = user_path(arguments.robot)
+    # Nodes are started in folders of their own: a path means the same to all of them.
+    source = str(path.resolve()) if is_file(path) else arguments.robot
+    options = ExportOptions(robot=source, plugin=arguments.plugin)
+    folder = Path(arguments.output or f'{robot.name}_bringup')
+    written = [str(path) for path in export_robot(robot, folder, options)]
+    if arguments.json:
+        print(json.dumps({'name': robot.name, 'plugin': arguments.plugin, 'written': written}))
+        return 0
+    print(f'written: {", ".join(written)}')
+    print(f'next: ros2 launch {folder / "bringup.launch.py"}')
+    return 0
 
 
 def _list(as_json: bool) -> int:

@@ -19,6 +19,7 @@ MOST_MODULES = 16
 SHELLS = {
     'ros_node', 'run_node', 'map_frame_listener', 'transform_publisher', 'bullet_simulator',
     'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window', 'composed_nodes',
+    'mjcf', 'mjcf_shapes',
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 
@@ -181,14 +182,15 @@ def test_pybullet_is_imported_in_one_file_only():
     assert users == {'quad_sim/engines/bullet_simulator.py'}
 
 
-def test_mujoco_is_imported_by_its_engine_only():
+def test_mujoco_is_imported_by_its_engine_and_the_reader_of_its_format_only():
     users = {
         path.relative_to(ROOT).as_posix()
         for path in SOURCES
         if any(name.partition('.')[0] == 'mujoco' for name in imports(path))
     }
     parts = ('model', 'scene', 'simulator', 'window')
-    assert users == {f'quad_sim/engines/mujoco_{part}.py' for part in parts}
+    readers = {f'quad_common/description/{name}.py' for name in ('mjcf', 'mjcf_shapes')}
+    assert users == readers | {f'quad_sim/engines/mujoco_{part}.py' for part in parts}
 
 
 def test_ros_is_imported_by_shells_only():
