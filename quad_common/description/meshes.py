@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import DescriptionUnusable, MeshNotFound
+from quad_common.files.bounded_file import write_text
 from quad_common.files.package_path import is_in_package, package_candidates
 
 Array = NDArray[np.float64]
@@ -78,16 +79,7 @@ def mesh_corners(mesh: Any, description: Path) -> Array:
     DescriptionError
         If it is not there, or no mesh.
     """
-    import trimesh
-
-    path = mesh_path(mesh.filename, description)
-    try:
-        mesh_read: Any = trimesh.load(path, force='mesh', process=False)
-        corners: Array = np.array(mesh_read.vertices, dtype=np.float64)
-    # Readers of a dozen formats raise what they like.
-    except Exception as error:
-        reason = f'the mesh {path} cannot be read: {type(error).__name__}: {error}'
-        raise DescriptionUnusable(description, reason) from error
+    corners: Array = np.array(_read(mesh_path(mesh.filename, description), description).vertices)
     scaled: Array = corners.reshape(-1, 3) * scale_of(mesh)
     return scaled
 
@@ -96,3 +88,33 @@ def scale_of(mesh: Any) -> Array:
     """Return the scale of a mesh along its axes, shape (3,)."""
     scale = 1.0 if mesh.scale is None else mesh.scale
     return np.broadcast_to(np.asarray(scale, dtype=float), (3,))
+
+
+def convert_mesh(path: Path, target: Path, description: Path) -> None:
+    """
+    Write a mesh in the format of another file, told by its suffix, without its colors.
+
+    Raises
+    ------
+    DescriptionError
+        If it is no mesh.
+    FileUnusable
+        If the other file cannot be written.
+    """
+    mesh = _read(path, description)
+    text = mesh.export(file_type=target.suffix[1:], include_texture=False)
+    write_text(target, text, 'mesh')
+
+
+def _read(path: Path, description: Path) -> Any:
+    import trimesh
+
+    try:
+        mesh: Any = trimesh.load(path, force='mesh', process=False)
+        # Scenes without a shape have no corners.
+        assert len(mesh.vertices) > 0
+    # Readers of a dozen formats raise what they like.
+    except Exception as error:
+        reason = f'the mesh {path} cannot be read: {type(error).__name__}: {error}'
+        raise DescriptionUnusable(description, reason) from error
+    return mesh

@@ -88,6 +88,8 @@ class KinematicTree:
 
     def __init__(self, robot: Any, path: Path) -> None:
         self.path = path
+        self.materials: list[Any] = list(robot.materials)
+        """Colors that links name."""
         self.links: dict[str, Any] = {}
         for link in robot.links:
             if link.name in self.links:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,20 +19,27 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from quad_common.description.mass import Mass
-from quad_common.description.meshes import mesh_path
+from quad_common.description.meshes import convert_mesh, mesh_path
 from quad_common.description.poses import inverse, pose_of
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import MeshNotFound
+from quad_common.errors import DescriptionUnusable, MeshNotFound
+from quad_common.files.bounded_file import make_folder
 from quad_common.importing.masses import Part
 from quad_common.importing.robot_import import ImportedRobot
 
 Array = NDArray[np.float64]
 
+_READ_BY_ALL = ('.obj', '.stl')
+"""Formats of meshes that every engine reads."""
+
+_THINNEST = 1e-5
+"""Extent below which a shape is none [m]."""
+
 _FOOT = 0.02
 """Mass of a foot that has none of its own, as a fraction of its calf's; taken from that."""
 
 
-def own_urdf(robot: ImportedRobot) -> str:
+def own_urdf(robot: ImportedRobot, meshes: Path) -> str:
     """
     Write a robot's own URDF.
 
@@ -39,6 +47,8 @@ def own_urdf(robot: ImportedRobot) -> str:
     ----------
     robot : ImportedRobot
         The robot.
+    meshes : Path
+        Folder for meshes that not all engines read, made if there are any: they are converted.
 
     Returns
     -------
@@ -50,7 +60,8 @@ def own_urdf(robot: ImportedRobot) -> str:
     to_base = robot.to_base
     base_from_root = inverse(to_base)
     body = robot.parts.body
-    links = [_link(robot, body.link, body.links, base_from_root, body.mass)]
+    shapes = _Shapes(robot, meshes)
+    links = [_link(shapes, body.link, body.links, base_from_root, body.mass)]
     joints = []
     for k, (chain, parts, foot) in enumerate(zip(robot.chains, robot.parts.legs, robot.feet)):
         parent, parent_frame = body.link, base_from_root
@@ -58,9 +69,9 @@ def own_urdf(robot: ImportedRobot) -> str:
             frame = robot.tree.pose(joint.child)
             has_foot = j == 2 and foot.link != part.link
             links += (
-                _calf_and_foot(robot, part, foot.link)
+                _calf_and_foot(shapes, part, foot.link)
                 if has_foot
-                else [_link(robot, part.link, part.links, frame, part.mass)]
+                else [_link(shapes, part.link, part.links, frame, part.mass)]
             )
             joints.append(
                 model.Joint(
@@ -90,15 +101,17 @@ def own_urdf(robot: ImportedRobot) -> str:
                     origin=origin,
                 )
             )
-    described = model.Robot(name=robot.name, links=links, joints=joints)
+    described = model.Robot(
+        name=robot.name, links=links, joints=joints, materials=robot.tree.materials
+    )
     written = yourdfpy.URDF(described, build_scene_graph=False, load_meshes=False).write_xml()
     text: bytes = etree.tostring(written, pretty_print=True)
     return text.decode()
 
 
-def _calf_and_foot(robot: ImportedRobot, part: Part, foot: str) -> list[Any]:
+def _calf_and_foot(shapes: _Shapes, part: Part, foot: str) -> list[Any]:
     """Make two links of a calf: the foot's link with what it carries, and the rest."""
-    tree = robot.tree
+    robot, tree = shapes.robot, shapes.robot.tree
     of_foot = set(tree.rigid_group(foot))
     foot_links = [link for link in part.links if link in of_foot]
     rest = [link for link in part.links if link not in of_foot]
@@ -110,8 +123,8 @@ def _calf_and_foot(robot: ImportedRobot, part: Part, foot: str) -> list[Any]:
         foot_mass = Mass(least, center, 0.4 * least * radius**2 * np.eye(3))
     calf_mass = _difference(part.mass, foot_mass)
     return [
-        _link(robot, part.link, rest, tree.pose(part.link), calf_mass),
-        _link(robot, foot, foot_links, tree.pose(foot), foot_mass),
+        _link(shapes, part.link, rest, tree.pose(part.link), calf_mass),
+        _link(shapes, foot, foot_links, tree.pose(foot), foot_mass),
     ]
 
 
@@ -144,38 +157,86 @@ def _difference(whole: Mass, part: Mass) -> Mass:
     return left if left.is_possible else Mass(amount, center, whole.inertia * amount / whole.amount)
 
 
-def _link(robot: ImportedRobot, name: str, links: Iterable[str], frame: Array, mass: Mass) -> Any:
+def _link(shapes: _Shapes, name: str, links: Iterable[str], frame: Array, mass: Mass) -> Any:
     """Make one link of several, in a frame that the root's frame places."""
-    model, tree = yourdfpy.urdf, robot.tree
-    into = inverse(frame)
+    model, into = yourdfpy.urdf, inverse(frame)
     own = mass.moved(into)
     origin = np.eye(4)
     origin[:3, 3] = own.center
     inertial = model.Inertial(origin=origin, mass=own.amount, inertia=own.inertia)
     made = model.Link(name=name, inertial=inertial)
-    for use in ('visuals', 'collisions'):
-        for link in links:
-            for shape in getattr(tree.links[link], use):
-                placed = deepcopy(shape)
-                placed.origin = into @ tree.pose(link) @ pose_of(shape.origin)
-                if placed.geometry is None or not _has_mesh(robot, placed, use):
-                    continue
-                # Names are free in URDF, but engines want different ones.
-                placed.name = None
-                getattr(made, use).append(placed)
+    for link in links:
+        made.visuals += shapes.of_link(link, 'visuals', into)
+        made.collisions += shapes.of_link(link, 'collisions', into)
     return made
 
 
-def _has_mesh(robot: ImportedRobot, shape: Any, use: str) -> bool:
-    """Give a shape's mesh its absolute path; return whether it can be had."""
-    mesh = shape.geometry.mesh
-    if mesh is None:
+class _Shapes:
+    """
+    The shapes of a robot's links, with meshes that engines find and read.
+
+    Parameters
+    ----------
+    robot : ImportedRobot
+        The robot.
+    meshes : Path
+        Folder for meshes that are converted.
+    """
+
+    def __init__(self, robot: ImportedRobot, meshes: Path) -> None:
+        self.robot = robot
+        self._folder = meshes
+        self._converted: dict[Path, Path] = {}
+
+    def of_link(self, link: str, use: str, into: Array) -> list[Any]:
+        """Return a link's ``visuals`` or ``collisions``, in the frame to which ``into`` takes."""
+        tree = self.robot.tree
+        found = []
+        for shape in getattr(tree.links[link], use):
+            placed = deepcopy(shape)
+            placed.origin = into @ tree.pose(link) @ pose_of(shape.origin)
+            if not _has_extent(placed.geometry) or not self._finds_mesh(placed, use):
+                continue
+            # Names are free in URDF, but engines want different ones.
+            placed.name = None
+            found.append(placed)
+        return found
+
+    def _finds_mesh(self, shape: Any, use: str) -> bool:
+        """Give a shape's mesh its absolute path; return whether it can be had."""
+        mesh = shape.geometry.mesh
+        if mesh is None:
+            return True
+        try:
+            path = mesh_path(mesh.filename, self.robot.tree.path)
+            if path.suffix.lower() not in _READ_BY_ALL:
+                path = self._converted_mesh(path)
+        except (MeshNotFound, DescriptionUnusable):
+            if use == 'collisions':
+                raise
+            self.robot.notes.assume('meshes that are only looked at are missing or unreadable')
+            return False
+        mesh.filename = str(path)
         return True
-    try:
-        mesh.filename = str(mesh_path(mesh.filename, robot.tree.path))
-    except MeshNotFound as error:
-        if use == 'collisions':
-            raise
-        robot.notes.assume(f'meshes that are only looked at are missing ({error.mesh} ...)')
+
+    def _converted_mesh(self, path: Path) -> Path:
+        """Write a mesh as one that all engines read, once."""
+        if path not in self._converted:
+            make_folder(self._folder)
+            count = len(self._converted)
+            target = self._folder.resolve() / f'{path.stem}_{count}.obj'
+            convert_mesh(path, target, self.robot.tree.path)
+            self._converted[path] = target
+        return self._converted[path]
+
+
+def _has_extent(geometry: Any) -> bool:
+    """Whether a shape is any: dummies have sizes of 0, which engines refuse."""
+    if geometry is None:
         return False
-    return True
+    sizes = [
+        *np.ravel(geometry.box.size if geometry.box else ()),
+        *((geometry.sphere.radius,) if geometry.sphere else ()),
+        *((geometry.cylinder.radius, geometry.cylinder.length) if geometry.cylinder else ()),
+    ]
+    return all(size > _THINNEST for size in sizes)

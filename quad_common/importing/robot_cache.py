@@ -21,7 +21,7 @@ from quad_common.importing.options import ImportOptions
 DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 """Suffixes of files that are imported where a robot is asked for."""
 
-_FORMAT = 10
+_FORMAT = 13
 """Number of the format of kept files: raised when an import finds more than it did."""
 
 _LARGEST = 2**24
@@ -85,7 +85,8 @@ def imported_file(description: Path, options: ImportOptions | None = None) -> Pa
     make_folder(path.parent)
     # Several nodes may begin at once: each writes files of its own, and the last one stays.
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        data_file, urdf = write_robot(robot, Path(folder) / path.name)
+        meshes = path.with_name(f'{path.stem}_meshes')
+        data_file, urdf = write_robot(robot, Path(folder) / path.name, meshes)
         urdf.replace(path.with_suffix('.urdf'))
         data_file.replace(path)
     return path

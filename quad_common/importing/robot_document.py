@@ -48,7 +48,7 @@ _PLACES = 9
 """Decimal places that are written."""
 
 
-def write_robot(robot: ImportedRobot, path: Path) -> tuple[Path, Path]:
+def write_robot(robot: ImportedRobot, path: Path, meshes: Path | None = None) -> tuple[Path, Path]:
     """
     Write an imported robot's data file, and its URDF beside it.
 
@@ -58,6 +58,8 @@ def write_robot(robot: ImportedRobot, path: Path) -> tuple[Path, Path]:
         The robot.
     path : Path
         The data file, ``*.yaml``; folders are made.
+    meshes : Path, optional
+        Folder for meshes that have to be converted; beside the data file if not given.
 
     Returns
     -------
@@ -70,7 +72,8 @@ def write_robot(robot: ImportedRobot, path: Path) -> tuple[Path, Path]:
         If a file cannot be written.
     """
     urdf = path.with_suffix('.urdf')
-    text = own_urdf(robot)
+    meshes = path.with_name(f'{path.stem}_meshes') if meshes is None else meshes
+    text = own_urdf(robot, meshes)
     document = robot_document(robot, urdf.name)
     make_folder(path.parent)
     write_text(urdf, text, 'URDF')

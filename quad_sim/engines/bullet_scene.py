@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.vision.markers import Color, RobotMarker
+from quad_sim.engines.bullet_body import BulletBody
 from quad_sim.world.appearance import AMBIENT, LIGHT_FROM, SQUARE_SHADE, Appearance
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import Obstacle, World
@@ -63,10 +64,8 @@ class BulletScene:
     ----------
     client : BulletClient
         An empty world, which becomes the scene's own.
-    body : int
+    body : BulletBody
         The robot's body in it.
-    joints : sequence of int
-        The robot's joints, in the order of ``Robot.joint_names``.
     robot : Robot
         The same robot's data.
     world : World
@@ -78,16 +77,15 @@ class BulletScene:
     def __init__(
         self,
         client: Any,
-        body: int,
-        joints: Sequence[int],
+        body: BulletBody,
         robot: Robot,
         world: World,
         appearance: Appearance,
     ) -> None:
         self._bullet = client
-        self._body = body
-        self._joints = list(joints)
-        self._body_center = robot.body_center
+        self._body = body.number
+        self._joints = list(body.joints)
+        self._inertial = body.inertial
         self._appearance = appearance
         self._obstacles: dict[Hashable, int] = {}
         self._goal: tuple[int, int] | None = None
@@ -99,8 +97,9 @@ class BulletScene:
         for outline in world.boxes:
             bottom, top = world.span_of_wall(outline)
             self._add_prism(outline, top, appearance.obstacle_color, bottom)
-        for link in range(-1, client.getNumJoints(body)):
-            client.changeVisualShape(body, link, rgbaColor=_rgba(appearance.robot_color))
+        # A robot with a URDF of its own has its own colors.
+        for link in range(-1, client.getNumJoints(body.number) if not robot.own_urdf else -1):
+            client.changeVisualShape(body.number, link, rgbaColor=_rgba(appearance.robot_color))
         self._marker = self._add_marker(appearance.robot_marker or RobotMarker.on(robot))
 
     def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
@@ -149,10 +148,11 @@ class BulletScene:
         self._bullet.resetBasePositionAndOrientation(self._body, center, orientation)
         for joint, angle in zip(self._joints, angles):
             self._bullet.resetJointState(self._body, joint, angle)
-        to_world = np.reshape(self._bullet.getMatrixFromQuaternion(orientation), (3, 3))
-        base = np.asarray(center) - to_world @ self._body_center
+        turned = self._inertial.base_orientation(orientation)
+        to_world = np.reshape(self._bullet.getMatrixFromQuaternion(turned), (3, 3))
+        base = np.asarray(center) - to_world @ self._inertial.center
         for part, place in self._marker:
-            self._bullet.resetBasePositionAndOrientation(part, base + to_world @ place, orientation)
+            self._bullet.resetBasePositionAndOrientation(part, base + to_world @ place, turned)
 
     def render(self, view: Array, projection: Array, width: int, height: int) -> NDArray[np.uint8]:
         """Draw a picture; see :class:`quad_sim.world.simulated_camera.Scene`."""

@@ -333,9 +333,7 @@ class BulletSimulator:
         """Make what pictures are taken of, a second world with the same things in it."""
         client = headless_client()
         body = load_body(client, self._robot, in_physics=False)
-        scene = BulletScene(
-            client, body.number, body.joints, self._robot, self._world, self._appearance
-        )
+        scene = BulletScene(client, body, self._robot, self._world, self._appearance)
         for name, obstacle in self.obstacles.items():
             scene.put_obstacle(name, obstacle)
         if self._goal is not None:

@@ -48,6 +48,9 @@ _NO_SLIP_ITERATIONS = 10
 with 10 by 0.006. On level ground genibo creeps by 0.05 mm/s with 10, without any or with 20 not at
 all; but with 20 its trot to the side rocks by 0.8 in place of 0.4 degrees."""
 
+_HIDDEN = 3
+"""Group of geometries that MuJoCo does not show."""
+
 _SIDES = 48
 """Number of sides of a cylinder in pictures."""
 
@@ -77,7 +80,8 @@ class MujocoModel:
         self._heights: Array | None = None
         self._count: Counter[str] = Counter()
         self._placed: dict[Hashable, tuple[Obstacle, Any]] = {}
-        self._spec: Any = mujoco.MjSpec.from_string(urdf_from_robot(robot))
+        urdf = urdf_from_robot(robot)
+        self._spec: Any = mujoco.MjSpec.from_string(_seen(urdf) if robot.own_urdf else urdf)
         # Feet are bodies of their own, so that contacts can be told apart.
         self._spec.compiler.fusestatic = False
         # Shapes that are only looked at were left out on reading; the floor's pattern is to stay.
@@ -87,9 +91,7 @@ class MujocoModel:
         self._set_options()
         self._set_light()
         for body in self._spec.bodies:
-            for geom in body.geoms:
-                self._make_solid(geom, 1.0)
-                geom.rgba = rgba(appearance.robot_color)
+            self._dress(body, robot)
         self._set_motors(robot)
         if robot.own_urdf:
             self._part_overlapping_links(robot)
@@ -183,6 +185,18 @@ class MujocoModel:
         # A texture has two squares in each direction.
         material.texrepeat = [0.5 / look.checker_size] * 2
         return 'floor'
+
+    def _dress(self, body: Any, robot: Robot) -> None:
+        """Make a link's shapes solid, and show it: as its own URDF has it, or in the color."""
+        seen = [geom for geom in body.geoms if not geom.contype and not geom.conaffinity]
+        for geom in body.geoms:
+            if geom in seen:
+                continue
+            self._make_solid(geom, 1.0)
+            if seen:
+                geom.group = _HIDDEN
+            elif not robot.own_urdf:
+                geom.rgba = rgba(self._appearance.robot_color)
 
     def _set_motors(self, robot: Robot) -> None:
         for name, effort in zip(robot.joint_names, robot.effort.reshape(-1)):
@@ -297,6 +311,12 @@ class MujocoModel:
         """Put the heights back that the compiler stretches from 0 to 1 by itself."""
         if self._heights is not None:
             model.hfield_data[:] = self._heights
+
+
+def _seen(urdf: str) -> str:
+    """Have MuJoCo keep what is only looked at, and the folders of meshes."""
+    settings = '<mujoco><compiler discardvisual="false" strippath="false"/></mujoco>'
+    return urdf.replace('</robot>', f'{settings}</robot>')
 
 
 def rgba(color: Color) -> list[float]:

@@ -270,8 +270,12 @@ class MujocoSimulator:
         forces = dict.fromkeys(self._feet, 0.0)
         force = np.zeros(6)
         for index in range(self._data.ncon):
-            names = [self._names[geom] for geom in self._data.contact[index].geom]
+            a, b = self._data.contact[index].geom.tolist()
+            names = [self._names[a], self._names[b]]
             foot = next((name for name in names if name in forces), None)
+            if foot is None and self._foot_of and self._stands_as_foot(index, a, b):
+                leg = b if self._is_ground[a] else a
+                foot = self._model.body(self._foot_of[int(self._model.geom_bodyid[leg])]).name
             if foot is not None and any(name in (GROUND, OBSTACLE) for name in names):
                 mujoco.mj_contactForce(self._model, self._data, index, force)
                 forces[foot] += float(force[0])

@@ -349,3 +349,25 @@ def test_meshes_are_found_in_their_package(tmp_path):
 def test_notes_are_plain_data(tmp_path):
     notes = import_robot(Variant(SHIPPED['pukyong']).write(tmp_path)).notes
     assert json.loads(json.dumps([notes.found, notes.assumed]))
+
+
+def test_meshes_that_not_all_engines_read_are_converted(tmp_path):
+    trimesh = pytest.importorskip('trimesh')
+    pytest.importorskip('collada')
+    box = trimesh.creation.box(extents=(0.2, 0.1, 0.06))
+    (tmp_path / 'trunk.dae').write_bytes(trimesh.exchange.dae.export_collada(box))
+    variant = Variant(SHIPPED['genibo'])
+    base = next(link for link in variant.root.iter('link') if link.get('name') == 'base_link')
+    for use in ('visual', 'collision'):
+        geometry = base.find(f'{use}/geometry')
+        geometry.clear()
+        ElementTree.SubElement(geometry, 'mesh', filename='trunk.dae')
+    imported = import_robot(variant.write(tmp_path))
+    assert np.allclose(imported.sizes.body_size, [0.2, 0.1, 0.06], atol=1e-6)
+    data_file, urdf = write_robot(imported, tmp_path / 'out' / 'mine.yaml')
+    converted = list((tmp_path / 'out' / 'mine_meshes').iterdir())
+    assert [path.suffix for path in converted] == ['.obj']
+    assert urdf.read_text().count(str(converted[0])) == 2
+    corners = trimesh.load(converted[0], force='mesh').vertices
+    assert np.allclose(np.ptp(corners, axis=0), [0.2, 0.1, 0.06], atol=1e-6)
+    assert load_robot(data_file).own_urdf
