@@ -12,6 +12,7 @@ import stat
 from pathlib import Path
 
 from quad_common.errors import FileUnusable
+from quad_common.files.package_path import is_in_package, package_candidates
 
 LARGEST_TEXT = 2**18
 """Bytes of the largest text file that is read: shipped ones have less than 10 000."""
@@ -22,13 +23,29 @@ LARGEST_IMAGE = 2**29
 
 def user_path(path: str | Path, what: str = 'file') -> Path:
     """
-    Return a path with ``~`` as the home directory.
+    Return the path of a file as a person names it.
+
+    Parameters
+    ----------
+    path : str or Path
+        A path, in which ``~`` is the home directory, or ``package://PACKAGE/path``: that is
+        looked for in the ROS packages that are installed.
+    what : str
+        What it is, for the error's sentence.
+
+    Returns
+    -------
+    Path
+        Of a package's file that is not there, as it was named.
 
     Raises
     ------
     FileUnusable
         If there is no such user.
     """
+    if is_in_package(str(path)):
+        candidates = package_candidates(str(path))
+        return next((found for found in candidates if is_file(found)), Path(path))
     try:
         return Path(path).expanduser()
     except RuntimeError as error:

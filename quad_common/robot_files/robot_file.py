@@ -28,7 +28,6 @@ from quad_common.errors import (
     UnknownKey,
 )
 from quad_common.files.bounded_file import is_file, user_path
-from quad_common.files.package_path import is_in_package, package_candidates
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
 from quad_common.importing.known_robots import known_names
 from quad_common.importing.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
@@ -101,7 +100,7 @@ def robot_file(robot: str | Path) -> Path:
     """
     shipped = ROBOTS_FOLDER / f'{robot}.yaml'
     try:
-        path = shipped if is_file(shipped) else _path_of(robot)
+        path = shipped if is_file(shipped) else user_path(robot, _WHAT)
     except FileUnusable as error:
         raise error.of_kind(RobotFileUnusable) from error
     if is_file(path):
@@ -110,14 +109,6 @@ def robot_file(robot: str | Path) -> Path:
     if known is None:
         raise RobotUnknown(str(robot), (*available_robots(), *known_names()))
     return known
-
-
-def _path_of(robot: str | Path) -> Path:
-    """Return the path that a robot is given by; of a package's file, where it is found."""
-    if not is_in_package(str(robot)):
-        return user_path(robot, _WHAT)
-    candidates = package_candidates(str(robot))
-    return next((path for path in candidates if is_file(path)), Path(robot))
 
 
 def load_robot(robot: str | Path) -> Robot:

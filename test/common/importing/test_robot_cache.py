@@ -8,6 +8,7 @@ import importlib.util
 import pytest
 
 from quad_common.errors import DescriptionError, RobotModelError
+from quad_common.files.bounded_file import user_path
 from quad_common.robot.urdf import published_urdf, urdf_from_robot
 from quad_common.robot_files.robot_file import load_robot, robot_file
 
@@ -81,6 +82,11 @@ def test_a_package_holds_a_robot(cache, tmp_path, monkeypatch):
     assert load_robot('package://my_robot/urdf/mine.urdf').leg_type == 'yaw_pitch_pitch'
     with pytest.raises(RobotModelError, match='there is no robot'):
         load_robot('package://my_robot/urdf/other.urdf')
+    # Gaits, maps and cameras are named in the same manner.
+    gait = share.parent / 'gaits' / 'mine.yaml'
+    gait.parent.mkdir()
+    gait.write_text('name: mine')
+    assert user_path('package://my_robot/gaits/mine.yaml') == gait
 
 
 @needs_descriptions
