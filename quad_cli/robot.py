@@ -8,10 +8,7 @@ import argparse
 import json
 import re
 from pathlib import Path
-
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
+from typing import TYPE_CHECKING
 
 from quad_cli.arguments import folder_argument, output_argument, quantity_argument
 from quad_common.errors import ParameterError
@@ -37,6 +34,10 @@ EXAMPLES = f"""examples:
 
 robots that ship: {', '.join(available_robots())}
 """
+
+if TYPE_CHECKING:
+    # Tables are slow to import, and most actions print none.
+    from rich.table import Table
 
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
 _SPEED = Quantity(0.01, 200.0, 'rad/s')
@@ -166,6 +167,9 @@ def _check(robot: Robot, as_json: bool) -> int:
 
 def _import(arguments: argparse.Namespace) -> int:
     # Packages that read descriptions are slow to import, and may not be there.
+    from rich.console import Console
+    from rich.markup import escape
+
     from quad_common.importing.robot_document import write_robot
     from quad_common.importing.robot_import import import_robot
 
@@ -216,6 +220,9 @@ def _import(arguments: argparse.Namespace) -> int:
 
 def _legs_table(robot: Robot) -> Table:
     """Tabulate which joints were taken for which legs, and what they can do."""
+    from rich.markup import escape
+    from rich.table import Table
+
     table = Table(title=f'{robot.name}: {robot.leg_type.replace("_", ", ")}')
     for column in ('leg', 'joints, from the body outward', 'range [deg]', 'N m', 'rad/s', 'foot'):
         table.add_column(column)

@@ -13,7 +13,8 @@ and masses of shapes are what they are in its simulation. What is left is a chan
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -81,16 +82,28 @@ def robot_from_mjcf(path: Path) -> Any:
         If nothing in it has joints.
     """
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        # Bodies that cannot move against one another, and shapes that are only looked at, stay.
-        spec.compiler.fusestatic = False
-        spec.compiler.discardvisual = False
-        model = spec.compile()
+        with _without_warnings():
+            spec = mujoco.MjSpec.from_file(str(path))
+            # Bodies that cannot move against each other, and shapes only to look at, stay.
+            spec.compiler.fusestatic = False
+            spec.compiler.discardvisual = False
+            model = spec.compile()
     # MuJoCo's readers raise ValueError; its plugins and decoders of meshes whatever they like.
     except Exception as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
         raise DescriptionUnusable(path, f'MuJoCo cannot read it: {reason}') from error
     return _Conversion(path, model, LinkShapes(path, spec, model)).robot(str(spec.modelname))
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Keep MuJoCo from writing its warnings to a file wherever the program was started."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 class _Conversion:

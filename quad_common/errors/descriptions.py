@@ -104,6 +104,7 @@ class JointFiguresMissing(DescriptionError):
         names = ', '.join(self.joints[:3]) + (' ...' if len(self.joints) > 3 else '')
         what = 'no' if self.stated is None else f'the {self.figure} {shown(self.stated)} as'
         return (
-            f'{self.path} has {what} largest {self.figure} of the joints {names}; give it with '
-            f'--{self.figure} (one number, or three from the body outward) [{self.unit}]'
+            f'{self.path} has {what} largest {self.figure} of the joints {names}; give it to '
+            f'quadwalk robot import with --{self.figure} (one number, or three from the body '
+            f'outward) [{self.unit}]'
         )

@@ -201,6 +201,8 @@ def test_what_cannot_be_done_ends_with_code_2_and_one_sentence(capsys, arguments
         [*PLAN, '--method', 'guess'],
         ['parameters', 'other_node'],
         ['robot', 'paint', 'titan_viii'],
+        ['robot', 'export', 'titan_viii', '--plugin', 'no plugin'],
+        ['robot', 'export', 'titan_viii', '--output', ''],
         ['bench', 'nothing'],
     ],
 )

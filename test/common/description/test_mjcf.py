@@ -449,6 +449,16 @@ def test_what_mujoco_refuses_is_refused_with_its_reason(tmp_path, text, reason):
     assert '\n' not in str(caught.value)
 
 
+def test_warnings_of_mujoco_leave_no_file_behind(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = write(tmp_path, '<body><freejoint/><geom size="nan"/></body>')
+    before = mujoco.get_mju_user_warning()
+    with pytest.raises(DescriptionUnusable, match='nan size in geom'):
+        robot_from_mjcf(path)
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+    assert mujoco.get_mju_user_warning() is before
+
+
 def test_a_leg_that_bends_about_wrong_axes_is_named(tmp_path):
     legs = FOUR_LEGS.format(knee='axis="0 0 1"')
     path = write(tmp_path, f'<body><freejoint/><geom size=".1"/>{legs}</body>')
