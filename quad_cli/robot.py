@@ -90,11 +90,26 @@ def _add_import_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--forward', choices=DIRECTIONS, default='', help="forward, along the root link's axes"
     )
+    parser.add_argument(
+        '--argument',
+        action='append',
+        default=[],
+        type=_named_value,
+        metavar='NAME=VALUE',
+        help="of a xacro file's arguments; may be repeated",
+    )
     parser.add_argument('--knees', choices=KNEES, default='', help='where the knees point')
     parser.add_argument(
         '--output', type=output_argument, help='data file to write; NAME.yaml here if left out'
     )
     parser.add_argument('--no-picture', action='store_true', help='write no picture')
+
+
+def _named_value(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition('=')
+    if not name or not equals:
+        raise argparse.ArgumentTypeError(f'{quoted(text)} is not NAME=VALUE')
+    return name, value
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -182,6 +197,7 @@ def _import(arguments: argparse.Namespace) -> int:
         speed=tuple(arguments.speed),
         forward=arguments.forward,
         knees=arguments.knees,
+        arguments=tuple(arguments.argument),
     )
     imported = import_robot(user_path(arguments.file), options)
     path = Path(arguments.output or f'{imported.name}.yaml')

@@ -10,9 +10,11 @@ from __future__ import annotations
 import io
 import logging
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from quad_common.description.package_index import packages_around
 from quad_common.errors import (
     DescriptionEntryInvalid,
     DescriptionUnusable,
@@ -45,7 +47,7 @@ except ImportError as error:
 logging.getLogger('yourdfpy').setLevel(logging.ERROR)
 
 
-def read_description(path: str | Path) -> Any:
+def read_description(path: str | Path, arguments: Mapping[str, str] | None = None) -> Any:
     """
     Read a robot's description.
 
@@ -53,6 +55,8 @@ def read_description(path: str | Path) -> Any:
     ----------
     path : str or Path
         URDF, xacro or MJCF file.
+    arguments : mapping of str to str, optional
+        Values of a xacro file's arguments.
 
     Returns
     -------
@@ -79,7 +83,7 @@ def read_description(path: str | Path) -> Any:
             path, f'is neither URDF, xacro nor MJCF: it begins with {root.tag}'
         )
     if path.suffix == '.xacro' or 'http://www.ros.org/wiki/xacro' in root.nsmap.values():
-        root = _parsed(_expanded(path), path)
+        root = _parsed(_expanded(path, arguments or {}), path)
     return _robot_from_urdf(root, path)
 
 
@@ -99,18 +103,24 @@ def _parsed(content: bytes, path: Path) -> Any:
     return root
 
 
-def _expanded(path: Path) -> bytes:
-    """Run xacro; properties that a file asks for by argument keep their defaults."""
+def _expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
+    """Run xacro; arguments that are not given keep the defaults that the file has for them."""
     try:
         import xacro
     except ImportError as error:
         raise MissingOptionalDependency('xacro', "pip install 'quadwalk[robots]'") from error
     try:
-        text: str = xacro.process_file(str(path)).toxml()
+        with packages_around(path) as folders:
+            text: str = xacro.process_file(str(path), mappings=dict(arguments)).toxml()
+        for found, folder in folders.items():
+            text = text.replace(found, folder)
     # xacro evaluates what the file says, and lets pass whatever that raises.
     except (Exception, SystemExit) as error:
-        reason = str(error) or type(error).__name__
-        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}') from error
+        # xacro repeats itself, beginning with a class.
+        reason = str(error).rpartition('> ')[2] or type(error).__name__
+        missing = 'Undefined substitution argument' in reason
+        advice = '; give it with --argument NAME=VALUE' if missing else ''
+        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}{advice}') from error
     return text.encode()
 
 

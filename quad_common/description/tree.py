@@ -166,6 +166,9 @@ class KinematicTree:
             raise self._invalid('joint', name, f"is of the kind '{given.type}'")
         axis = np.array([1.0, 0.0, 0.0] if given.axis is None else given.axis, dtype=float)
         length = float(np.linalg.norm(axis)) if axis.shape == (3,) else math.nan
+        if given.type == 'fixed':
+            # Exporters write axes of 0 there, which mean nothing.
+            axis, length = np.array([1.0, 0.0, 0.0]), 1.0
         if not _SHORTEST_AXIS < length < _LARGEST:
             raise self._invalid('joint', name, f'has the axis {given.axis}')
         limit = given.limit

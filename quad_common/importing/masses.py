@@ -14,7 +14,7 @@ from quad_common.description.mass import Mass, box_inertia, total
 from quad_common.description.poses import inverse, moved
 from quad_common.description.shapes import points_of
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import LegNotFeasible
+from quad_common.errors import DescriptionEntryInvalid
 from quad_common.importing.chains import LegChain
 from quad_common.importing.options import Notes
 from quad_common.robot.exact_masses import ExactMasses
@@ -66,7 +66,7 @@ def find_parts(tree: KinematicTree, legs: list[LegChain], notes: Notes) -> Parts
 
     Raises
     ------
-    LegNotFeasible
+    DescriptionEntryInvalid
         If a part has no mass.
     """
     heads = {joint.child for leg in legs for joint in leg.joints}
@@ -100,8 +100,8 @@ def _part(tree: KinematicTree, name: str, links: list[str], replaced: list[str])
     masses = [tree.mass_of(link) for link in links]
     mass = total(masses)
     if mass.amount < _LIGHTEST:
-        problem = f"has no mass: link '{name}' and what is fixed to it have {mass.amount:g} kg"
-        raise LegNotFeasible(tree.path, name, problem)
+        problem = 'has no mass, nor has what is fixed to it'
+        raise DescriptionEntryInvalid(tree.path, f"link '{name}'", problem)
     if not all(m.is_possible for m in masses if m.amount > 0.0) or not mass.is_possible:
         replaced.append(name)
         # Each link's own inertia counts; that they are apart is known of their centers.

@@ -27,6 +27,8 @@ class ImportOptions:
     """Direction in which the robot walks, one of :data:`DIRECTIONS`; found if empty."""
     knees: str = ''
     """Where the knees point, one of :data:`KNEES`; found if empty."""
+    arguments: tuple[tuple[str, str], ...] = ()
+    """Names and values of a xacro file's arguments."""
 
 
 @dataclass

@@ -1,0 +1,68 @@
+"""
+Lets xacro find ROS packages that are not installed: those around the file that names them.
+
+xacro asks ROS's index of packages, ``AMENT_PREFIX_PATH``, which only knows what is installed. A
+description that was copied, or that is in a workspace that was not built, names its own package.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+_INDEX = 'AMENT_PREFIX_PATH'
+
+_LEVELS = 6
+"""Number of folders above a description that are looked at."""
+
+
+@contextmanager
+def packages_around(description: Path) -> Iterator[dict[str, str]]:
+    """
+    Add the packages around a description to the index, behind those that are installed.
+
+    Parameters
+    ----------
+    description : Path
+        The description. Folders above it with a ``package.xml`` are packages, and so are the
+        folders beside those.
+
+    Yields
+    ------
+    dict of str to str
+        Where the packages really are, by the folders that the index gives.
+    """
+    before = os.environ.get(_INDEX)
+    with tempfile.TemporaryDirectory() as folder:
+        share = Path(folder) / 'share'
+        names = share / 'ament_index' / 'resource_index' / 'packages'
+        names.mkdir(parents=True)
+        folders: dict[str, str] = {}
+        for package in _packages(description.resolve()):
+            linked = share / package.name
+            if str(linked) not in folders:
+                (names / package.name).touch()
+                linked.symlink_to(package)
+                folders[str(linked)] = str(package)
+        os.environ[_INDEX] = os.pathsep.join(filter(None, (before, folder)))
+        try:
+            yield folders
+        finally:
+            if before is None:
+                del os.environ[_INDEX]
+            else:
+                os.environ[_INDEX] = before
+
+
+def _packages(description: Path) -> list[Path]:
+    """List the folders of packages around a file, the nearest first."""
+    found: list[Path] = []
+    for above in list(description.parents)[:_LEVELS]:
+        if not (above / 'package.xml').is_file():
+            continue
+        beside = [path.parent for path in sorted(above.parent.glob('*/package.xml'))]
+        found += [path for path in (above, *beside) if path not in found]
+    return found

@@ -1,0 +1,99 @@
+"""
+Descriptions are read whichever format they have, and what is wrong with them is said.
+"""
+
+import os
+
+import pytest
+
+from quad_common.robot.urdf import urdf_from_robot
+from quad_common.robot_files.robot_file import load_robot
+
+pytest.importorskip('yourdfpy')
+
+from quad_common.description.reading import read_description
+from quad_common.description.tree import KinematicTree
+from quad_common.errors import DescriptionError
+
+XACRO = """<?xml version="1.0"?>
+<robot name="mine" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="mass" default="2.0"/>
+  <xacro:include filename="$(find my_parts)/xacro/leg.xacro"/>
+  <link name="base_link">
+    <inertial>
+      <mass value="$(arg mass)"/>
+      <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>
+    </inertial>
+    <visual><geometry><mesh filename="file://$(find my_parts)/body.stl"/></geometry></visual>
+  </link>
+  <xacro:leg side="left"/>
+</robot>
+"""
+
+LEG = """<?xml version="1.0"?>
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="leg" params="side">
+    <link name="${side}_leg"/>
+    <joint name="${side}_hip" type="fixed">
+      <parent link="base_link"/><child link="${side}_leg"/><axis xyz="0 0 0"/>
+    </joint>
+  </xacro:macro>
+</robot>
+"""
+
+
+@pytest.fixture
+def xacro_file(tmp_path, monkeypatch):
+    """A robot in one package that is made of parts in another; neither is installed."""
+    pytest.importorskip('xacro')
+    pytest.importorskip('ament_index_python')
+    monkeypatch.delenv('AMENT_PREFIX_PATH', raising=False)
+    for package in ('my_robot', 'my_parts'):
+        (tmp_path / package / 'xacro').mkdir(parents=True)
+        (tmp_path / package / 'package.xml').write_text('<package/>')
+    (tmp_path / 'my_parts' / 'xacro' / 'leg.xacro').write_text(LEG)
+    path = tmp_path / 'my_robot' / 'xacro' / 'robot.xacro'
+    path.write_text(XACRO)
+    return path
+
+
+def test_xacro_finds_the_packages_around(xacro_file, tmp_path):
+    robot = read_description(xacro_file)
+    assert [link.name for link in robot.links] == ['base_link', 'left_leg']
+    # A fixed joint's axis means nothing.
+    assert KinematicTree(robot, xacro_file).root == 'base_link'
+    mesh = robot.links[0].visuals[0].geometry.mesh.filename
+    assert mesh == f'file://{tmp_path}/my_parts/body.stl'
+    assert 'AMENT_PREFIX_PATH' not in os.environ
+
+
+def test_xacro_takes_arguments(xacro_file):
+    assert read_description(xacro_file).links[0].inertial.mass == 2.0
+    assert read_description(xacro_file, {'mass': '3.5'}).links[0].inertial.mass == 3.5
+
+
+def test_arguments_that_are_missing_are_asked_for(xacro_file):
+    xacro_file.write_text(XACRO.replace('<xacro:arg name="mass" default="2.0"/>', ''))
+    with pytest.raises(DescriptionError, match='--argument NAME=VALUE'):
+        read_description(xacro_file)
+
+
+def test_files_that_are_not_there_are_said(tmp_path):
+    with pytest.raises(DescriptionError, match='missing.urdf'):
+        read_description(tmp_path / 'missing.urdf')
+
+
+@pytest.mark.parametrize(
+    'declared', ['', '<?xml version="0.0" ?>', '\ufeff<?xml version="1.0"?>\n']
+)
+def test_what_files_say_of_themselves_does_not_matter(declared, tmp_path):
+    path = tmp_path / 'genibo.urdf'
+    path.write_text(declared + urdf_from_robot(load_robot('genibo')), encoding='utf-8')
+    assert len(read_description(path).joints) == 16
+
+
+def test_capsules_are_cylinders(tmp_path):
+    path = tmp_path / 'genibo.urdf'
+    path.write_text(urdf_from_robot(load_robot('genibo')).replace('<cylinder', '<capsule'))
+    shapes = [link.collisions[0].geometry for link in read_description(path).links]
+    assert sum(shape.cylinder is not None for shape in shapes) == 12
