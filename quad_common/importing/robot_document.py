@@ -41,6 +41,10 @@ _SWING_FRACTION = 0.46
 _OF_SPEED_TO_LIFT, _OF_SPEED_AT_MOST = 0.35, 0.5
 """Parts of a knee's speed that a trot in place may take: wanted, and with a longer period."""
 
+_STATIC_SWING, _LONGEST_STATIC = 0.15, 5.0
+"""Part of a static gait's period in which a foot is in the air, and its largest period over that
+of quick knees."""
+
 _LONGEST = 2.0
 """Largest period of a trot over that of quick knees: with a longer one bodies fall too far."""
 
@@ -164,10 +168,11 @@ def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
 
 
 def _gaits(robot: ImportedRobot) -> dict[str, Any]:
+    period = _STATIC_PERIOD * math.sqrt(robot.hip_height)
+    needed = _speed_to_lift(robot, _LIFT, _STATIC_SWING * period)
+    period *= min(_LONGEST_STATIC, max(1.0, needed / _OF_SPEED_AT_MOST))
     static = {
-        'cycle_period': _number(
-            _STATIC_PERIOD * math.sqrt(robot.hip_height), 'chosen: grows as the root of the height'
-        ),
+        'cycle_period': _number(period, 'chosen: grows as the root of the height, for quick knees'),
         'swing_height': _number(_LIFT * robot.hip_height, 'chosen: 15 % of the height of the hips'),
     }
     gaits = {name: dict(static) for name in ('crawl', 'turn', 'crab', 'wave')}
@@ -175,21 +180,25 @@ def _gaits(robot: ImportedRobot) -> dict[str, Any]:
     return gaits
 
 
-def _trot(robot: ImportedRobot) -> dict[str, Any]:
+def _speed_to_lift(robot: ImportedRobot, lift: float, duration: float) -> float:
     """
-    Choose period and lift of a trot: as quick as the height asks for, if the knees are.
+    Return the fraction of the knees' speed that lifting a foot in place takes.
 
     A foot that is lifted by h in a swing of the duration t, along half a sine, is as fast as
     pi h / t; the knee of a leg of two equal links l, bent by k, gives it l sin(k / 2) per rad/s.
     """
-    period, (least, lift) = _TROT_PERIOD * math.sqrt(robot.hip_height), _TROT_LIFT
     bends = [float(leg.leg.bends(angles)) for leg, angles in zip(robot.legs, robot.initial)]
     lever = 0.5 * robot.leg_length * math.sin(0.5 * float(np.mean(bends)))
     speed = float(robot.velocity[:, 2].min())
+    return math.pi * lift * robot.hip_height / duration / lever / speed
+
+
+def _trot(robot: ImportedRobot) -> dict[str, Any]:
+    """Choose period and lift of a trot: as quick as the height asks for, if the knees are."""
+    period, (least, lift) = _TROT_PERIOD * math.sqrt(robot.hip_height), _TROT_LIFT
 
     def needed(lift: float, period: float) -> float:
-        """Return the part of the knee's speed that marching in place takes."""
-        return math.pi * lift * robot.hip_height / (_SWING_FRACTION * period) / lever / speed
+        return _speed_to_lift(robot, lift, _SWING_FRACTION * period)
 
     lift = max(least, lift * min(1.0, _OF_SPEED_TO_LIFT / needed(lift, period)))
     period *= min(_LONGEST, max(1.0, needed(lift, period) / _OF_SPEED_AT_MOST))
