@@ -41,6 +41,8 @@ class Pair:
         spec = mujoco.MjSpec.from_file(str(path))
         spec.compiler.fusestatic = False
         spec.compiler.discardvisual = False
+        for key in list(spec.keys):
+            key.delete() if hasattr(key, 'delete') else spec.delete(key)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
         named = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, self.tree.root)
