@@ -87,6 +87,9 @@ def robot_from_mjcf(path: Path) -> Any:
             # Bodies that cannot move against each other, and shapes only to look at, stay.
             spec.compiler.fusestatic = False
             spec.compiler.discardvisual = False
+            # Postures of a robot alone do not fit a scene, which some versions refuse for it.
+            for key in list(spec.keys):
+                key.delete() if hasattr(key, 'delete') else spec.delete(key)
             model = spec.compile()
     # MuJoCo's readers raise ValueError; its plugins and decoders of meshes whatever they like.
     except Exception as error:

@@ -45,8 +45,10 @@ class LinkShapes:
 
     def __init__(self, path: Path, spec: Any, model: Any) -> None:
         self._folder = path.resolve().parent
+        self._mesh_folder = self._folder / (spec.meshdir or '')
         self._model = model
-        self._meshes = {int(mesh.id): mesh for mesh in spec.meshes}
+        # Compiling numbers them as they stand; older versions do not tell the number.
+        self._meshes = list(spec.meshes)
         self._paired = {int(k) for k in (*model.pair_geom1, *model.pair_geom2)}
 
     def of_body(self, body: int, frame: Array) -> tuple[list[Any], list[Any]]:
@@ -121,9 +123,15 @@ class LinkShapes:
         # MuJoCo moves the corners to the middle of the mesh, and its shape with them.
         moved = pose_from(model.mesh_pos[index], model.mesh_quat[index])
         mesh = yourdfpy.urdf.Mesh(
-            filename=str(self._folder / name), scale=None if np.all(scale == 1.0) else scale
+            filename=str(self._file(name)), scale=None if np.all(scale == 1.0) else scale
         )
         return pose @ np.linalg.inv(moved) @ inside, yourdfpy.urdf.Geometry(mesh=mesh)
+
+    def _file(self, name: str) -> Path:
+        """Find a mesh's file; whether its name begins with its folder depends on the version."""
+        inside = self._mesh_folder / name, self._mesh_folder / Path(name).name
+        beside = self._folder / name
+        return next((path for path in (inside[0], beside, inside[1]) if path.is_file()), beside)
 
     def _material(self, geom: int) -> Any:
         model = self._model
