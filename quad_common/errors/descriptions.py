@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from os import PathLike
 
 from quad_common.errors.base import QuadError
-from quad_common.errors.quoting import clipped, quoted, shown
+from quad_common.errors.quoting import clipped, quoted
 
 
 @dataclass(eq=False, repr=False)
@@ -96,15 +96,12 @@ class JointFiguresMissing(DescriptionError):
     """Unit of the figure."""
     joints: tuple[str, ...]
     """Names of the joints."""
-    stated: float | None = None
-    """Value in the description that cannot be, if there is one."""
 
     def sentence(self) -> str:
         """Say which figure must be given, and how."""
         names = ', '.join(self.joints[:3]) + (' ...' if len(self.joints) > 3 else '')
-        what = 'no' if self.stated is None else f'the {self.figure} {shown(self.stated)} as'
         return (
-            f'{self.path} has {what} largest {self.figure} of the joints {names}; give it to '
+            f'{self.path} has no largest {self.figure} of the joints {names}; give it to '
             f'quadwalk robot import with --{self.figure} (one number, or three from the body '
             f'outward) [{self.unit}]'
         )

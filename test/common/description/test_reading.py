@@ -79,7 +79,7 @@ def test_arguments_that_are_missing_are_asked_for(xacro_file):
 
 
 def test_files_that_are_not_there_are_said(tmp_path):
-    with pytest.raises(DescriptionError, match='missing.urdf'):
+    with pytest.raises(DescriptionError, match=r'missing\.urdf'):
         read_description(tmp_path / 'missing.urdf')
 
 

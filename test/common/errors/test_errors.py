@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from quad_common.errors import QuadError
+from quad_common.errors.descriptions import DescriptionError
 from quad_common.errors.perception import PictureFileError
 from quad_common.errors.robots import RobotFileError
 from quad_common.planar_pose import Pose2D
@@ -33,6 +34,7 @@ SAMPLES = {
     'tuple[str, ...]': ('one', 'two'),
     'tuple[int, ...]': (2, 3),
     'tuple[int, int]': (4, 5),
+    'tuple[float, ...]': (0.1, 0.2),
     'tuple[float, float]': (0.1, 0.2),
     'tuple[float, float] | None': (0.1, 0.2),
     'tuple[float, float, float, float]': (0.1, 0.2, 0.3, 0.4),
@@ -56,7 +58,7 @@ def defined_errors():
 
 
 ERRORS = defined_errors()
-WITH_A_FACT = (PictureFileError, RobotFileError)
+WITH_A_FACT = (DescriptionError, PictureFileError, RobotFileError)
 """Categories with a fact that all their errors have."""
 CATEGORIES = [kind for kind in ERRORS if kind.__init__ is Exception.__init__ or kind in WITH_A_FACT]
 FAULTS = [kind for kind in ERRORS if kind not in CATEGORIES]
