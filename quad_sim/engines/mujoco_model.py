@@ -43,7 +43,7 @@ _MOTOR_IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 _ITERATIONS, _LINE_SEARCHES = 100, 50
 """Most of the solver's; with a fifth of them it may end in NaN after an impact."""
 
-_NO_SLIP_ITERATIONS = 10
+_NO_SLIP_ITERATIONS = 0
 """Without them a robot that stands on a slope of 0.15 rad creeps down by 4 mm/s; with 6 by 0.1,
 with 10 by 0.006. On level ground genibo creeps by 0.05 mm/s with 10, without any or with 20 not at
 all; but with 20 its trot to the side rocks by 0.8 in place of 0.4 degrees."""
