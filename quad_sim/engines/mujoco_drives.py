@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 _POSITION_GAIN = 0.3
 """Fraction of a joint's position error that its motor takes back in one step, as Bullet's does."""
 
-_ANCHOR_GAIN = 0.6
+_ANCHOR_GAIN = 0.3
 """Fraction of a contact's creep that is taken back in one step."""
 
 _LONGEST_CREEP = 1e-4
@@ -135,7 +135,7 @@ class MujocoDrives:
         np.subtract(joint_positions, self._angles, wanted)
         wanted *= gain
         wanted += joint_velocities
-        if not np.dot(wanted, wanted) < self._ordinary:
+        if not wanted.dot(wanted) < self._ordinary:
             check_commands(joint_positions, joint_velocities)
             # No motor is commanded more than it could ever give: a command that is far off must
             # not make MuJoCo unstable, which would put the robot back to where it began.
@@ -161,12 +161,13 @@ class MujocoDrives:
             self._let_go_of_all()
             data.efc_aref[MOTORS] += self._motors
             return
-        creep = self._creep
-        creep += self._difference.dot(data.efc_vel)
+        creep, change = self._creep, self._change
+        self._difference.dot(data.efc_vel, change)
+        creep += change
         if not is_as_before:
             # How a foot came down is no creep.
             creep[self._new] = 0.0
-        if np.dot(creep, creep) > self._slip**2:
+        if creep.dot(creep) > self._slip**2:
             np.clip(creep, -self._slip, self._slip, creep)
         references = data.efc_aref
         references += self._references
@@ -228,6 +229,7 @@ class MujocoDrives:
             else:
                 self._new += range(rows.start, rows.stop)
         self._touching = touching
+        self._change = np.empty(size)
         self._difference = self._difference_of(size)
 
     def _difference_of(self, size: int) -> Array:
