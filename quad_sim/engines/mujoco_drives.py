@@ -5,11 +5,11 @@ Both are set between the two halves of MuJoCo's step, by references of its const
 constraint with the velocity v_i tends to the acceleration a_i = -B v_i + r_i; here r is added.
 
 A motor is dry friction whose largest torque is the drive's. With r = B v it brings its joint to
-the velocity v in one step, as long as its torque suffices.
+the velocity v, B dt of the way in one step, as long as its torque suffices.
 
-MuJoCo's friction of contacts is soft: a steady force lets a contact creep at a steady speed, however
-small the force. So each contact has an anchor, as in Bullet. By edge e of its pyramid of friction,
-whose direction is n + mu t, and the opposite one, n - mu t, the contact has crept by
+MuJoCo's friction of contacts is soft: a steady force lets a contact creep at a steady speed,
+however small the force. So each contact has an anchor, as in Bullet. By edge e of its pyramid of
+friction, whose direction is n + mu t, and the opposite one, n - mu t, the contact has crept by
 s_e += dt (v_e - v_-e) / 2, and r_e = -g s_e / dt^2 takes the fraction g of that back in one step.
 """
 
@@ -181,7 +181,7 @@ class MujocoDrives:
         they do: times the coefficient of friction, along the two directions of friction, shape (2,)
         [m].
         """
-        scale = -self._time_step**2 / _ANCHOR_GAIN
+        scale = -(self._time_step**2) / _ANCHOR_GAIN
         return {key: scale * creep[::2] for key, creep in self._anchors.items()}
 
     def efforts(self) -> Array:
@@ -220,7 +220,8 @@ class MujocoDrives:
         self._references = np.zeros(_COUNT + size)
         self._motors, self._creep = self._references[MOTORS], self._references[_COUNT:]
         self._motors[:] = motors
-        self._anchors, self._new = {}, []
+        self._anchors = {}
+        self._new: list[int] = []
         for index, key in enumerate(keys):
             rows = slice(_EDGES * index, _EDGES * (index + 1))
             self._anchors[key] = self._creep[rows]
