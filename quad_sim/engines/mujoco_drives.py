@@ -70,8 +70,9 @@ class MujocoDrives:
     def __init__(self, robot: Robot, time_step: float) -> None:
         self._largest_efforts = robot.effort.reshape(-1)
         self._fastest = _TOO_FAST * np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
-        self._ordinary = float(self._fastest.min()) ** 2
         self._time_step = time_step
+        self._ahead = time_step / _POSITION_GAIN
+        self._ordinary = (self._ahead * float(self._fastest.min())) ** 2
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
         self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
@@ -130,24 +131,25 @@ class MujocoDrives:
         ParameterError
             If one of them is not finite.
         """
-        wanted = self._motors
-        gain = _POSITION_GAIN / self._time_step
-        np.subtract(joint_positions, self._angles, wanted)
-        wanted *= gain
-        wanted += joint_velocities
+        # What is missing [rad], as if velocities were to be reached by position errors alone.
+        wanted, ahead = self._motors, self._ahead
+        np.multiply(joint_velocities, ahead, wanted)
+        wanted += joint_positions
+        wanted -= self._angles
         if not wanted.dot(wanted) < self._ordinary:
             check_commands(joint_positions, joint_velocities)
             # No motor is commanded more than it could ever give: a command that is far off must
             # not make MuJoCo unstable, which would put the robot back to where it began.
-            np.subtract(np.clip(joint_positions, -_FAR, _FAR), self._angles, wanted)
-            wanted *= gain
-            wanted += np.clip(joint_velocities, -self._fastest, self._fastest)
-            np.clip(wanted, -self._fastest, self._fastest, wanted)
+            fastest = self._fastest
+            np.clip(joint_positions, -_FAR, _FAR, wanted)
+            wanted += ahead * np.clip(joint_velocities, -fastest, fastest)
+            wanted -= self._angles
+            np.clip(wanted, -ahead * fastest, ahead * fastest, wanted)
         for joint, angle in self._stuck.items():
-            wanted[joint] = gain * (angle - float(self._angles[joint]))
+            wanted[joint] = angle - float(self._angles[joint])
         if self._free:
             wanted[self._free] = 0.0
-        wanted *= self._damping
+        wanted *= self._damping / ahead
 
     def pull(self) -> None:
         """Set the references of the step's constraints, between the halves of a step."""
