@@ -14,14 +14,14 @@ from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.rotations import quaternion_from_matrix
-from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
+from quad_sim.engines.joint_failure import FAILURES
+from quad_sim.engines.mujoco_drives import MujocoDrives
 from quad_sim.engines.simulator import (
     FOOT_ZONE,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
     Observation,
-    check_commands,
     falls_of,
 )
 from quad_sim.world.appearance import Appearance
@@ -44,23 +44,6 @@ except ImportError as error:
 
 Array = NDArray[np.float64]
 
-_POSITION_GAIN = 0.3
-"""Part of a joint's position error that its motor takes back in one step, as Bullet's does."""
-
-
-_FAR = 10.0
-"""Position error beyond which a motor does not pull more [rad]."""
-
-_TOO_FAST = 10.0
-"""Largest velocity that a motor drives toward, over that of the robot's data."""
-
-_ORDINARY = 1e6
-"""Sum of the squares of a step's commands, in [rad] and [rad/s], above which they are looked at
-one by one."""
-
-_MOTORS = slice(0, 12)
-"""MuJoCo's constraints that are motors: rows of dry friction come first, one for each joint."""
-
 _LEAST_UPRIGHT = float(np.cos(TILT_OF_A_FALL))
 """Cosine of the tilt of a body that has fallen."""
 
@@ -81,8 +64,8 @@ class MujocoSimulator:
     A rigid-body simulation of one robot in one world.
 
     A motor is dry friction that drives its joint toward a velocity with its largest torque at
-    most: exact torque limits at any time step, and stiff where the torque suffices. Between the
-    two halves of MuJoCo's step the friction's reference is set to the velocity that is wanted.
+    most: exact torque limits at any time step, and stiff where the torque suffices. What stands
+    is anchored, and does not creep. See :class:`MujocoDrives`.
 
     Parameters
     ----------
@@ -116,9 +99,8 @@ class MujocoSimulator:
         self._robot = robot
         self._world = world
         self._steps = 0
-        self._efforts_limit = robot.effort.reshape(-1)
-        self._fastest = _TOO_FAST * np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
-        self._slowest = -self._fastest
+        self.drives = MujocoDrives(robot, time_step)
+        """Motors, and the anchors of contacts."""
         self._last_velocity = np.zeros(3)
         self._last_efforts: Array = np.zeros(12)
         self._has_efforts = False
@@ -128,8 +110,6 @@ class MujocoSimulator:
         self._parts = MujocoModel(robot, world, time_step, self._appearance)
         self._scene: MujocoScene | None = None
         self._goal: Pose2D | None = None
-        self._free: list[int] = []
-        self._stuck: dict[int, float] = {}
         self._model, self._data = self._parts.compile()
         self._find_places()
         self.reset(Pose2D(0.0, 0.0, 0.0))
@@ -151,8 +131,7 @@ class MujocoSimulator:
         else:
             x, y, z, w = quaternion_from_matrix(rotation)
             orientation = [w, x, y, z]
-        self._free, self._stuck = [], {}
-        self._model.dof_frictionloss[self._speeds] = self._efforts_limit
+        self.drives.reset()
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:3], self._data.qpos[3:7] = base, orientation
         self._data.qpos[self._angles] = self._robot.initial_joint_angles.reshape(-1)
@@ -163,11 +142,7 @@ class MujocoSimulator:
 
     def fail_joint(self, joint: int, kind: str) -> None:
         """Let a joint fail from now on; see :meth:`Simulator.fail_joint`."""
-        if kind == 'free':
-            self._free.append(joint)
-            self._let_go()
-        else:
-            self._stuck[joint] = float(self._data.qpos[self._angles][joint])
+        self.drives.fail_joint(joint, kind)
 
     def step(self, joint_positions: Array, joint_velocities: Array) -> None:
         """
@@ -185,38 +160,16 @@ class MujocoSimulator:
         ParameterError
             If one of them is not finite.
         """
-        wanted = self._velocities_toward(joint_positions, joint_velocities)
+        self.drives.aim(joint_positions, joint_velocities)
         model, data = self._model, self._data
         self._last_velocity[:] = self._base_velocity
         mujoco.mj_step1(model, data)
-        # Friction is toward the velocity that is wanted, not toward rest.
-        wanted *= data.efc_KBIP[_MOTORS, 1]
-        data.efc_aref[_MOTORS] += wanted
+        self.drives.pull()
         mujoco.mj_step2(model, data)
         self._has_efforts = True
         self._steps += 1
         if self._window is not None:
             self._window.show(self._model, data)
-
-    def _velocities_toward(self, joint_positions: Array, joint_velocities: Array) -> Array:
-        """Return the velocities that the motors drive toward in the next step [rad/s]."""
-        p, v = joint_positions, joint_velocities
-        if not np.dot(p, p) + np.dot(v, v) < _ORDINARY:
-            check_commands(p, v)
-            p, v = np.clip(p, -_FAR, _FAR), np.clip(v, -self._fastest, self._fastest)
-        wanted: Array = np.subtract(p, self._joint_angles)
-        wanted *= _POSITION_GAIN / self.time_step
-        wanted += v
-        # No motor is commanded more than it could ever give: a command that is far off must not
-        # make MuJoCo unstable, which would put the robot back to where it began.
-        np.minimum(wanted, self._fastest, out=wanted)
-        np.maximum(wanted, self._slowest, out=wanted)
-        for joint, angle in self._stuck.items():
-            missing = angle - float(self._joint_angles[joint])
-            wanted[joint] = _POSITION_GAIN / self.time_step * missing
-        if self._free:
-            wanted[self._free] = 0.0
-        return wanted
 
     def observe(self) -> Observation:
         """Return the robot's state."""
@@ -251,11 +204,7 @@ class MujocoSimulator:
         """Return the torques of the motors in the last step, shape (12,) [N m]."""
         if not self._has_efforts:
             return self._last_efforts.copy()
-        efforts: Array = self._data.efc_force[_MOTORS].copy()
-        if self._free:
-            # What is left there is the gear's friction.
-            efforts[self._free] = 0.0
-        return efforts
+        return self.drives.efforts()
 
     def foot_forces(self) -> Array:
         """
@@ -325,16 +274,6 @@ class MujocoSimulator:
         self._last_efforts, self._has_efforts = self._joint_efforts(), False
         self._model, self._data = self._parts.compile_again(self._model, self._data)
         self._find_places()
-        self._model.dof_frictionloss[self._speeds] = self._efforts_limit
-        self._let_go()
-
-    def _let_go(self) -> None:
-        """Leave the free joints the friction of their gears alone."""
-        if self._free:
-            places = self._speeds.start + np.array(self._free)
-            self._model.dof_frictionloss[places] = (
-                FRICTION_FRACTION * self._efforts_limit[self._free]
-            )
 
     def _find_places(self) -> None:
         """Look up where joints, motors and geometries are in MuJoCo's arrays."""
@@ -345,11 +284,9 @@ class MujocoSimulator:
             raise RuntimeError("MuJoCo's joints are not in the order of the robot's")
         self._angles = slice(int(angles[0]), int(angles[0]) + 12)
         self._speeds = slice(int(speeds[0]), int(speeds[0]) + 12)
-        if model.neq:
-            raise RuntimeError("the motors are not the first of MuJoCo's constraints")
-        # These two show MuJoCo's own numbers, whatever they become.
-        self._joint_angles = self._data.qpos[self._angles]
+        # It shows MuJoCo's own numbers, whatever they become.
         self._base_velocity = self._data.qvel[:3]
+        self.drives.bind(model, self._data, self._angles, self._speeds)
         self._names = [self._name_of(geom) for geom in range(model.ngeom)]
         self._is_foot = [name in self._feet for name in self._names]
         self._is_ground = [name == GROUND for name in self._names]

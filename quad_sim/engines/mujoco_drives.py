@@ -1,0 +1,246 @@
+"""
+What MuJoCo's dry friction drives toward: motors turn joints, and anchors hold what stands.
+
+Both are set between the two halves of MuJoCo's step, by references of its constraints. A
+constraint with the velocity v_i tends to the acceleration a_i = -B v_i + r_i; here r is added.
+
+A motor is dry friction whose largest torque is the drive's. With r = B v it brings its joint to
+the velocity v, B dt of the way in one step, as long as its torque suffices.
+
+MuJoCo's friction of contacts is soft: a steady force lets a contact creep at a steady speed,
+however small the force. So each contact has an anchor, as in Bullet. By edge e of its pyramid of
+friction, whose direction is n + mu t, and the opposite one, n - mu t, the contact has crept by
+s_e += dt (v_e - v_-e) / 2, and r_e = -g s_e / dt^2 takes the fraction g of that back in one step.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_sim.engines.joint_failure import FRICTION_FRACTION
+from quad_sim.engines.simulator import check_commands
+
+Array = NDArray[np.float64]
+
+_POSITION_GAIN = 0.3
+"""Fraction of a joint's position error that its motor takes back in one step, as Bullet's does."""
+
+_ANCHOR_GAIN = 0.3
+"""Fraction of a contact's creep that is taken back in one step."""
+
+_LONGEST_CREEP = 1e-4
+"""Creep, times the coefficient of friction, from which on a contact slips [m]: its anchor follows,
+and never pulls by more."""
+
+_FAR = 10.0
+"""Position error beyond which a motor does not pull more [rad]."""
+
+_TOO_FAST = 10.0
+"""Largest velocity that a motor drives toward, over that of the robot's data."""
+
+_EDGES = 4
+"""Number of constraints of a contact: edges of its pyramid, each followed by the opposite one."""
+
+_PAIR = 8
+"""Size of a pair of geometries in MuJoCo's list of contacts [bytes]."""
+
+_COUNT = 12
+"""Number of motors."""
+
+MOTORS = slice(0, _COUNT)
+"""MuJoCo's constraints that are motors: rows of dry friction come first, one for each joint."""
+
+
+class MujocoDrives:
+    """
+    The motors and anchors of one robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    time_step : float
+        Fixed step [s].
+    """
+
+    def __init__(self, robot: Robot, time_step: float) -> None:
+        self._largest_efforts = robot.effort.reshape(-1)
+        self._fastest = _TOO_FAST * np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
+        self._time_step = time_step
+        self._ahead = time_step / _POSITION_GAIN
+        self._ordinary = (self._ahead * float(self._fastest.min())) ** 2
+        self._free: list[int] = []
+        self._stuck: dict[int, float] = {}
+        self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
+        self._damping = 0.0
+        self._differences: dict[int, Array] = {}
+        self._motors: Array = np.zeros(_COUNT)
+        self._let_go_of_all()
+
+    def bind(self, model: Any, data: Any, angles: slice, speeds: slice) -> None:
+        """
+        Take over a model that was compiled, or compiled again; failures stay, anchors do not.
+
+        Parameters
+        ----------
+        model, data : MjModel, MjData
+            What is simulated.
+        angles, speeds : slice
+            Places of the joints in ``qpos`` and ``qvel``.
+        """
+        if model.neq:
+            raise RuntimeError("the motors are not the first of MuJoCo's constraints")
+        self._model, self._data, self._speeds = model, data, speeds
+        # It shows MuJoCo's own numbers, whatever they become.
+        self._angles = data.qpos[angles]
+        time_constant, _ = model.dof_solref[speeds.start]
+        self._damping = 2.0 / (model.dof_solimp[speeds.start, 1] * time_constant)
+        self._set_frictions()
+        # Geometries may have other numbers now.
+        self._let_go_of_all()
+
+    def reset(self) -> None:
+        """Have all joints sound, and nothing anchored."""
+        self._free, self._stuck = [], {}
+        self._set_frictions()
+        self._let_go_of_all()
+
+    def fail_joint(self, joint: int, kind: str) -> None:
+        """Let a joint fail from now on; see :meth:`Simulator.fail_joint`."""
+        if kind == 'free':
+            self._free.append(joint)
+            self._set_frictions()
+        else:
+            self._stuck[joint] = float(self._angles[joint])
+
+    def aim(self, joint_positions: Array, joint_velocities: Array) -> None:
+        """
+        Have the motors drive toward positions and velocities in the next step.
+
+        Parameters
+        ----------
+        joint_positions, joint_velocities : ndarray, shape (12,)
+            Wanted at the end of the step [rad, rad/s].
+
+        Raises
+        ------
+        ParameterError
+            If one of them is not finite.
+        """
+        # What is missing [rad], as if velocities were to be reached by position errors alone.
+        wanted, ahead = self._motors, self._ahead
+        np.multiply(joint_velocities, ahead, wanted)
+        wanted += joint_positions
+        wanted -= self._angles
+        if not wanted.dot(wanted) < self._ordinary:
+            check_commands(joint_positions, joint_velocities)
+            # No motor is commanded more than it could ever give: a command that is far off must
+            # not make MuJoCo unstable, which would put the robot back to where it began.
+            fastest = self._fastest
+            np.clip(joint_positions, -_FAR, _FAR, wanted)
+            wanted += ahead * np.clip(joint_velocities, -fastest, fastest)
+            wanted -= self._angles
+            np.clip(wanted, -ahead * fastest, ahead * fastest, wanted)
+        for joint, angle in self._stuck.items():
+            wanted[joint] = angle - float(self._angles[joint])
+        if self._free:
+            wanted[self._free] = 0.0
+        wanted *= self._damping / ahead
+
+    def pull(self) -> None:
+        """Set the references of the step's constraints, between the halves of a step."""
+        data = self._data
+        touching = data.contact.geom.tobytes()
+        is_as_before = touching == self._touching
+        if not is_as_before:
+            self._anchor(touching)
+        if data.nefc != self._references.size:
+            # A contact that is no pyramid of friction: nothing is anchored in this step.
+            self._let_go_of_all()
+            data.efc_aref[MOTORS] += self._motors
+            return
+        creep, change = self._creep, self._change
+        self._difference.dot(data.efc_vel, change)
+        creep += change
+        if not is_as_before:
+            # How a foot came down is no creep.
+            creep[self._new] = 0.0
+        if creep.dot(creep) > self._slip**2:
+            np.clip(creep, -self._slip, self._slip, creep)
+        references = data.efc_aref
+        references += self._references
+
+    @property
+    def creeps(self) -> dict[tuple[bytes, int], Array]:
+        """
+        Creep that is being taken back now.
+
+        By the two geometries that touch, as MuJoCo has them, and the number of the point at which
+        they do: times the coefficient of friction, along the two directions of friction, shape (2,)
+        [m].
+        """
+        scale = -(self._time_step**2) / _ANCHOR_GAIN
+        return {key: scale * creep[::2] for key, creep in self._anchors.items()}
+
+    def efforts(self) -> Array:
+        """Return the torques of the motors in the last step, shape (12,) [N m]."""
+        efforts: Array = self._data.efc_force[MOTORS].copy()
+        if self._free:
+            # What is left there is the gear's friction.
+            efforts[self._free] = 0.0
+        return efforts
+
+    def _set_frictions(self) -> None:
+        """Give each motor its largest torque, and free joints the friction of their gears."""
+        efforts = self._largest_efforts.copy()
+        efforts[self._free] *= FRICTION_FRACTION
+        self._model.dof_frictionloss[self._speeds] = efforts
+
+    def _let_go_of_all(self) -> None:
+        """Forget all anchors."""
+        self._anchors: dict[tuple[bytes, int], Array] = {}
+        self._anchor(b'')
+
+    def _anchor(self, touching: bytes) -> None:
+        """
+        Keep the anchors of contacts that go on, and lay new ones.
+
+        Parameters
+        ----------
+        touching : bytes
+            Pairs of geometries that touch, as MuJoCo has them.
+        """
+        pairs = [touching[i : i + _PAIR] for i in range(0, len(touching), _PAIR)]
+        # Two geometries may touch at several points.
+        keys = [(pair, pairs[:index].count(pair)) for index, pair in enumerate(pairs)]
+        size = _EDGES * len(keys)
+        before, motors = self._anchors, self._motors
+        self._references = np.zeros(_COUNT + size)
+        self._motors, self._creep = self._references[MOTORS], self._references[_COUNT:]
+        self._motors[:] = motors
+        self._anchors = {}
+        self._new: list[int] = []
+        for index, key in enumerate(keys):
+            rows = slice(_EDGES * index, _EDGES * (index + 1))
+            self._anchors[key] = self._creep[rows]
+            if key in before:
+                self._creep[rows] = before[key]
+            else:
+                self._new += range(rows.start, rows.stop)
+        self._touching = touching
+        self._change = np.empty(size)
+        self._difference = self._difference_of(size)
+
+    def _difference_of(self, size: int) -> Array:
+        """Return what makes of constraints' velocities what the creep's references change by."""
+        if size not in self._differences:
+            opposite = np.arange(size) ^ 1
+            matrix = np.zeros((size, _COUNT + size))
+            matrix[np.arange(size), _COUNT + np.arange(size)] = 1.0
+            matrix[np.arange(size), _COUNT + opposite] = -1.0
+            self._differences[size] = -_ANCHOR_GAIN / (2.0 * self._time_step) * matrix
+        return self._differences[size]
