@@ -34,6 +34,11 @@ class Mass:
         return Mass(self.amount, center, rotation @ self.inertia @ rotation.T)
 
     @property
+    def radius_of_gyration(self) -> float:
+        """Distance from the center at which the mass would have its largest moment [m]."""
+        return float(np.sqrt(max(0.0, np.linalg.eigvalsh(self.inertia)[-1]) / self.amount))
+
+    @property
     def is_possible(self) -> bool:
         """Whether a body can have such an inertia: no moment exceeds the sum of the others."""
         if not np.allclose(self.inertia, self.inertia.T, rtol=1e-6, atol=1e-12):

@@ -102,16 +102,23 @@ def _part(tree: KinematicTree, name: str, links: list[str], replaced: list[str])
     if mass.amount < _LIGHTEST:
         problem = 'has no mass, nor has what is fixed to it'
         raise DescriptionEntryInvalid(tree.path, f"link '{name}'", problem)
-    if not all(m.is_possible for m in masses if m.amount > 0.0) or not mass.is_possible:
+    # No part of a robot is as large as all of it.
+    extent = max(float(np.linalg.norm(tree.pose(link)[:3, 3])) for link in tree.links)
+    if not all(_is_sound(m, extent) for m in masses) or not mass.is_possible:
         replaced.append(name)
         # Each link's own inertia counts; that they are apart is known of their centers.
-        mass = total([_replaced(tree, link, m) for link, m in zip(links, masses)])
+        mass = total([_replaced(tree, link, m, extent) for link, m in zip(links, masses)])
     return Part(name, tuple(links), mass)
 
 
-def _replaced(tree: KinematicTree, link: str, mass: Mass) -> Mass:
-    """Return a mass with a possible inertia: its own, or that of a box around its shapes."""
-    if mass.amount == 0.0 or mass.is_possible:
+def _is_sound(mass: Mass, extent: float) -> bool:
+    """Whether a mass can have its inertia, and lies within an extent [m]."""
+    return mass.amount == 0.0 or (mass.is_possible and mass.radius_of_gyration <= extent)
+
+
+def _replaced(tree: KinematicTree, link: str, mass: Mass, extent: float) -> Mass:
+    """Return a mass with a sound inertia: its own, or that of a box around its shapes."""
+    if _is_sound(mass, extent):
         return mass
     pose = tree.pose(link)
     places = [

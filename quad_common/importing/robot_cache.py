@@ -21,7 +21,7 @@ from quad_common.importing.options import ImportOptions
 DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 """Suffixes of files that are imported where a robot is asked for."""
 
-_FORMAT = 14
+_FORMAT = 15
 """Number of the format of kept files: raised when an import finds more than it did."""
 
 _LARGEST = 2**24
