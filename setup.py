@@ -21,6 +21,7 @@ NODES = {
     'gait_node': 'quad_gait.__main__:main',
     'sim_node': 'quad_sim.__main__:main',
     'ceiling_camera_node': 'quad_perception.__main__:main',
+    'viewer_node': 'quad_view.__main__:main',
 }
 COMMANDS = {'quadwalk': 'quad_cli.__main__:main'}
 
@@ -32,6 +33,8 @@ EXTRAS = {
     'sim': ['mujoco>=3.3,<4', 'pybullet>=3.2.5; python_version < "3.12"'],
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
+    # The page of viewer_node. viser itself wants rich below 15.
+    'view': ['viser>=1.0,<2'],
     # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
     'test': [
         'pytest>=7.4,<9',

@@ -26,6 +26,7 @@ from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import LONGEST_PLAN
 from quad_common.robot.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
+from quad_common.ros.map_conversions import grid_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (
     most_plan_bytes,
@@ -40,7 +41,7 @@ from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import pace_from_parameters, session_from_parameters
 from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import PlannerTopics
-from quad_planner.ros_conversions import grid_from_message, path_message
+from quad_planner.ros_conversions import path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
 
