@@ -8,12 +8,23 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, PoseStamped
 from nav_msgs.msg import Path
+from nav_msgs.srv import GetPlan
 from numpy.typing import NDArray
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.plan import Plan
-from quad_common.ros.pose_conversions import pose_message
+from quad_common.planar_pose import Pose2D
+from quad_common.ros.pose_conversions import pose_from_message, pose_message
+
+
+def ends_from_request(request: GetPlan.Request) -> tuple[tuple[str, Pose2D], tuple[str, Pose2D]]:
+    """Return start and goal of a request for a plan, each with its frame; InvalidPose if not so."""
+    start, goal = request.start, request.goal
+    return (
+        (start.header.frame_id, pose_from_message(start.pose, 'start')),
+        (goal.header.frame_id, pose_from_message(goal.pose, 'goal')),
+    )
 
 
 def path_message(plan: Plan | None, frame: str, stamp: Time) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.parameters import parameter
+from quad_view.scene.page_options import PageOptions
 
 
 @dataclass(frozen=True)
@@ -46,3 +47,11 @@ class ViewerParameters:
     stamped_cmd_vel: bool = parameter(
         False, 'Whether cmd_vel is a TwistStamped, as gait_node has it.'
     )
+
+    @property
+    def page_options(self) -> PageOptions:
+        """Options of the page."""
+        gaits = tuple(name.strip() for name in self.gaits.split(',') if name.strip())
+        return PageOptions(
+            self.host, self.port, self.plot_rate, gaits, self.largest_speed, self.largest_turn
+        )

@@ -19,7 +19,6 @@ from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import QuadError
 from quad_common.frames.map_frame import MapFrame
-from quad_common.plan import LONGEST_PLAN
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.image_conversions import rgb_from_image
@@ -169,7 +168,7 @@ class RobotTopics:
         named.create_subscription(String, 'robot_description', self._on_description, _LATCHED)
         named.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
         named.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
-        most_bytes = most_plan_bytes(LONGEST_PLAN)
+        most_bytes = most_plan_bytes()
         named.create_subscription(Path, 'plan', self._on_plan, _LATCHED, most_bytes=most_bytes)
         named.create_subscription(MarkerArray, 'plan_markers', self._on_plan_markers, _LATCHED)
         named.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)

@@ -49,7 +49,7 @@ class ViewerNode(QuadNode[ViewerParameters]):
             start_parameter_services=False,
         )
         self._robots: dict[str, tuple[RobotView, RobotTopics, CommandTopics]] = {}
-        self._page = ViewerPage(p, self._take_command)
+        self._page = ViewerPage(p.page_options, self._take_command)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / p.rate, self._on_frame, clock=clock)
         self.create_timer(_SEARCH_PERIOD, self._find_robots, clock=clock)

@@ -12,7 +12,6 @@ from typing import Any
 import viser
 
 from quad_common.planar_pose import Pose2D, Twist2D
-from quad_view.parameters import ViewerParameters
 from quad_view.scene.commands import (
     ClearObstacles,
     Command,
@@ -22,6 +21,7 @@ from quad_view.scene.commands import (
     Steer,
 )
 from quad_view.scene.pad import HELD, KEY_HELD
+from quad_view.scene.page_options import PageOptions
 
 METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Planning methods of planner_node."""
@@ -47,13 +47,8 @@ _STEERING: tuple[tuple[str, Any, tuple[int, int, int]], ...] = (
 )
 """Label, key and direction of each button of the pad."""
 
-_SERVICES = (
-    ('Stop', 'stop', 'Finish the gait cycle, then stand'),
-    ('Stand', 'stand', 'Stand up, also after a fall or an emergency stop'),
-    ('Sit', 'sit', 'Lower the body to the ground'),
-    ('Reset the simulation', 'reset', 'Put the robot back to where it began'),
-)
-"""Label, service and hint of each button."""
+_SERVICES = {'Stop': 'stop', 'Stand': 'stand', 'Sit': 'sit', 'Reset': 'reset'}
+"""Service of each button."""
 
 
 class Controls:
@@ -64,8 +59,8 @@ class Controls:
     ----------
     server : viser.ViserServer
         The page.
-    parameters : ViewerParameters
-        Of the node.
+    options : PageOptions
+        What can be chosen.
     send : callable
         Takes a command; from any thread.
     """
@@ -73,11 +68,11 @@ class Controls:
     def __init__(
         self,
         server: viser.ViserServer,
-        parameters: ViewerParameters,
+        options: PageOptions,
         send: Callable[[Command], None],
     ) -> None:
         self._gui = server.gui
-        self._parameters = parameters
+        self._options = options
         self._send = send
         self._robot = ''
 
@@ -114,7 +109,7 @@ class Controls:
         self._robots.visible = len(names) > 1
 
     def add_walking(self) -> None:
-        """Add what a click does, the services, and the speed pad."""
+        """Add what a click does, and the services."""
         gui = self._gui
         self._click = gui.add_dropdown('A click on the floor', (GOAL, OBSTACLE))
         self._has_heading = gui.add_checkbox(
@@ -122,22 +117,24 @@ class Controls:
         )
         self._heading = gui.add_slider('Heading [deg]', -180, 180, 5, 0)
         gui.add_markdown('*Shift and drag on the floor: a goal with the heading of the drag.*')
-        for label, service, hint in _SERVICES:
-            button = gui.add_button(label, hint=hint)
-            button.on_click(partial(self._request, service))
-        with gui.add_folder('Speed pad: hold a button, or a key'):
-            self._speed = gui.add_slider('Speed [%]', 5, 100, 5, 50)
-            for label, key, direction in _STEERING:
-                self._add_steering(label, key, direction)
-        with gui.add_folder('Obstacles of the simulation', expand_by_default=False):
-            clear = gui.add_button('Take all obstacles away')
-            clear.on_click(lambda _: self._send(ClearObstacles(self._robot)))
+        services: Any = gui.add_button_group(
+            'Robot', tuple(_SERVICES), hint='Reset puts the simulated robot back to its start'
+        )
+        services.on_click(self._request)
+        clear = gui.add_button('Take all obstacles away', color='gray')
+        clear.on_click(lambda _: self._send(ClearObstacles(self._robot)))
+
+    def add_pad(self) -> None:
+        """Add the speed pad."""
+        self._gui.add_markdown('*Hold a button, or its key: what is let go, or lost, stops.*')
+        self._speed = self._gui.add_slider('Speed [%]', 5, 100, 5, 50)
+        for label, key, direction in _STEERING:
+            self._add_steering(label, key, direction)
 
     def add_options(self) -> None:
         """Add gait, turning style and planning method."""
-        gaits = tuple(name.strip() for name in self._parameters.gaits.split(',') if name.strip())
         for label, choices, node, name in (
-            ('Gait', gaits, 'gait_node', 'gait'),
+            ('Gait', self._options.gaits, 'gait_node', 'gait'),
             ('Turning', TURNINGS, 'gait_node', 'turning'),
             ('Planning method', METHODS, 'planner_node', 'method'),
         ):
@@ -164,23 +161,23 @@ class Controls:
     def _choose_robot(self, _: Any) -> None:
         self._robot = self._robots.value
 
-    def _request(self, service: str, _: Any) -> None:
-        self._send(Request(self._robot, service))
+    def _request(self, event: Any) -> None:
+        self._send(Request(self._robot, _SERVICES[event.target.value]))
 
     def _choose(self, choice: Any, node: str, name: str, _: Any) -> None:
         if choice.value != 'as it is':
             self._send(SetOption(self._robot, node, name, choice.value))
 
     def _add_steering(self, label: str, key: Any, direction: tuple[int, int, int]) -> None:
-        button = self._gui.add_button(label, hint=f'Hold, or hold the key {key}')
+        button = self._gui.add_button(f'{label} ({key})', hint=f'Hold it, or the key {key}')
         button.on_hold(lambda _: self._steer(direction, HELD), callback_hz=_HOLD_RATE)
         command = self._gui.add_command(f'Steer: {label.lower()}', hotkey=key)
         command.on_trigger(lambda _: self._steer(direction, KEY_HELD))
 
     def _steer(self, direction: tuple[int, int, int], duration: float) -> None:
         part = self._speed.value / 100.0
-        speed = part * self._parameters.largest_speed
-        turn = part * self._parameters.largest_turn
+        speed = part * self._options.largest_speed
+        turn = part * self._options.largest_turn
         forward, left, turning = direction
         twist = Twist2D(forward * speed, left * speed, turning * turn)
         self._send(Steer(self._robot, twist, duration))

@@ -14,8 +14,8 @@ from quad_view.page.panels import PicturePanel, PlotPanel, WordPanel
 from quad_view.page.pointing import Pointing
 from quad_view.page.robot_figure import RobotFigure
 from quad_view.page.server import is_loopback, open_server
-from quad_view.parameters import ViewerParameters
 from quad_view.scene.commands import Command, ShowPicture
+from quad_view.scene.page_options import PageOptions
 from quad_view.scene.robot_view import RobotView
 
 _UNSEEN_PERIOD = 0.5
@@ -28,23 +28,23 @@ class ViewerPage:
 
     Parameters
     ----------
-    parameters : ViewerParameters
-        Of the node.
+    options : PageOptions
+        How it is opened, and what can be chosen.
     send : callable
         Takes a command of whoever looks at the page; called by threads of the page.
     """
 
-    def __init__(self, parameters: ViewerParameters, send: Callable[[Command], None]) -> None:
-        p = self._parameters = parameters
-        self._server = server = open_server(p.host, p.port, 'quadwalk')
+    def __init__(self, options: PageOptions, send: Callable[[Command], None]) -> None:
+        self._options = options
+        self._server = server = open_server(options.host, options.port, 'quadwalk')
         self._send = send
         self._robots: dict[str, RobotView] = {}
         self._figures: dict[str, tuple[RobotFigure, CourseFigure]] = {}
         self._due = 0.0
         self._floor = FloorFigure(server)
-        self._controls = Controls(server, p, send)
+        self._controls = Controls(server, options, send)
         self._words = WordPanel(server)
-        self._plots = PlotPanel(server, 1.0 / p.plot_rate)
+        self._plots = PlotPanel(server, 1.0 / options.plot_rate)
         self._picture = PicturePanel(server)
         self._pointing = Pointing(server, self._controls, self._robot_looked_at, send)
         self._has_camera = False
@@ -53,7 +53,7 @@ class ViewerPage:
     @property
     def address(self) -> str:
         """Where the page is."""
-        host = self._parameters.host
+        host = self._options.host
         name = 'localhost' if host in ('0.0.0.0', '::') or is_loopback(host) else host
         return f'http://{name}:{self._server.get_port()}'
 
@@ -65,7 +65,7 @@ class ViewerPage:
     def invitation(self) -> str:
         """Say how to open the page, from this machine and from others."""
         port = self._server.get_port()
-        if not is_loopback(self._parameters.host):
+        if not is_loopback(self._options.host):
             return f'open {self.address}; whoever reaches this address can steer the robot'
         return (
             f'open {self.address}; from another machine: ssh -L {port}:localhost:{port} <this '
@@ -115,13 +115,16 @@ class ViewerPage:
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction('+z')
         server.scene.configure_default_lights(enabled=True, cast_shadow=False)
-        self._words.add_headline()
+        # First, so that it stays where it is whatever the sentences below take.
         self._controls.add_emergency_stop()
+        self._words.add_headline()
         self._controls.add_choice_of_robot()
         tabs = server.gui.add_tab_group()
         with tabs.add_tab('Walk'):
             self._controls.add_walking()
             self._controls.add_options()
+        with tabs.add_tab('Steer'):
+            self._controls.add_pad()
         with tabs.add_tab('Plots'):
             self._plots.add_plots()
         with tabs.add_tab('Nodes'):
@@ -140,7 +143,7 @@ class ViewerPage:
         self._has_camera = True
         center, (width, height) = view.floor.center, view.floor.size
         size = max(width, height)
-        position = (center.x, center.y - 0.85 * size, 0.8 * size)
+        position = (center.x, center.y - 0.62 * size, 0.72 * size)
         camera = self._server.initial_camera
         camera.position, camera.look_at = position, (center.x, center.y, 0.0)
         for client in self._server.get_clients().values():
