@@ -33,8 +33,9 @@ EXTRAS = {
     'sim': ['mujoco>=3.3,<4', 'pybullet>=3.2.5; python_version < "3.12"'],
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
-    # The page of viewer_node. viser itself wants rich below 15.
-    'view': ['viser>=1.0,<2'],
+    # The page of viewer_node, and what measures it. viser wants rich below 15. It is held to what
+    # is known of its inside: the viewer closes connections of pages that are not its own.
+    'view': ['viser>=1.1,<1.2', 'trimesh', 'msgspec', 'websockets', 'zstandard'],
     # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
     'test': [
         'pytest>=7.4,<9',

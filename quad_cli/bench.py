@@ -23,6 +23,7 @@ BENCHMARKS = {
     'terrain': 'quad_lab.benchmarks.bench_terrain',
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
+    'view': 'quad_lab.benchmarks.bench_view',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }
@@ -38,6 +39,7 @@ EXAMPLES = """examples:
   quadwalk bench terrain --backend mujoco
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
+  quadwalk bench view --only updates
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
 """

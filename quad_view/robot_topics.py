@@ -153,9 +153,8 @@ class RobotTopics:
     def __init__(
         self, node: QuadNode[Any], inputs: Node, view: RobotView, parameters: ViewerParameters
     ) -> None:
-        p = parameters
+        p = self._parameters = parameters
         self._view = view
-        self._picture_topic = p.picture_topic
         prefix = f'/{view.name}/' if view.name else '/'
         named = NamedTopics(node, prefix)
         self._sampled = sampled = SampledTopics(inputs, prefix)
@@ -184,10 +183,10 @@ class RobotTopics:
     def show_picture(self, is_shown: bool) -> None:
         """Receive the camera's picture, or no more: none is taken that nobody looks at."""
         if is_shown:
-            topic = self._picture_topic
-            self._sampled.create_subscription(Image, topic, self._on_picture, _NEWEST)
+            p = self._parameters
+            self._sampled.create_subscription(Image, p.picture_topic, self._on_picture, _NEWEST)
         else:
-            self._sampled.end(self._picture_topic)
+            self._sampled.end(self._parameters.picture_topic)
             self._view.note(picture=None)
 
     def _on_joints(self, message: JointState) -> None:

@@ -118,7 +118,7 @@ class Controls:
         self._heading = gui.add_slider('Heading [deg]', -180, 180, 5, 0)
         gui.add_markdown('*Shift and drag on the floor: a goal with the heading of the drag.*')
         services: Any = gui.add_button_group(
-            'Robot', tuple(_SERVICES), hint='Reset puts the simulated robot back to its start'
+            'The robot', tuple(_SERVICES), hint='Reset puts the simulated robot back to its start'
         )
         services.on_click(self._request)
         clear = gui.add_button('Take all obstacles away', color='gray')
