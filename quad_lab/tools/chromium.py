@@ -33,6 +33,9 @@ _TIMEOUT = 60.0
 _SHORT_WAIT = 0.05
 """Between two looks [s]."""
 
+_SETTLING = 0.3
+"""What stands still for so long has its place [s]."""
+
 _SHIFT = 8
 """Number of the key in the protocol."""
 
@@ -207,8 +210,7 @@ class Chromium:
 
     def place_of(self, text: str) -> tuple[float, float]:
         """Return the middle of the smallest element that begins with a text [pixels]."""
-        place = self.wait_for(
-            f"""(() => {{
+        find = f"""(() => {{
                 const found = [...document.querySelectorAll('button, [role=tab], label, p, div')]
                     .filter(e => e.innerText && e.innerText.trim().startsWith({json.dumps(text)}))
                     .map(e => e.getBoundingClientRect())
@@ -216,7 +218,11 @@ class Chromium:
                     .sort((a, b) => a.width * a.height - b.width * b.height)[0];
                 return found && [found.x + found.width / 2, found.y + found.height / 2];
             }})()"""
-        )
+        # A page that is still arranged moves what is pointed at.
+        place, before = self.wait_for(find), None
+        while place != before:
+            time.sleep(_SETTLING)
+            place, before = self.wait_for(find), place
         return float(place[0]), float(place[1])
 
     def key(self, letter: str) -> None:
