@@ -88,12 +88,15 @@ class ViewerNode(QuadNode[ViewerParameters]):
             commands.carry_out(command)
 
     def _on_frame(self) -> None:
-        """Show what has come since the last frame."""
-        for _, topics, commands in self._robots.values():
+        """Show what has come since the last frame, or seldom while nobody looks."""
+        now = time.monotonic()
+        for _, _, commands in self._robots.values():
             commands.steer()
-            for problem in topics.look():
-                self.report_error(problem)
-        self._page.draw(time.monotonic())
+        if self._page.is_due(now):
+            for _, topics, _ in self._robots.values():
+                for problem in topics.look():
+                    self.report_error(problem)
+            self._page.draw(now)
 
     def _find_robots(self) -> None:
         """Show each robot whose joint states are published, or that was asked for."""

@@ -81,12 +81,13 @@ class ViewerPage:
         )  # fmt: skip
         self._controls.show_robots(list(self._robots))
 
+    def is_due(self, now: float) -> bool:
+        """Return whether to bring it up to date, at a time of the wall clock [s]."""
+        return self.readers > 0 or now >= self._due
+
     def draw(self, now: float) -> None:
-        """Send what has changed, at a time of the wall clock [s]; seldom while nobody looks."""
-        if not self.readers:
-            if now < self._due:
-                return
-            self._due = now + _UNSEEN_PERIOD
+        """Send what has changed, at a time of the wall clock [s]."""
+        self._due = now + _UNSEEN_PERIOD
         looked_at = self._robot_looked_at()
         with self._server.atomic():
             for name, view in self._robots.items():
