@@ -11,18 +11,18 @@ from __future__ import annotations
 import contextlib
 import math
 import statistics
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import rclpy
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import Twist, Vector3
 from rich.console import Console
 
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
-from quad_common.ros.pose_conversions import pose_message
 from quad_lab.tools.chromium import Chromium, find_chromium
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.page_reader import PageReader
@@ -48,6 +48,9 @@ _PAIRS, _QUICK_PAIRS = 5, 1
 _COUNTED, _QUICK_COUNTED = 20.0, 4.0
 """Time for which updates are counted [s]."""
 
+_STEERING_PERIOD = 0.1
+"""Between two commands to a robot that is steered [s]."""
+
 _WALKED = 0.05
 """A robot that has come so far walks [m]."""
 
@@ -59,20 +62,24 @@ _FLOOR = (330.0, 470.0)
 
 _READY = """
 (() => {
-    const look = () => {
+    const timer = setInterval(() => {
         const text = document.body ? document.body.innerText : '';
         if (!text.includes('standing') || !document.querySelector('canvas')) {
-            return requestAnimationFrame(look);
+            return;
         }
+        clearInterval(timer);
+        window.readyAfter = performance.now();
         // Two frames later what is there now has been drawn.
         requestAnimationFrame(() => requestAnimationFrame(() => {
-            window.readyAfter = performance.now();
+            window.drawnAfter = performance.now();
         }));
-    };
-    look();
+    }, 10);
 })();
 """
-"""Notes down when buttons, words and scene are there, since the page was asked for [ms]."""
+"""
+Notes down when buttons, the sentence about the robot and the scene's canvas are there, and when
+they have been drawn, since the page was asked for [ms].
+"""
 
 
 def measure(
@@ -110,25 +117,30 @@ def measure(
 
 
 def page_bars(
-    loads: list[float], clicks: int | None, problems: int | None, strangers: int | None
+    loads: list[tuple[float, float]],
+    clicks: int | None,
+    problems: int | None,
+    strangers: int | None,
 ) -> list[Criterion]:
     """
     Make the bars of what a browser has shown.
 
     Parameters
     ----------
-    loads : list of float
-        Times until the page was ready [s]; empty if there is no browser.
+    loads : list of (float, float)
+        Times until the page was ready, and until it was drawn [s]; empty if there is no browser.
     clicks : int or None
         Clicks until the robot walked to a goal of one's own; None if it did not.
     problems, strangers : int or None
         Errors on the console, and other hosts that were asked for anything.
     """
-    ready = statistics.median(loads) if loads else None
+    ready, drawn = (
+        (statistics.median(times) for times in zip(*loads, strict=True)) if loads else (None, None)
+    )
     return [
         at_most('clicks to the first own goal', clicks, '', 1),
         at_most('page ready, median', ready, 's', 2.0),
-        figure('page ready, first time', loads[0] if loads else None, 's'),
+        figure('page drawn, by the processor, median', drawn, 's'),
         at_most('errors on the console', problems, '', 0),
         at_most('requests to other hosts', strangers, '', 0),
     ]
@@ -146,8 +158,12 @@ def _measure_page(console: Console, loads: int, details: dict[str, object]) -> l
             for _ in range(loads):
                 browser.open('about:blank')
                 browser.open(address)
-                times.append(1e-3 * float(browser.wait_for('window.readyAfter')))
-                console.print(f'page ready after {times[-1]:.2f} s', highlight=False)
+                drawn = 1e-3 * float(browser.wait_for('window.drawnAfter'))
+                times.append((1e-3 * float(browser.evaluate('window.readyAfter')), drawn))
+                console.print(
+                    f'page ready after {times[-1][0]:.2f} s, drawn after {drawn:.2f} s',
+                    highlight=False,
+                )
             browser.click(*_FLOOR)
             clicks = 1 if _has_walked(observer) else None
             problems, strangers = browser.problems, browser.hosts() - {'localhost'}
@@ -169,21 +185,13 @@ def _has_walked(observer: WalkObserver) -> bool:
 def _measure_updates(
     console: Console, duration: float, details: dict[str, object]
 ) -> list[Criterion]:
-    """Count how often two robots that walk are shown."""
-    with _robots(2) as (goals, _), NodeProcesses() as viewer:
+    """Count how often two robots are shown that trot on the spot, so that none ever stands."""
+    with _robots(2) as (twists, _), NodeProcesses() as viewer:
         address = start_viewer(viewer, _PLACE)
-        with PageReader(address) as reader:
-            for number, publisher in enumerate(goals):
-                message = PoseStamped(
-                    pose=pose_message(_start(number) @ Pose2D(0.0, 3.0 - 1.5 * number, 1.0))
-                )
-                message.header.frame_id = 'map'
-                publisher.publish(message)
+        with PageReader(address) as reader, _steered(twists):
             deadline = time.monotonic() + _WALK_TIMEOUT
-            while time.monotonic() < deadline:
-                updates, _ = reader.count(1.0)
-                if len(updates.poses) == 2:
-                    break
+            while len(reader.count(2.0)[0].poses) < 2 and time.monotonic() < deadline:
+                continue
             updates, seconds = reader.count(duration)
     rates = [updates.poses[number] / seconds for number in range(2)]
     console.print(
@@ -239,13 +247,36 @@ def _walk_once(goal: Pose2D, is_shown: bool, seed: int) -> float:
     return float(speed) if result.arrived and isinstance(speed, float) else math.nan
 
 
+@contextlib.contextmanager
+def _steered(twists: list[Any]) -> Iterator[None]:
+    """Let robots turn on the spot while the block runs."""
+    is_over = threading.Event()
+
+    def steer() -> None:
+        while not is_over.wait(_STEERING_PERIOD):
+            for publisher in twists:
+                publisher.publish(Twist(angular=Vector3(z=0.3)))
+
+    thread = threading.Thread(target=steer, name='steering', daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
+
+
 def _start(number: int) -> Pose2D:
     return _START @ Pose2D(0.0, 1.4 * number, 0.0)
 
 
 @contextlib.contextmanager
 def _robots(count: int) -> Iterator[tuple[list[Any], WalkObserver]]:
-    """Start robots in real time; give what their goals are published with, and an observer."""
+    """
+    Start robots in real time; give what steers them, and an observer.
+
+    A single one crawls; several trot, a gait that does not rest between its cycles.
+    """
     map_file: Path = sample_map()
     with contextlib.ExitStack() as stack:
         stack.enter_context(isolated_domain())
@@ -258,25 +289,25 @@ def _robots(count: int) -> Iterator[tuple[list[Any], WalkObserver]]:
                 start_pose=[start.x, start.y, start.yaw],
             )  # fmt: skip
             nodes.start('planner_node', **clock)
-            nodes.start('gait_node', **clock)
+            nodes.start('gait_node', gait='crawl' if count == 1 else 'trot', **clock)
         observer = stack.enter_context(WalkObserver(_NEAR_GOAL))
         context = rclpy.Context()
         rclpy.init(context=context)
         stack.callback(context.try_shutdown)
-        goals = []
+        twists = []
         for number in range(count):
             namespace = _namespace(number, count)
             node = rclpy.create_node('bench', namespace=namespace, context=context)
             stack.callback(node.destroy_node)
-            goals.append(node.create_publisher(PoseStamped, 'goal_pose', 10))
+            twists.append(node.create_publisher(Twist, 'cmd_vel', 10))
         deadline = time.monotonic() + START_TIMEOUT
-        while not all(publisher.get_subscription_count() for publisher in goals) or (
+        while not all(publisher.get_subscription_count() for publisher in twists) or (
             count == 1 and not (observer.planner_is_ready() and observer.pose)
         ):
             observer.listen(0.1)
             if time.monotonic() > deadline:
                 raise NodesNotReady(START_TIMEOUT, '')
-        yield goals, observer
+        yield twists, observer
 
 
 def _namespace(number: int, count: int) -> str:

@@ -33,6 +33,10 @@ _PICTURE_WIDTH = 480
 """Largest width of the camera's picture on the page [pixels]."""
 
 _PLOT_HEIGHT = 150
+"""Height of a plot [pixels]."""
+
+_ANSWER = 'padding:0 1em .4em;opacity:.75;min-height:1.5em'
+"""Style of the answer to the last wish."""
 
 
 class WordPanel:
@@ -66,8 +70,9 @@ class WordPanel:
         self._due = now + _WORD_PERIOD
         level, sentence = view.headline(now)
         self._put('headline', self._headline, _paragraph(level, sentence, '1.0em'))
-        answer = f'<div style="padding:0 1em;opacity:.75">{html.escape(view.answer)}</div>'
-        self._put('answer', self._answer, answer if view.answer else '')
+        # There even if it is empty: what is below must not move under somebody's hand.
+        answer = html.escape(view.answer) or '&nbsp;'
+        self._put('answer', self._answer, f'<div style="{_ANSWER}">{answer}</div>')
         rows = [
             _paragraph(line.level, f'{line.node}: {line.text}', '0.9em') for line in view.lines(now)
         ]

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Color = tuple[int, int, int]
 
 ROBOT_COLORS: tuple[Color, ...] = (
-    (58, 110, 165), (190, 95, 50), (70, 140, 90), (140, 85, 160), (170, 140, 40),
+    (112, 78, 170), (190, 95, 50), (70, 140, 90), (140, 85, 160), (170, 140, 40),
 )  # fmt: skip
 """Of the body of the first robot, of the second, and so on."""
 

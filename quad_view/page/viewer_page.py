@@ -116,6 +116,9 @@ class ViewerPage:
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction('+z')
         server.scene.configure_default_lights(enabled=True, cast_shadow=False)
+        # A sky is costly to draw without a graphics card.
+        server.scene.configure_environment_map(None)
+        server.scene.add_light_ambient('/light', intensity=0.6)
         # First, so that it stays where it is whatever the sentences below take.
         self._controls.add_emergency_stop()
         self._words.add_headline()
@@ -144,7 +147,7 @@ class ViewerPage:
         self._has_camera = True
         center, (width, height) = view.floor.center, view.floor.size
         size = max(width, height)
-        position = (center.x, center.y - 0.62 * size, 0.72 * size)
+        position = (center.x, center.y - 0.55 * size, 0.66 * size)
         camera = self._server.initial_camera
         camera.position, camera.look_at = position, (center.x, center.y, 0.0)
         for client in self._server.get_clients().values():
