@@ -48,6 +48,9 @@ _PAIRS, _QUICK_PAIRS = 5, 1
 _COUNTED, _QUICK_COUNTED = 20.0, 4.0
 """Time for which updates are counted [s]."""
 
+_STEERING = (Twist, 'cmd_vel', 10)
+"""What steers a robot: type, topic, quality of service."""
+
 _STEERING_PERIOD = 0.1
 """Between two commands to a robot that is steered [s]."""
 
@@ -299,7 +302,7 @@ def _robots(count: int) -> Iterator[tuple[list[Any], WalkObserver]]:
             namespace = _namespace(number, count)
             node = rclpy.create_node('bench', namespace=namespace, context=context)
             stack.callback(node.destroy_node)
-            twists.append(node.create_publisher(Twist, 'cmd_vel', 10))
+            twists.append(node.create_publisher(*_STEERING))
         deadline = time.monotonic() + START_TIMEOUT
         while not all(publisher.get_subscription_count() for publisher in twists) or (
             count == 1 and not (observer.planner_is_ready() and observer.pose)

@@ -23,7 +23,7 @@ _POSES = ('SetPositionMessage', 'SetOrientationMessage')
 
 _ROBOT = re.compile(r'^/robots/(\d+)/')
 
-_CAMERA: dict[str, Any] = {
+FIRST_WORD: dict[str, Any] = {
     'type': 'ViewerCameraMessage',
     'wxyz': (1.0, 0.0, 0.0, 0.0),
     'position': (0.0, -5.0, 5.0),
@@ -80,7 +80,7 @@ class PageReader:
             max_size=None,
             compression=None,
         )
-        self._socket.send(msgspec.msgpack.encode(_CAMERA))
+        self._socket.send(msgspec.msgpack.encode(FIRST_WORD))
         self._thread = threading.Thread(target=self._read, name='page', daemon=True)
         self._thread.start()
 

@@ -4,6 +4,7 @@ Opens the page: viser's server, on one address, for pages of its own only.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import ipaddress
@@ -73,6 +74,10 @@ def refuse_strangers(server: viser.ViserServer, host: str) -> None:
         request = connection.request
         if request is None or not is_own_page(request.headers, host):
             await connection.close(_POLICY_VIOLATION, 'a page of another origin')
+            sockets._live_connections.pop(client.client_id, None)
+            sockets._client_state_from_id.pop(client.client_id, None)
+            # Ends the handler before it takes what the page has sent meanwhile.
+            raise asyncio.CancelledError
 
     # Before viser's own, which would take the page for a reader.
     sockets._client_connect_cb.insert(0, check)
