@@ -81,6 +81,9 @@ class ViewerNode(QuadNode[ViewerParameters]):
         self.call_soon(partial(self._carry_out, command))
 
     def _carry_out(self, command: Command) -> None:
+        if command.robot not in self._robots:
+            # The page says that there is none.
+            return
         _, topics, commands = self._robots[command.robot]
         if isinstance(command, ShowPicture):
             topics.show_picture(command.is_shown)
@@ -101,7 +104,9 @@ class ViewerNode(QuadNode[ViewerParameters]):
     def _find_robots(self) -> None:
         """Show each robot whose joint states are published, or that was asked for."""
         published = [
-            name for name, kinds in self.get_topic_names_and_types() if _JOINT_STATES in kinds
+            name
+            for name, kinds in self.get_topic_names_and_types()
+            if _JOINT_STATES in kinds and self.count_publishers(name)
         ]
         for name in namespaces_of(self.parameters.robots, published):
             if name not in self._robots:

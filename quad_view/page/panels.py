@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from quad_common.status import Level
 from quad_view.scene.robot_view import RobotView
+from quad_view.scene.words import NO_ROBOT
 
 _LEVEL_COLORS = {
     Level.OK: '#2f9e44', Level.WARN: '#f08c00', Level.ERROR: '#e03131', Level.STALE: '#868e96',
@@ -62,6 +63,10 @@ class WordPanel:
     def add_nodes(self) -> None:
         """Add what each node says."""
         self._nodes = self._gui.add_html('')
+
+    def draw_none(self) -> None:
+        """Say that there is no robot."""
+        self._put('headline', self._headline, _paragraph(Level.WARN, NO_ROBOT, '1.0em'))
 
     def draw(self, view: RobotView, now: float) -> None:
         """Show the words about a robot, if they are others, at a time of the wall clock [s]."""

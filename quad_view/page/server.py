@@ -8,11 +8,12 @@ import asyncio
 import contextlib
 import io
 import ipaddress
+import socket
 from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlsplit
 
-from quad_common.errors import MissingOptionalDependency
+from quad_common.errors import MissingOptionalDependency, ParameterError
 
 try:
     import viser
@@ -42,7 +43,13 @@ def open_server(host: str, port: int, title: str) -> viser.ViserServer:
     -------
     viser.ViserServer
         The server; it runs in a thread of its own.
+
+    Raises
+    ------
+    ParameterError
+        If the address is none of this machine's.
     """
+    check_address(host)
     # It prints its address, in a frame: the node's own words say more.
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host, port, label=title, verbose=False)
@@ -51,6 +58,20 @@ def open_server(host: str, port: int, title: str) -> viser.ViserServer:
     setattr(server, 'request_share_url', lambda *_, **__: None)  # noqa: B010
     refuse_strangers(server, host)
     return server
+
+
+def check_address(host: str) -> None:
+    """Raise ParameterError unless this machine can listen on an address."""
+    try:
+        # viser would try a thousand ports, and then wait for ever.
+        with socket.create_server((host, 0), family=_family(host)):
+            pass
+    except OSError as error:
+        raise ParameterError('host', host, 'an address of this machine') from error
+
+
+def _family(host: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ':' in host else socket.AF_INET
 
 
 def refuse_strangers(server: viser.ViserServer, host: str) -> None:

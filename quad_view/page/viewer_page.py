@@ -98,7 +98,9 @@ class ViewerPage:
                 if view is looked_at and self._floor.draw(view, changed):
                     self._pointing.watch(self._floor.handle)
                     self._place_camera(view)
-        if looked_at is not None:
+        if looked_at is None:
+            self._words.draw_none()
+        else:
             self._words.draw(looked_at, now)
             self._plots.draw(looked_at, now)
             self._picture.draw(looked_at, self._shows_picture.value, now)

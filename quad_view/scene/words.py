@@ -12,6 +12,12 @@ from quad_common.status import Level
 SILENT = 3.5
 """A node that has said nothing for so long does not run: each speaks every second [s]."""
 
+NO_ROBOT = (
+    "no robot: nobody publishes 'joint_states'; start a simulator (sim_node) or the robot's "
+    'driver, in the same ROS_DOMAIN_ID'
+)
+"""What is said where there is no robot at all."""
+
 _WITHOUT = {
     'sim_node': 'nothing moves the robot, unless a real one does',
     'planner_node': 'a goal is not planned to',

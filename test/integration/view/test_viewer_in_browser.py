@@ -104,6 +104,19 @@ def test_a_page_that_is_closed_lets_the_speed_pad_go(bench: Bench):
     bench.wait_until('the robot is told to stop', lambda: not twists[-1].linear.x)
 
 
+def test_a_page_without_a_robot_says_so_and_ignores_clicks(bench: Bench):
+    port = free_port(PagePlace(port=8600))
+    bench.start('viewer_node', port=port)
+    bench.wait_for_status('viewer_node', 'no robot: waiting for joint_states')
+    with Chromium((1400, 850)) as browser:
+        browser.open(bench.statuses['viewer_node'].values['address'])
+        browser.wait_for("document.body.innerText.includes('no robot: nobody publishes')")
+        browser.click(*FLOOR)
+        browser.click(*browser.place_of('EMERGENCY STOP'))
+        bench.start_robot(real_time_factor=2.0)
+        browser.wait_for(SHOWN)
+
+
 def test_the_page_says_which_node_is_missing(bench: Bench):
     address = start(bench)
     with Chromium((1400, 850)) as browser:
