@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import socket
 import time
+import urllib.request
 from dataclasses import dataclass
 
 from quad_common.errors import QuadError
@@ -99,7 +100,7 @@ def start_viewer(nodes: NodeProcesses, place: PagePlace, **parameters: object) -
     deadline = time.monotonic() + _TIMEOUT
     while time.monotonic() < deadline:
         try:
-            with socket.create_connection((host, port), timeout=1.0):
+            with urllib.request.urlopen(f'http://{host}:{port}', timeout=5.0):
                 return address
         except OSError:
             nodes.check()

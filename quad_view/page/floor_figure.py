@@ -11,10 +11,11 @@ import numpy as np
 import viser
 
 from quad_view.page.course_figure import segments
+from quad_view.scene.floor import with_walls
 from quad_view.scene.robot_view import RobotView
 
 _BOUNDARY, _OBSTACLE = (205, 45, 45), (205, 110, 70)
-_FLOOR_Z, _BOUNDARY_Z = -0.004, 0.006
+_FLOOR_Z, _BOUNDARY_Z, _BELOW = -0.004, 0.006, 0.02
 """Heights above the ground, so that nothing hides in it [m]."""
 
 
@@ -43,15 +44,15 @@ class FloorFigure:
         if view is not self._shown:
             self._shown = view
             changed = frozenset({'floor', 'boundary', 'surface', 'obstacles'})
-        if 'floor' in changed:
+        if changed & {'surface', 'floor'}:
             self._draw_floor(view)
         if 'boundary' in changed:
             self._draw_boundary(view)
-        if 'surface' in changed:
+        if changed & {'surface', 'floor'}:
             self._draw_surface(view)
         if 'obstacles' in changed:
             self._draw_obstacles(view)
-        return 'floor' in changed and view.floor is not None
+        return bool(changed & {'surface', 'floor'}) and view.floor is not None
 
     def _draw_floor(self, view: RobotView) -> None:
         floor = view.floor
@@ -59,12 +60,16 @@ class FloorFigure:
         if floor is None:
             return
         center, (width, height) = floor.center, floor.size
+        z = _FLOOR_Z
+        if view.surface is not None:
+            # The ground shows the walls: the picture must not come through it.
+            z += float(view.surface.vertices[:, 2].min()) - _BELOW
         # viser hangs pictures so that their top is at -y and their face looks down: half a turn
         # about the picture's own rows brings both right.
         half = 0.5 * center.yaw
         self._handles['floor'] = self._scene.add_image(
             '/room/floor', floor.pixels, width, height, format='png',
-            position=(center.x, center.y, _FLOOR_Z),
+            position=(center.x, center.y, z),
             wxyz=(0.0, math.cos(half), math.sin(half), 0.0), cast_shadow=False,
         )  # fmt: skip
 
@@ -84,6 +89,8 @@ class FloorFigure:
         # viser has it; only uneven ground needs it.
         import trimesh
 
+        if view.floor is not None:
+            surface = with_walls(surface, view.floor)
         mesh = trimesh.Trimesh(
             surface.vertices, surface.faces, vertex_colors=surface.colors, process=False
         )

@@ -70,5 +70,7 @@ class Pointing:
         # The end lies on a plane that faces the camera: the floor is behind or before it.
         end = floor_point(camera, np.array(event.end_position) - camera)
         if end is not None:
-            start = float(event.start_position[0]), float(event.start_position[1])
+            # What was pressed may lie below the ground.
+            pressed = floor_point(camera, np.array(event.start_position) - camera)
+            start = pressed or end
             self._send(GiveGoal(view.name, goal_of_drag(start, end, view.pose)))

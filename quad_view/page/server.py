@@ -8,6 +8,7 @@ import asyncio
 import contextlib
 import io
 import ipaddress
+import logging
 import socket
 from collections.abc import Mapping
 from typing import Any
@@ -50,6 +51,8 @@ def open_server(host: str, port: int, title: str) -> viser.ViserServer:
         If the address is none of this machine's.
     """
     check_address(host)
+    # It would log the stack of whoever connects and says nothing.
+    logging.getLogger('websockets.server').setLevel(logging.CRITICAL)
     # It prints its address, in a frame: the node's own words say more.
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host, port, label=title, verbose=False)

@@ -153,4 +153,7 @@ class ViewerPage:
         camera = self._server.initial_camera
         camera.position, camera.look_at = position, (center.x, center.y, 0.0)
         for client in self._server.get_clients().values():
-            client.camera.position, client.camera.look_at = position, (center.x, center.y, 0.0)
+            with client.atomic():
+                client.camera.up_direction = (0.0, 0.0, 1.0)
+                client.camera.position = position
+                client.camera.look_at = (center.x, center.y, 0.0)

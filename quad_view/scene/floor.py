@@ -109,6 +109,34 @@ def surface_of(heights: HeightMap) -> Surface:
     return Surface(vertices, faces, _height_colors(vertices[:, 2], known.ravel()))
 
 
+def with_walls(surface: Surface, floor: FloorPicture) -> Surface:
+    """
+    Draw the walls of a map on the ground.
+
+    Parameters
+    ----------
+    surface : Surface
+        The ground.
+    floor : FloorPicture
+        The map.
+
+    Returns
+    -------
+    Surface
+        The same ground with the walls' color where the map is occupied.
+    """
+    height, width = floor.pixels.shape[:2]
+    place = floor.center.inverse().transform(surface.vertices[:, :2])
+    column = np.floor((place[:, 0] / floor.size[0] + 0.5) * width).astype(int)
+    row = np.floor((0.5 - place[:, 1] / floor.size[1]) * height).astype(int)
+    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    is_wall = np.zeros(len(surface.vertices), dtype=bool)
+    is_wall[inside] = (floor.pixels[row[inside], column[inside]] == _WALL).all(axis=1)
+    return Surface(
+        surface.vertices, surface.faces, np.where(is_wall[:, None], _WALL, surface.colors)
+    )
+
+
 def _height_colors(z: Array, known: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Color heights from green, the lowest, over sand to white."""
     low, high = (float(z[known].min()), float(z[known].max())) if known.any() else (0.0, 0.0)

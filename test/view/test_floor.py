@@ -10,7 +10,7 @@ import pytest
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_view.scene.floor import floor_picture, floor_point, surface_of
+from quad_view.scene.floor import floor_picture, floor_point, surface_of, with_walls
 
 
 def test_the_first_row_of_the_picture_is_the_top_of_the_map():
@@ -62,3 +62,13 @@ def test_a_ray_meets_the_floor_where_it_points(target):
 @pytest.mark.parametrize('direction', [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, -1e-6)])
 def test_a_ray_to_the_horizon_meets_no_floor(direction):
     assert floor_point(np.array([0.0, 0.0, 2.0]), np.array(direction)) is None
+
+
+def test_walls_of_the_map_are_drawn_on_the_ground():
+    cells = np.zeros((4, 4), dtype=np.int8)
+    cells[1, 2] = 100
+    floor = floor_picture(OccupancyGrid(cells, 1.0, Pose2D(0.0, 0.0, 0.0)))
+    plain = surface_of(HeightMap(np.zeros((6, 6)), 1.0, (-1.0, -1.0)))
+    shown = with_walls(plain, floor)
+    changed = (shown.colors != plain.colors).any(axis=1)
+    np.testing.assert_allclose(plain.vertices[changed], [(2.5, 1.5, 0.0)])
