@@ -15,10 +15,11 @@ unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH AMENT_PREFIX_PATH _ROS_WHEELS_BOO
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo test smoke smokes bench lint lock tf clean
+.PHONY: help venv demo view test smoke smokes bench lint lock tf clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
+	@echo 'make view    set everything up and show a robot on a page in the browser, where a click lets it walk'
 	@echo 'make test    set everything up and run every test'
 	@echo 'make smokes  on each other Python that is there: set up, walk once over topics, test the core'
 	@echo 'make bench   measure how well it walks, and print a table'
@@ -59,6 +60,9 @@ venv: $(VENV)/quadwalk.stamp
 
 demo: venv
 	@$(BIN)/quadwalk demo $(ARGS)
+
+view: venv
+	@$(BIN)/quadwalk view $(ARGS)
 
 # Two at a time: while the nodes of one test begin, another computes. A worker that has nothing left
 # to do takes tests over from the other. One at a time: make test ARGS='-n 0'

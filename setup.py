@@ -21,6 +21,7 @@ NODES = {
     'gait_node': 'quad_gait.__main__:main',
     'sim_node': 'quad_sim.__main__:main',
     'ceiling_camera_node': 'quad_perception.__main__:main',
+    'viewer_node': 'quad_view.__main__:main',
 }
 COMMANDS = {'quadwalk': 'quad_cli.__main__:main'}
 
@@ -34,6 +35,9 @@ EXTRAS = {
     'robots': ['yourdfpy>=0.0.56', 'trimesh>=4.0', 'lxml>=4.8', 'xacro>=2.0'],
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
+    # The page of viewer_node, and what measures it. viser wants rich below 15. It is held to what
+    # is known of its inside: the viewer closes connections of pages that are not its own.
+    'view': ['viser>=1.1,<1.2', 'trimesh', 'msgspec', 'websockets', 'zstandard'],
     # "pytest" by this name makes colcon test use it. Jazzy's launch_testing breaks with pytest 9.
     'test': [
         'pytest>=7.4,<9',

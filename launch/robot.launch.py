@@ -34,7 +34,7 @@ NUMBERS = ('safety_distance',)
 
 
 def start_nodes(context: LaunchContext) -> list[Node]:
-    """Start both nodes with the arguments that were given."""
+    """Start the nodes with the arguments that were given."""
     use_sim_time = LaunchConfiguration('use_sim_time').perform(context).lower()
     if use_sim_time not in ('true', 'false'):
         raise ValueError(f"use_sim_time is '{use_sim_time}'; it must be true or false")
@@ -58,6 +58,20 @@ def start_nodes(context: LaunchContext) -> list[Node]:
                 ],
             )
         )
+    if LaunchConfiguration('view').perform(context).lower() == 'true':
+        # Outside the namespace: it shows the robots of all.
+        nodes.append(
+            Node(
+                package='quadwalk',
+                executable='viewer_node',
+                output='screen',
+                parameters=[
+                    PathJoinSubstitution(
+                        [LaunchConfiguration('config_directory'), 'viewer_node.yaml']
+                    ),
+                ],
+            )
+        )
     return nodes
 
 
@@ -78,6 +92,12 @@ def generate_launch_description() -> LaunchDescription:
                 'config_directory',
                 default_value=PathJoinSubstitution([FindPackageShare('quadwalk'), 'config']),
                 description='folder with planner_node.yaml and gait_node.yaml',
+            ),
+            DeclareLaunchArgument(
+                'view',
+                default_value='false',
+                choices=['true', 'false'],
+                description='show the robot on a page in the browser',
             ),
             *(
                 DeclareLaunchArgument(name, default_value='', description=description)

@@ -24,6 +24,7 @@ BENCHMARKS = {
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
+    'view': 'quad_lab.benchmarks.bench_view',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }
@@ -39,6 +40,7 @@ EXAMPLES = """examples:
   quadwalk bench terrain --backend mujoco
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
+  quadwalk bench view --only updates
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
   quadwalk bench robots --only imports broken

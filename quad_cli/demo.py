@@ -5,8 +5,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +24,7 @@ from quad_cli.arguments import (
     quantity_argument,
     seed_argument,
 )
+from quad_cli.view import add_page_arguments, page_place
 from quad_common.errors import GoalOutsideMap, StartOutsideMap
 from quad_common.files.bounded_file import make_folder
 from quad_common.maps.map_file import load_map
@@ -30,6 +34,7 @@ from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import TURNINGS
+from quad_lab.topic_walk.viewer_process import invitation
 from quad_planner.parameters import PLANNING_METHODS, PlannerParameters
 from quad_sim.engines.registry import AUTO, BACKENDS
 from quad_sim.world.terrain_spec import specs_from_text
@@ -42,11 +47,16 @@ EXAMPLES = """examples:
   quadwalk demo
   quadwalk demo --map office --start 1.5,1.5,0 --goal 12,8,90deg
   quadwalk demo --robot cuhk --gait trot --turning arc
+  quadwalk demo --view
   quadwalk demo --method quickest
   quadwalk demo --perception camera
   quadwalk demo --terrain noise+boxes:height=0.03 --seed 2
   quadwalk demo --map warehouse.yaml --start 0,0,0 --goal 5,3,1.57 --seed 3 --json
 """
+
+
+_WATCHABLE = 4.0
+"""Simulated over real time of a walk that is looked at."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -93,8 +103,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--real-time-factor',
         type=quantity_argument('real_time_factor', Quantity(0.0, 1000.0)),
-        default=0.0,
-        help='simulated over real time; 0: as fast as possible (default)',
+        default=None,
+        help='simulated over real time; 0: as fast as possible (default; with --view it is 4)',
     )
     parser.add_argument(
         '--composed',
@@ -102,6 +112,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='all nodes in one process, in step: the walk repeats bit for bit',
     )
     parser.add_argument('--gui', action='store_true', help="show the physics engine's own window")
+    parser.add_argument(
+        '--view',
+        action='store_true',
+        help='show the walk on a page in the browser; afterwards a click walks on, Ctrl-C ends',
+    )
+    add_page_arguments(parser)
     parser.add_argument(
         '--output', type=folder_argument, default=Path('demo'), help='folder for the results'
     )
@@ -148,20 +164,55 @@ def _walk(arguments: argparse.Namespace) -> int:
         perception=arguments.perception,
         safety_distance=arguments.safety_distance,
         seed=arguments.seed,
-        real_time_factor=arguments.real_time_factor,
+        real_time_factor=_real_time_factor(arguments),
         gui=arguments.gui,
         composed=arguments.composed,
         recording=None if arguments.no_recording else _recording(output, console),
+        page=page_place(arguments) if arguments.view else None,
     )
     name = options.map_file.stem
     console.print(f'{options.robot} on {name}: starting planner, gait and simulator ...')
-    with walk_progress(console) as show:
-        record = walk(options, show)
+    with contextlib.ExitStack() as bar:
+        show = bar.enter_context(walk_progress(console))
+
+        def stay(record: WalkRecord, go_on: Callable[[], None]) -> None:
+            bar.close()
+            if options.page is None:
+                return
+            _report(arguments, options, record, console)
+            console.print('The robot stays: a click on the floor is a goal. Ctrl-C ends.')
+            while True:
+                go_on()
+
+        record = walk(options, show, partial(_invite, console, options), stay)
+    # The recording is complete only now.
+    _report(arguments, options, record, console)
+    return 0 if record.result().arrived else 1
+
+
+def _real_time_factor(arguments: argparse.Namespace) -> float:
+    """Return the pace that was asked for, or one at which a walk can be watched."""
+    if arguments.real_time_factor is not None:
+        return float(arguments.real_time_factor)
+    return _WATCHABLE if arguments.view else 0.0
+
+
+def _invite(console: Console, options: WalkOptions, address: str) -> None:
+    """Say how to open the page."""
+    assert options.page is not None
+    console.print(invitation(address, options.page), highlight=False)
+
+
+def _report(
+    arguments: argparse.Namespace, options: WalkOptions, record: WalkRecord, console: Console
+) -> None:
+    """Draw the walk, and say how it went."""
+    output: Path = arguments.output
     result = record.result()
     picture = output / 'walk.png'
     _draw(picture, options, record)
     summary: dict[str, object] = {
-        'map': name,
+        'map': options.map_file.stem,
         'start': [options.start.x, options.start.y, options.start.yaw],
         'goal': [options.goal.x, options.goal.y, options.goal.yaw],
         'seed': options.seed,
@@ -171,10 +222,9 @@ def _walk(arguments: argparse.Namespace) -> int:
     }
     (output / 'walk.json').write_text(json.dumps(summary, indent=2) + '\n', encoding='utf-8')
     if arguments.json:
-        print(json.dumps(summary))
+        print(json.dumps(summary), flush=True)
     else:
         _print_table(console, summary)
-    return 0 if result.arrived else 1
 
 
 def _check(arguments: argparse.Namespace) -> None:

@@ -11,12 +11,14 @@ from quad_gait.parameters import GaitParameters
 from quad_perception.parameters import CeilingCameraParameters
 from quad_planner.parameters import PlannerParameters
 from quad_sim.parameters import SimParameters
+from quad_view.parameters import ViewerParameters
 
 TABLES = {
     'planner_node': PlannerParameters,
     'gait_node': GaitParameters,
     'sim_node': SimParameters,
     'ceiling_camera_node': CeilingCameraParameters,
+    'viewer_node': ViewerParameters,
 }
 """The parameter table of each node."""
 

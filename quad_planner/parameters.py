@@ -23,8 +23,10 @@ class PlannerParameters:
     method: str = parameter(
         'mesh',
         'How paths are searched: turning points on a mesh (S0), the shortest path over cells, '
-        'the one that takes the least time to walk, or down a potential (S1).',
+        'the one that takes the least time to walk, or down a potential (S1). A change counts '
+        'from the next plan on.',
         choices=PLANNING_METHODS,
+        is_dynamic=True,
     )
     any_angle: bool = parameter(
         False, "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight."

@@ -23,9 +23,9 @@ from sensor_msgs.msg import PointCloud2
 
 from quad_common.errors import PlannerError, QuadError
 from quad_common.frames.map_frame import MapFrame
-from quad_common.plan import LONGEST_PLAN
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
+from quad_common.ros.map_conversions import grid_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (
     most_plan_bytes,
@@ -36,11 +36,11 @@ from quad_common.ros.pose_conversions import (
 )
 from quad_common.ros.ros_node import STALE, QuadNode
 from quad_common.ros.run_node import run_node
+from quad_planner import planner_setup
 from quad_planner.parameters import PlannerParameters
-from quad_planner.planner_setup import pace_from_parameters, session_from_parameters
 from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import PlannerTopics
-from quad_planner.ros_conversions import grid_from_message, path_message
+from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
 
@@ -57,20 +57,19 @@ class PlannerNode(QuadNode[PlannerParameters]):
     def __init__(self, requests: Requests | None = None, **kwargs: Any) -> None:
         super().__init__('planner_node', PlannerParameters, **kwargs)
         p = self.parameters
-        self._pace = pace_from_parameters(p)
+        self._pace = planner_setup.pace_from_parameters(p)
         # Searches run beside the executor: a newer goal or map must be received meanwhile.
         self._requests = requests or LatestRequest[Any](self.call_soon)
         frame = MapFrame('map', p.correction_time_constant)
         self._topics = PlannerTopics(self, frame)
-        self._session = session_from_parameters(
+        self._session = planner_setup.session_from_parameters(
             p, load_robot(p.robot), frame, self._requests, self._topics, time.monotonic
         )
         self.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
         self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
-        most_bytes = most_plan_bytes(LONGEST_PLAN)
         self.create_subscription(
-            Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_bytes
+            Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
         )
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
@@ -89,6 +88,12 @@ class PlannerNode(QuadNode[PlannerParameters]):
         else:
             status = session_status(self._session, self.parameters, self._pace, old_correction)
             self.report_status(status)
+
+    def take_parameters(self, parameters: PlannerParameters) -> None:
+        """Change the planning method."""
+        self._pace = planner_setup.change_planner(
+            self._session, parameters, self._requests, time.monotonic
+        )
 
     def _on_map(self, message: OccupancyGrid) -> None:
         grid = grid_from_message(message, self.parameters.largest_map)
@@ -125,10 +130,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         """Answer with a plan, or with an empty path and the reason on diagnostics."""
         plan = None
         try:
-            start = pose_from_message(request.start.pose, 'start')
-            goal = pose_from_message(request.goal.pose, 'goal')
-            frames = request.start.header.frame_id, request.goal.header.frame_id
-            plan = self._session.map.plan_between((frames[0], start), (frames[1], goal))
+            plan = self._session.map.plan_between(*ends_from_request(request))
         except QuadError as error:
             self.report_error(error)
         stamp = self.get_clock().now().to_msg()

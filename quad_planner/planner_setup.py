@@ -10,6 +10,7 @@ from typing import Any
 from quad_common.errors import ParameterError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot.robot import Robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
@@ -72,6 +73,43 @@ def session_from_parameters(
     )
     options = SessionOptions(p.replan_distance, p.odom_timeout)
     return PlanningSession(planning_map, requests, output, options)
+
+
+def change_planner(
+    session: PlanningSession,
+    parameters: PlannerParameters,
+    requests: Requests,
+    clock: Callable[[], float],
+) -> WalkingTimeModel | None:
+    """
+    Have a session plan by other parameters, from its next plan on.
+
+    Parameters
+    ----------
+    session : PlanningSession
+        The session; it keeps its map, its goal and its plan.
+    parameters : PlannerParameters
+        The new parameters.
+    requests : Requests
+        The part that works on searches.
+    clock : callable
+        Returns the time that searches are limited by [s].
+
+    Returns
+    -------
+    WalkingTimeModel or None
+        The pace of the gait, where it is known.
+
+    Raises
+    ------
+    QuadError
+        If no planner can be made of them; the session goes on as before.
+    """
+    pace = pace_from_parameters(parameters)
+    robot = load_robot(parameters.robot)
+    session.map.use(planner_from_parameters(parameters, robot, clock, requests.is_superseded))
+    session.warm_up(clock)
+    return pace
 
 
 def planner_for(

@@ -19,7 +19,10 @@ from xml.etree import ElementTree
 ROOT = Path(__file__).resolve().parents[1]
 OUTPUT = ROOT / 'config' / 'sros2_policy.xml'
 
-NODES = ('ceiling_camera_node', 'gait_node', 'planner_node', 'sim_node')
+NODES = ('ceiling_camera_node', 'gait_node', 'planner_node', 'sim_node', 'viewer_node')
+
+VIEWER = 'viewer_node'
+"""Through which people at a page ask for what an operator may."""
 
 OPERATOR = 'operator'
 """Who gives goals, steers, calls services, and looks at everything."""
@@ -124,10 +127,14 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
         for owner in page.names_in('offered by'):
             rights[owner]['service', 'reply'].add(page.name)
             operator['service', 'request'].add(page.name)
+            rights[VIEWER]['service', 'request'].add(page.name)
         if 'offered by' not in page.rows:
             operator['topic', 'subscribe'].add(page.name)
     for node in NODES:
         operator['service', 'request'] |= {f'{node}/{service}' for service in _OF_EVERY_NODE}
+    rights[VIEWER]['service', 'request'] |= {
+        f'{node}/set_parameters' for node in ('gait_node', 'planner_node')
+    }
     return rights
 
 

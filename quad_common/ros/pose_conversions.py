@@ -289,7 +289,7 @@ def camera_transform(model: CameraModel, parent: str, child: str, stamp: Time) -
     return transform
 
 
-def most_plan_bytes(longest: int) -> int:
+def most_plan_bytes(longest: int = LONGEST_PLAN) -> int:
     """Return the bytes that a message with a plan of so many poses may have."""
     return _ROOM + _POSE_BYTES * longest
 

@@ -28,6 +28,7 @@ NODES = {
     'gait_node': 'quad_gait',
     'sim_node': 'quad_sim',
     'ceiling_camera_node': 'quad_perception',
+    'viewer_node': 'quad_view',
 }
 """What Python runs for each node's executable."""
 

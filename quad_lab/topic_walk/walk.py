@@ -22,6 +22,7 @@ from quad_gait.behaviours.activity import Activity
 from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 from quad_lab.topic_walk.recording import Recording
+from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
 from quad_sim.engines.registry import AUTO
@@ -103,11 +104,15 @@ class WalkOptions:
     """Corrections of odometry in a second [Hz]."""
     composed: bool = False
     """Whether all nodes are in this process, in step with the simulator."""
+    page: PagePlace | None = None
+    """Where the viewer's page is; None for no viewer."""
 
 
 def walk(
     options: WalkOptions,
     on_progress: Callable[[WalkObserver], None] = lambda observer: None,
+    on_page: Callable[[str], None] = lambda address: None,
+    on_end: Callable[[WalkRecord, Callable[[], None]], None] = lambda record, listen: None,
 ) -> WalkRecord:
     """
     Walk once, with the three nodes as processes that talk over topics only, or composed.
@@ -118,6 +123,11 @@ def walk(
         What to walk.
     on_progress : callable
         Called several times a second with the observer.
+    on_page : callable
+        Called with the address of the viewer's page, once that is there.
+    on_end : callable
+        Called when the walk has ended, before the nodes do, with its record and with what lets
+        them go on for a moment.
 
     Returns
     -------
@@ -136,6 +146,8 @@ def walk(
         nodes = _nodes(options)
         stack.enter_context(nodes)
         _start_nodes(nodes, options)
+        if options.page is not None:
+            on_page(start_viewer(stack.enter_context(NodeProcesses()), options.page))
         recording = None
         if options.recording is not None:
             recording = stack.enter_context(Recording(options.recording))
@@ -148,10 +160,18 @@ def walk(
                 executor=None if isinstance(nodes, NodeProcesses) else nodes.executor,
             )
         )
-        if isinstance(nodes, NodeProcesses):
-            return _watch(observer, nodes, observer.listen, on_progress)
-        nodes.tell(observer)
-        return _watch(observer, nodes, nodes.listen, on_progress)
+        listen = observer.listen
+        if not isinstance(nodes, NodeProcesses):
+            nodes.tell(observer)
+            listen = nodes.listen
+        record = _watch(observer, nodes, listen, on_progress)
+
+        def go_on() -> None:
+            listen(0.1)
+            nodes.check()
+
+        on_end(record, go_on)
+        return record
 
 
 def _nodes(options: WalkOptions) -> NodeProcesses | ComposedNodes:

@@ -93,6 +93,12 @@ class PlanningMap:
             self.pose_on_map(goal_frame or name, end, 'goal'),
         )
 
+    def use(self, planner: Planner[Any]) -> None:
+        """Plan with another planner on the map that is known; QuadError if it cannot be used."""
+        if self._grid is not None:
+            planner.set_map(self._combined(self._grid, self._ground))
+        self.planner = planner
+
     def warm_up(self, clock: Callable[[], float]) -> float:
         """Get the searches ready; return how long that took by a clock [s]."""
         began = clock()
@@ -167,13 +173,16 @@ class PlanningMap:
         return waiting is not None and self.take_heights(*waiting)
 
     def _take(self, grid: OccupancyGrid, frame: str, ground: Ground | None) -> bool:
-        before, combined = self.planner.prepared, grid
-        if ground is not None:
-            combined = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
-        self.planner.set_map(combined)
+        before = self.planner.prepared
+        self.planner.set_map(self._combined(grid, ground))
         self._grid, self._ground = grid, ground
         if self.planner.prepared is before and frame == self.frame.name:
             # The same map again: what was planned on it stands.
             return False
         self.frame.rename(frame)
         return True
+
+    def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
+        if ground is None:
+            return grid
+        return ground.added_to(grid, self._occupied_threshold, self._steps_over_low)

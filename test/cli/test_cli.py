@@ -179,6 +179,10 @@ def test_plan_walks_around_what_is_high_on_a_height_map_and_draws_the_ground(tmp
         ([*PLAN, '--robot', 'spot'], "there is no robot 'spot'; available: "),
         (['robot', 'check', 'spot'], "there is no robot 'spot'; available: "),
         (['robot', 'urdf', '/nowhere.yaml'], "there is no robot '/nowhere.yaml'"),
+        (['view', '--port', '70000'], "'--port' is 70000; it must be"),
+        (['view', '--robots', '9'], "'--robots' is 9; it must be"),
+        (['view', '--start', '60,1,0'], 'the start (60.00, 1.00) m is outside'),
+        (['view', '--gait', 'gallop'], 'gallop'),
     ],
 )
 def test_what_cannot_be_done_ends_with_code_2_and_one_sentence(capsys, arguments, told):

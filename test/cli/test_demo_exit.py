@@ -14,7 +14,7 @@ from quad_lab.topic_walk.walk_record import WalkRecord
 
 
 def test_a_demo_with_a_lame_robot_ends_with_its_reason(tmp_path, monkeypatch, capsys):
-    def walked(options, on_progress):
+    def walked(options, on_progress, on_page, on_end):
         record = WalkRecord(options.goal)
         record.note_pose(1.0, Pose2D(1.2, 1.2, 0.0))
         record.problem = 'lame: lf_knee_joint of leg lf does not hold'

@@ -2,16 +2,24 @@
 A planner as the node's parameters say: how near to a wall a walk may begin.
 """
 
+import time
+
 import numpy as np
 import pytest
 
-from quad_common.errors import StartOccupied
+from quad_common.errors import ParameterError, StartOccupied
+from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot_files.walking_time import load_pace
 from quad_planner.parameters import PlannerParameters
-from quad_planner.planner_setup import planner_from_parameters
+from quad_planner.planner_setup import (
+    change_planner,
+    planner_from_parameters,
+    session_from_parameters,
+)
+from quad_planner.session.immediate_request import ImmediateRequest
 
 GOAL = Pose2D(2.0, 2.0, 0.0)
 
@@ -47,3 +55,53 @@ def test_another_tolerance_can_be_set():
     assert planner.plan(Pose2D(2.0, 0.5 + needed + 0.001, 0.0), GOAL).length > 0.0
     with pytest.raises(StartOccupied):
         planner.plan(Pose2D(2.0, 0.5 + needed - 0.001, 0.0), GOAL)
+
+
+class Noted:
+    """Notes down the plans of a session."""
+
+    def __init__(self):
+        self.plans = []
+
+    def publish_plan(self, plan):
+        self.plans.append(plan)
+        return len(self.plans)
+
+    def show_map(self, prepared):
+        pass
+
+    def say(self, sentence):
+        pass
+
+    warn = say
+
+    def update_status(self):
+        pass
+
+
+def test_another_method_counts_from_the_next_plan_on_and_keeps_map_and_plan():
+    output, requests, robot = Noted(), ImmediateRequest(), load_robot('titan_viii')
+    session = session_from_parameters(
+        PlannerParameters(method='mesh'), robot, MapFrame(), requests, output
+    )
+    session.take_grid(walled_room(), 'map')
+    session.take_pose(0.0, Pose2D(1.3, 1.7, 0.0))
+    session.give_goal('map', Pose2D(2.9, 2.3, 0.0))
+    shortest = PlannerParameters(method='shortest', any_angle=True)
+    change_planner(session, shortest, requests, time.monotonic)
+    assert len(output.plans) == 1
+    session.give_goal('map', Pose2D(2.9, 2.3, 0.0))
+    mesh, straight = output.plans
+    assert len(mesh.poses) > 2
+    assert len(straight.poses) == 2
+    assert straight.length < mesh.length
+
+
+def test_a_method_that_cannot_be_had_leaves_the_planner_as_it_is(tmp_path):
+    requests, robot = ImmediateRequest(), load_robot('titan_viii')
+    session = session_from_parameters(PlannerParameters(), robot, MapFrame(), requests, Noted())
+    planner = session.map.planner
+    unknown = PlannerParameters(method='quickest', gait=str(tmp_path / 'unknown.yaml'))
+    with pytest.raises(ParameterError):
+        change_planner(session, unknown, requests, time.monotonic)
+    assert session.map.planner is planner

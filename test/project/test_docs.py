@@ -39,12 +39,14 @@ LIBRARY = ('quad_common', 'quad_planner', 'quad_gait', 'quad_sim', 'quad_percept
 
 SHARED = {
     'ros_node': tuple(NODES),
-    'map_frame_listener': ('gait_node', 'planner_node'),
+    'map_frame_listener': ('gait_node', 'planner_node', 'viewer_node'),
     'transform_publisher': ('ceiling_camera_node', 'sim_node'),
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
+    'robot_topics': ('viewer_node',),
+    'command_topics': ('viewer_node',),
 }
 """The nodes that a module makes publishers and subscriptions for."""
 
@@ -154,7 +156,8 @@ def kinds_of(argument: ast.expr, types: dict[str, str], tree: ast.Module) -> tup
 def topic_name(argument: ast.expr, module: str) -> str:
     """Return a literal name, or the default of the parameter that holds it."""
     if isinstance(argument, ast.Attribute):
-        defaults = {p.name: p.default for p in parameters_of(TABLES[module])}
+        (node,) = SHARED.get(module, (module,))
+        defaults = {p.name: p.default for p in parameters_of(TABLES[node])}
         return str(defaults[argument.attr])
     assert isinstance(argument, ast.Constant), f'{module}: {ast.unparse(argument)} is no literal'
     return str(argument.value)
@@ -267,7 +270,7 @@ def layer_table() -> str:
             needs.discard(here)
     lines = ['| package | its rooms, each of which imports those before an arrow at most |']
     lines.append('| --- | --- |')
-    for package in (*LIBRARY, 'quad_cli'):
+    for package in (*LIBRARY[:-1], 'quad_view', 'quad_lab', 'quad_cli'):
         layers, left = [], dict(uses[package])
         while left:
             layers.append(sorted(room for room, needs in left.items() if not needs & left.keys()))
@@ -281,7 +284,10 @@ GENERATED = {
     **{node: (MSG_DOCS / f'{node}.md', partial(parameter_table, node)) for node in NODES},
     'errors': (MSG_DOCS / 'diagnostics.md', error_table),
     **{package: (ROOT / 'docs' / 'api.md', partial(name_table, package)) for package in LIBRARY},
-    **{f'rooms of {name}': (ARCHITECTURE, partial(room_table, name)) for name in LIBRARY},
+    **{
+        f'rooms of {name}': (ARCHITECTURE, partial(room_table, name))
+        for name in (*LIBRARY, 'quad_view')
+    },
     'layers': (ARCHITECTURE, layer_table),
 }
 """Each page that holds a generated table, and what writes the table."""
@@ -368,7 +374,7 @@ def test_the_search_for_interfaces_finds_those_of_every_node():
         (node, call)
         for node in NODES
         for call in ('create_publisher', 'create_subscription', 'create_service')
-        if (node, call) != ('ceiling_camera_node', 'create_service')
+        if call != 'create_service' or node not in ('ceiling_camera_node', 'viewer_node')
     }
 
 
@@ -382,6 +388,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from quad_perception import camera_topics, ceiling_camera_node
     from quad_planner import planner_node, planner_topics
     from quad_sim import sim_node, sim_topics
+    from quad_view import robot_topics
 
     profiles: dict[str, list[Any]] = {
         '10': [QoSProfile(depth=10)],
@@ -394,6 +401,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
                 gait_topics,
                 planner_node,
                 planner_topics,
+                robot_topics,
                 sim_node,
                 sim_topics,
                 transform_publisher,
@@ -402,7 +410,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
         '_EVERY_PLAN': [planner_node._EVERY_PLAN],
         '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_topics._CLOCK],
-        '_NEWEST': [ceiling_camera_node._NEWEST],
+        '_NEWEST': [ceiling_camera_node._NEWEST, robot_topics._NEWEST],
         'qos_profile_sensor_data': [qos_profile_sensor_data],
     }
     assert profiles.keys() == QUALITIES.keys()

@@ -55,6 +55,9 @@ COMPARED_WITH = {
 # Imported by optional parts that say how to install them; rosdep does not know them.
 FROM_PIP = {'trimesh': 'trimesh', 'yourdfpy': 'yourdfpy'}
 
+# Of the viewer, which is nothing without viser: for that there is no rosdep key.
+OF_THE_VIEWER = ('viser', 'trimesh', 'msgspec', 'websockets', 'zstandard')
+
 
 @pytest.fixture(scope='module')
 def metadata() -> dict[str, Any]:
@@ -117,7 +120,7 @@ def test_what_a_module_imports_is_declared_in_package_xml(path, manifest):
     needed = {
         LIBRARIES.get(name, (name, ''))[0]
         for name in imported_modules(path)
-        if name not in COMPARED_WITH and name not in FROM_PIP
+        if name not in {*COMPARED_WITH, *FROM_PIP, *OF_THE_VIEWER}
     }
     assert needed <= declared
 
@@ -126,6 +129,7 @@ def test_what_the_code_imports_from_pypi_is_required_in_setup_py(metadata):
     extras = metadata['extras_require']
     optional = extras['sim'] + extras['record'] + extras['robots']
     required = requirement_names(metadata['install_requires'] + optional)
+    assert set(OF_THE_VIEWER) <= requirement_names(extras['view'])
     imported = {module for path in sources() for module in imported_modules(path)}
     assert {LIBRARIES[name][1] for name in imported if name in LIBRARIES} <= required
 

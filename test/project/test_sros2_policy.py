@@ -90,12 +90,15 @@ def test_no_node_may_say_or_offer_what_its_code_does_not(node):
             assert name.startswith(f'/{node}/'), name
 
 
-def test_only_the_operator_and_the_camera_give_goals_and_nobody_else_calls_services():
+def test_only_people_and_the_camera_give_goals_and_only_people_call_services():
     givers = [
         n for n in (*NODES, 'robot', 'operator') if '/goal_pose' in allowed(n, 'topics', 'publish')
     ]
-    assert givers == ['ceiling_camera_node', 'operator']
-    assert not any(allowed(node, 'services', 'request') for node in (*NODES, 'robot'))
+    assert givers == ['ceiling_camera_node', 'viewer_node', 'operator']
+    others = {*NODES, 'robot'} - {'viewer_node'}
+    assert not any(allowed(node, 'services', 'request') for node in others)
+    assert '/stop' in allowed('viewer_node', 'services', 'request')
+    assert '/sim_node/set_parameters' not in allowed('viewer_node', 'services', 'request')
     assert '/stop' in allowed('operator', 'services', 'request')
     assert '/joint_trajectory' not in allowed('operator', 'topics', 'publish')
 

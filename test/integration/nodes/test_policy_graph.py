@@ -14,7 +14,7 @@ from harness import Bench
 pytestmark = pytest.mark.ros
 
 POLICY = Path(__file__).resolve().parents[3] / 'config' / 'sros2_policy.xml'
-NODES = ('planner_node', 'gait_node', 'sim_node', 'ceiling_camera_node')
+NODES = ('planner_node', 'gait_node', 'sim_node', 'ceiling_camera_node', 'viewer_node')
 
 
 def allowed(owner: str, right: str) -> set[str]:
@@ -30,6 +30,7 @@ def test_the_policy_allows_all_that_running_nodes_do(bench: Bench):
     bench.start('planner_node')
     bench.start('gait_node')
     bench.start('ceiling_camera_node')
+    bench.start('viewer_node')
     graph = {
         'publish': bench.node.get_publisher_names_and_types_by_node,
         'subscribe': bench.node.get_subscriber_names_and_types_by_node,

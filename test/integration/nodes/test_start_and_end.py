@@ -41,6 +41,8 @@ INVALID = [
     ('sim_node', {'map_file': '/nowhere.yaml'}, 'map file /nowhere.yaml cannot be read: '),
     ('sim_node', {'start_pose': [1.0, 2.0]}, "'start_pose' is [1.0, 2.0]; it must be 3 finite"),
     ('sim_node', {'seed': -1}, "'seed' is -1; it must be a whole number of at least 0"),
+    ('viewer_node', {'host': '192.0.2.1'}, "'host' is '192.0.2.1'; it must be an address of"),
+    ('viewer_node', {'port': 70000}, "'port' is 70000; it must be a whole number from 0 to"),
 ]
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot
 from quad_sim.world.world import Obstacle, world_from_map
 
 pytest.importorskip('mujoco')

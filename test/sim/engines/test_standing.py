@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_file import available_robots, load_robot
+from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.rotations import matrix_from_quaternion
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait

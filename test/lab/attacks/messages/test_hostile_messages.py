@@ -35,6 +35,7 @@ from quad_common.ros.image_conversions import (
     image_message,
     rgb_from_image,
 )
+from quad_common.ros.map_conversions import grid_from_message
 from quad_common.ros.pose_conversions import (
     base_transform,
     check_clock,
@@ -56,7 +57,6 @@ from quad_gait.ros_conversions import (
 from quad_lab.attacks.messages.changes import changes_of
 from quad_lab.attacks.messages.mutations import leaves_of, replaced
 from quad_perception.ros_conversions import legs_pose, robot_transforms
-from quad_planner.ros_conversions import grid_from_message
 from quad_sim.ros_conversions import obstacle_changes_from_message, trajectory_from_message
 
 pytestmark = pytest.mark.ros

@@ -1,0 +1,3 @@
+"""
+The page in the browser: the one room that knows viser.
+"""

@@ -1,0 +1,247 @@
+"""
+What ``viewer_node`` receives of one robot.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, cast
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PolygonStamped, PoseStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import Image, JointState, PointCloud2
+from std_msgs.msg import Bool, Float64, String
+from visualization_msgs.msg import MarkerArray
+
+from quad_common.errors import QuadError
+from quad_common.frames.map_frame import MapFrame
+from quad_common.planar_pose import Pose2D
+from quad_common.ros.height_map_conversions import height_map_from_message
+from quad_common.ros.image_conversions import rgb_from_image
+from quad_common.ros.map_conversions import grid_from_message
+from quad_common.ros.map_frame_listener import MapFrameListener
+from quad_common.ros.pose_conversions import (
+    most_plan_bytes,
+    plan_from_message,
+    pose_from_message,
+    seconds_from_time,
+)
+from quad_common.ros.ros_node import QuadNode
+from quad_view.parameters import ViewerParameters
+from quad_view.ros_conversions import (
+    body_on_map,
+    boundary_from_markers,
+    corners_from_polygon,
+    footholds_from_markers,
+    joints_from_message,
+    obstacles_after,
+    said_by,
+    velocity_from_message,
+)
+from quad_view.scene.floor import floor_picture, surface_of
+from quad_view.scene.robot_model import model_from_urdf
+from quad_view.scene.robot_view import RobotView
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+_CORRECTION_TIMEOUT = 60.0
+"""The planner and the gait say sooner that corrections are old [s]."""
+
+
+class SampledTopics:
+    """
+    Subscriptions that are looked at, not waited for: only the newest message is ever taken apart.
+
+    A robot that is simulated at many times real time publishes thousands of messages a second, of
+    which a page shows thirty.
+
+    Parameters
+    ----------
+    node : Node
+        A node that no executor has.
+    prefix : str
+        Of the topics' names.
+    """
+
+    def __init__(self, node: Node, prefix: str) -> None:
+        self._node = node
+        self._prefix = prefix
+        self._taken: dict[str, tuple[Any, Callable[[Any], None]]] = {}
+
+    def create_subscription(
+        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile
+    ) -> None:
+        """Have the newest message handed on at each look."""
+        name = f'{self._prefix}{topic}'
+        # The executor of another node calls nothing of this one.
+        subscription = self._node.create_subscription(kind, name, lambda message: None, qos)
+        self._taken[topic] = subscription, callback
+
+    def end(self, topic: str) -> None:
+        """Take no more of a topic."""
+        if topic in self._taken:
+            self._node.destroy_subscription(self._taken.pop(topic)[0])
+
+    def look(self) -> list[QuadError]:
+        """Hand on what has come since the last look; return why messages could not be used."""
+        problems = []
+        for subscription, callback in list(self._taken.values()):
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, False)
+            if taken is not None:
+                try:
+                    callback(taken[0])
+                except QuadError as error:
+                    problems.append(error)
+        return problems
+
+
+class NamedTopics:
+    """
+    Makes a node's subscriptions and publishers in a robot's namespace.
+
+    Parameters
+    ----------
+    node : QuadNode
+        The node.
+    prefix : str
+        Of the topics' names.
+    """
+
+    def __init__(self, node: QuadNode[Any], prefix: str) -> None:
+        self._node = node
+        self._prefix = prefix
+
+    def create_subscription(
+        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
+    ) -> Any:
+        """Subscribe; see :meth:`GuardedNode.create_subscription`."""
+        return self._node.create_subscription(
+            kind, f'{self._prefix}{topic}', callback, qos, **options
+        )
+
+    def create_publisher(self, kind: Any, topic: str, qos: Any) -> Any:
+        """Make a publisher."""
+        return self._node.create_publisher(kind, f'{self._prefix}{topic}', qos)
+
+    def get_logger(self) -> Any:
+        """Return the node's logger."""
+        return self._node.get_logger()
+
+
+class RobotTopics:
+    """
+    Receives what is shown of a robot.
+
+    Parameters
+    ----------
+    node : QuadNode
+        The node.
+    inputs : Node
+        A node that no executor has, for what comes often.
+    view : RobotView
+        What is known of the robot.
+    parameters : ViewerParameters
+        Of the node.
+    """
+
+    def __init__(
+        self, node: QuadNode[Any], inputs: Node, view: RobotView, parameters: ViewerParameters
+    ) -> None:
+        p = self._parameters = parameters
+        self._view = view
+        prefix = f'/{view.name}/' if view.name else '/'
+        named = NamedTopics(node, prefix)
+        self._sampled = sampled = SampledTopics(inputs, prefix)
+        self._frame = MapFrame(p.map_frame)
+        self._map = MapFrameListener(cast(Any, named), self._frame, _CORRECTION_TIMEOUT)
+        sampled.create_subscription(JointState, 'joint_states', self._on_joints, _NEWEST)
+        sampled.create_subscription(Odometry, p.odom_topic, self._on_odometry, _NEWEST)
+        sampled.create_subscription(Float64, 'stability_margin', self._on_margin, _NEWEST)
+        sampled.create_subscription(PolygonStamped, 'support_polygon', self._on_support, _NEWEST)
+        named.create_subscription(String, 'robot_description', self._on_description, _LATCHED)
+        named.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
+        named.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
+        most_bytes = most_plan_bytes()
+        named.create_subscription(Path, 'plan', self._on_plan, _LATCHED, most_bytes=most_bytes)
+        named.create_subscription(MarkerArray, 'plan_markers', self._on_plan_markers, _LATCHED)
+        named.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
+        named.create_subscription(MarkerArray, 'footholds', self._on_footholds, 10)
+        named.create_subscription(MarkerArray, 'obstacles', self._on_obstacles, 10)
+        named.create_subscription(Bool, 'emergency_stop/active', self._on_stopped, _LATCHED)
+        named.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 10)
+
+    def look(self) -> list[QuadError]:
+        """Take the newest of what comes often; return why it could not be used."""
+        return self._sampled.look()
+
+    def show_picture(self, is_shown: bool) -> None:
+        """Receive the camera's picture, or no more: none is taken that nobody looks at."""
+        if is_shown:
+            p = self._parameters
+            self._sampled.create_subscription(Image, p.picture_topic, self._on_picture, _NEWEST)
+        else:
+            self._sampled.end(self._parameters.picture_topic)
+            self._view.note(picture=None)
+
+    def _on_joints(self, message: JointState) -> None:
+        self._view.note_joints(joints_from_message(message))
+
+    def _on_odometry(self, message: Odometry) -> None:
+        planar, odometry = self._map.locate(message)
+        self._view.note_pose(*body_on_map(message, planar, odometry), time.monotonic())
+        stamp = seconds_from_time(message.header.stamp)
+        self._view.plot(stamp, velocity_from_message(message))
+
+    def _on_margin(self, message: Float64) -> None:
+        self._view.note(margin=float(message.data))
+
+    def _on_support(self, message: PolygonStamped) -> None:
+        frame = self._frame.on_map(message.header.frame_id, Pose2D(0.0, 0.0, 0.0))
+        if frame is not None:
+            self._view.note(support=frame.transform(corners_from_polygon(message)))
+
+    def _on_description(self, message: String) -> None:
+        self._view.note(model=model_from_urdf(message.data))
+
+    def _on_map(self, message: OccupancyGrid) -> None:
+        self._view.note(floor=floor_picture(grid_from_message(message)))
+
+    def _on_height_map(self, message: PointCloud2) -> None:
+        heights = height_map_from_message(message, self._frame.frames_on_map)
+        self._view.note(surface=surface_of(heights))
+
+    def _on_plan(self, message: Path) -> None:
+        plan = plan_from_message(message)
+        if plan is not None:
+            plan = self._frame.plan_on_map(message.header.frame_id, plan)
+        self._view.note_plan(plan)
+
+    def _on_plan_markers(self, message: MarkerArray) -> None:
+        self._view.note(boundary=boundary_from_markers(message))
+
+    def _on_goal(self, message: PoseStamped) -> None:
+        self._view.note(goal=pose_from_message(message.pose, 'goal'))
+
+    def _on_footholds(self, message: MarkerArray) -> None:
+        self._view.note(footholds=footholds_from_markers(message))
+
+    def _on_obstacles(self, message: MarkerArray) -> None:
+        self._view.note(obstacles=obstacles_after(self._view.obstacles, message))
+
+    def _on_stopped(self, message: Bool) -> None:
+        self._view.note(is_stopped=bool(message.data))
+
+    def _on_picture(self, message: Image) -> None:
+        self._view.note(picture=rgb_from_image(message))
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            name = status.name.rsplit('/', 1)[-1]
+            said = said_by(status, time.monotonic())
+            self._view.note(said={**self._view.said, name: said})

@@ -1,0 +1,3 @@
+"""
+What is shown, as values: no ROS and no browser.
+"""

@@ -1,0 +1,123 @@
+"""
+The node that shows robots on a page in the browser, and lets people walk them from there.
+"""
+
+from __future__ import annotations
+
+if __name__ == '__main__':
+    # What follows takes seconds to import; signals count before.
+    from quad_view.__main__ import main as start
+
+    raise SystemExit(start())
+
+import time
+from functools import partial
+from typing import Any
+
+import rclpy
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+
+from quad_common.ros.ros_node import OK, WARN, QuadNode
+from quad_common.ros.run_node import run_node
+from quad_view.command_topics import CommandTopics
+from quad_view.page.viewer_page import ViewerPage
+from quad_view.parameters import ViewerParameters
+from quad_view.robot_topics import RobotTopics
+from quad_view.scene.commands import Command, ShowPicture
+from quad_view.scene.robot_view import RobotView
+from quad_view.scene.robots import namespaces_of
+
+_SEARCH_PERIOD = 0.5
+"""Time between two searches for robots [s]."""
+
+_JOINT_STATES = 'sensor_msgs/msg/JointState'
+
+
+class ViewerNode(QuadNode[ViewerParameters]):
+    """Shows what is received of each robot, and sends what is asked for on the page."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        # It has no use for a clock: it shows what comes when it comes.
+        super().__init__('viewer_node', ViewerParameters, use_sim_time=False, **kwargs)
+        p = self.parameters
+        self._inputs = rclpy.create_node(
+            'viewer_inputs',
+            context=self.context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+        self._robots: dict[str, tuple[RobotView, RobotTopics, CommandTopics]] = {}
+        self._page = ViewerPage(p.page_options, self._take_command)
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(1.0 / p.rate, self._on_frame, clock=clock)
+        self.create_timer(_SEARCH_PERIOD, self._find_robots, clock=clock)
+        self._find_robots()
+        self.get_logger().info(self._page.invitation())
+        self.update_status()
+
+    def update_status(self) -> None:
+        """Report where the page is, and what it shows."""
+        shown = [robot for robot, _, _ in self._robots.values()]
+        now = time.monotonic()
+        silent = [robot.name or 'the robot' for robot in shown if not robot.has_robot(now)]
+        values = {'pages': self._page.readers, 'robots': len(shown), 'address': self._page.address}
+        if not shown:
+            self.report(WARN, 'no robot: waiting for joint_states of one', **values)
+        elif silent:
+            self.report(WARN, f'no odometry of {", ".join(silent)}: waiting for it', **values)
+        else:
+            self.report(OK, f'showing the robot at {self._page.address}', **values)
+
+    def destroy_node(self) -> None:
+        """Close the page."""
+        self._page.close()
+        self._inputs.destroy_node()
+        super().destroy_node()
+
+    def _take_command(self, command: Command) -> None:
+        """Have a command carried out by the executor; called by threads of the page."""
+        self.call_soon(partial(self._carry_out, command))
+
+    def _carry_out(self, command: Command) -> None:
+        if command.robot not in self._robots:
+            # The page says that there is none.
+            return
+        _, topics, commands = self._robots[command.robot]
+        if isinstance(command, ShowPicture):
+            topics.show_picture(command.is_shown)
+        else:
+            commands.carry_out(command)
+
+    def _on_frame(self) -> None:
+        """Show what has come since the last frame, or seldom while nobody looks."""
+        now = time.monotonic()
+        for _, _, commands in self._robots.values():
+            commands.steer()
+        if self._page.is_due(now):
+            for _, topics, _ in self._robots.values():
+                for problem in topics.look():
+                    self.report_error(problem)
+            self._page.draw(now)
+
+    def _find_robots(self) -> None:
+        """Show each robot whose joint states are published, or that was asked for."""
+        published = [
+            name
+            for name, kinds in self.get_topic_names_and_types()
+            if _JOINT_STATES in kinds and self.count_publishers(name)
+        ]
+        for name in namespaces_of(self.parameters.robots, published):
+            if name not in self._robots:
+                view = RobotView(name)
+                topics = RobotTopics(self, self._inputs, view, self.parameters)
+                self._robots[name] = (
+                    view, topics, CommandTopics(self, view, self.parameters)
+                )  # fmt: skip
+                self._page.add_robot(view)
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the viewer node."""
+    return run_node(ViewerNode, args)
