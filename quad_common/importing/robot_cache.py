@@ -11,6 +11,7 @@ import hashlib
 import os
 import tempfile
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 from quad_common.errors import DescriptionUnusable, FileUnusable
@@ -24,8 +25,19 @@ DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 _FORMAT = 15
 """Number of the format of kept files: raised when an import finds more than it did."""
 
+_MOST_INCLUDED = 1000
+"""Number of xacro files in a package that are looked at."""
+
 _LARGEST = 2**24
 """Bytes of the largest description that is read."""
+
+
+def _included(description: Path) -> list[tuple[str, int]]:
+    """List what a xacro file may include, with the times of the last changes [ns]."""
+    if description.suffix != '.xacro':
+        return []
+    found = description.resolve().parents[1].rglob('*.xacro')
+    return sorted((str(path), path.stat().st_mtime_ns) for path in islice(found, _MOST_INCLUDED))
 
 
 def cache_folder() -> Path:
@@ -71,7 +83,7 @@ def imported_file(description: Path, options: ImportOptions | None = None) -> Pa
         content = read_bytes(description, "robot's description", _LARGEST)
     except FileUnusable as error:
         raise DescriptionUnusable(error.path, f"the robot's description {error.reason}") from error
-    asked = f'{_FORMAT} {description.resolve()} {options}'.encode()
+    asked = f'{_FORMAT} {description.resolve()} {options} {_included(description)}'.encode()
     key = hashlib.sha256(content + asked).hexdigest()[:12]
     name = options.name or description.name.partition('.')[0]
     path = cache_folder() / f'{name}-{key}.yaml'

@@ -58,6 +58,24 @@ def test_a_changed_description_is_imported_again(cache, description):
     assert load_robot(second).effort.max() == 3.0
 
 
+def test_a_changed_part_of_a_description_is_noticed(cache, tmp_path):
+    pytest.importorskip('xacro')
+    folder = tmp_path / 'my_robot' / 'xacro'
+    folder.mkdir(parents=True)
+    text = urdf_from_robot(load_robot('genibo'))
+    body = text[text.index('<link') : text.rindex('</robot>')]
+    opening = '<robot name="mine" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    (folder / 'body.xacro').write_text(f'{opening}{body}</robot>')
+    main = folder / 'mine.xacro'
+    main.write_text(f'{opening}<xacro:include filename="body.xacro"/></robot>')
+    first = robot_file(main)
+    assert robot_file(main) == first
+    (folder / 'body.xacro').write_text(
+        f'{opening}{body}</robot>'.replace('effort="2"', 'effort="4"')
+    )
+    assert load_robot(robot_file(main)).effort.max() == 4.0
+
+
 def test_many_at_once_do_not_disturb_each_other(cache, description):
     with concurrent.futures.ThreadPoolExecutor(4) as pool:
         files = list(pool.map(robot_file, [description] * 8))
