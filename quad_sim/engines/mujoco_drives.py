@@ -45,6 +45,9 @@ _TOO_FAST = 10.0
 _EDGES = 4
 """Number of constraints of a contact: edges of its pyramid, each followed by the opposite one."""
 
+_GONE = -1
+"""Number in place of that of a geometry that is no more."""
+
 _PAIR = 8
 """Size of a pair of geometries in MuJoCo's list of contacts [bytes]."""
 
@@ -79,11 +82,13 @@ class MujocoDrives:
         self._damping = 0.0
         self._differences: dict[int, Array] = {}
         self._motors: Array = np.zeros(_COUNT)
+        self._standing: list[str] = []
+        self._touching: bytes | None = None
         self._let_go_of_all()
 
     def bind(self, model: Any, data: Any, angles: slice, speeds: slice) -> None:
         """
-        Take over a model that was compiled, or compiled again; failures stay, anchors do not.
+        Take over a model that was compiled, or compiled again; failures and anchors stay.
 
         Parameters
         ----------
@@ -100,8 +105,7 @@ class MujocoDrives:
         time_constant, _ = model.dof_solref[speeds.start]
         self._damping = 2.0 / (model.dof_solimp[speeds.start, 1] * time_constant)
         self._set_frictions()
-        # Geometries may have other numbers now.
-        self._let_go_of_all()
+        self._renumber(model)
 
     def reset(self) -> None:
         """Have all joints sound, and nothing anchored."""
@@ -199,6 +203,27 @@ class MujocoDrives:
         efforts = self._largest_efforts.copy()
         efforts[self._free] *= FRICTION_FRACTION
         self._model.dof_frictionloss[self._speeds] = efforts
+
+    def _renumber(self, model: Any) -> None:
+        """Find the anchored geometries again: those that stand fast come first, and have names."""
+        before = self._standing
+        self._standing = [model.geom(k).name for k in np.flatnonzero(model.geom_bodyid == 0)]
+        numbers = {name: number for number, name in enumerate(self._standing)}
+        shift = len(self._standing) - len(before)
+
+        def renumbered(geom: int) -> int:
+            if geom >= len(before):
+                return geom + shift
+            return numbers.get(before[geom], _GONE)
+
+        kept: dict[tuple[bytes, int], Array] = {}
+        for (pair, point), creep in self._anchors.items():
+            geoms = [renumbered(geom) for geom in np.frombuffer(pair, np.int32).tolist()]
+            if _GONE not in geoms:
+                kept[np.array(geoms, np.int32).tobytes(), point] = creep
+        self._anchors = kept
+        # Whatever touches in the next step, it is looked at which of it was anchored.
+        self._touching = None
 
     def _let_go_of_all(self) -> None:
         """Forget all anchors."""

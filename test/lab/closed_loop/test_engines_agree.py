@@ -53,15 +53,17 @@ def test_a_robot_stands_alike_on_uneven_ground(name, ground):
 
 @pytest.mark.parametrize('name', ROBOTS)
 @pytest.mark.parametrize(
-    ('gait_name', 'fraction'), [('crawl', 0.01), ('wave', 0.01), ('trot', 0.06)]
+    ('gait_name', 'fraction', 'cycles'),
+    # A single cycle of a trot scatters: by 7 % of its length for TITAN-VIII after its first steps.
+    [('crawl', 0.01, 1), ('wave', 0.01, 1), ('trot', 0.04, 3)],
 )
-def test_open_loop_cycles_go_as_far(name, gait_name, fraction):
+def test_open_loop_cycles_go_as_far(name, gait_name, fraction, cycles):
     robot = load_robot(name)
     gait = load_gait(gait_name, robot)
     direction = BodyMotion(forward=1.0)
     asked = direction.scaled(0.5 * MotionLimits(robot, gait).largest_scale(direction))
     bullet, mujoco = (
-        measure_motion(robot, gait, asked, cycles=1, backend=backend) for backend in BACKENDS
+        measure_motion(robot, gait, asked, cycles=cycles, backend=backend) for backend in BACKENDS
     )
     assert not mujoco.has_fallen
     assert mujoco.mean.forward == pytest.approx(bullet.mean.forward, rel=fraction)
