@@ -84,6 +84,7 @@ class MujocoDrives:
         self._motors: Array = np.zeros(_COUNT)
         self._standing: list[str] = []
         self._touching: bytes | None = None
+        self._anchors: dict[tuple[bytes, int], Array] = {}
         self._let_go_of_all()
 
     def bind(self, model: Any, data: Any, angles: slice, speeds: slice) -> None:
@@ -227,7 +228,7 @@ class MujocoDrives:
 
     def _let_go_of_all(self) -> None:
         """Forget all anchors."""
-        self._anchors: dict[tuple[bytes, int], Array] = {}
+        self._anchors = {}
         self._anchor(b'')
 
     def _anchor(self, touching: bytes) -> None:
