@@ -111,6 +111,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action='store_true',
         help='all nodes in one process, in step: the walk repeats bit for bit',
     )
+    _add_result_arguments(parser)
+
+
+def _add_result_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare where the walk is seen and kept."""
     parser.add_argument('--gui', action='store_true', help="show the physics engine's own window")
     parser.add_argument(
         '--view',

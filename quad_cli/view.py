@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -96,15 +97,19 @@ def page_place(arguments: argparse.Namespace) -> PagePlace:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command until it is interrupted, or a node ends."""
+    place = page_place(arguments)
+    return _show(arguments, place, () if arguments.attach else _starts(arguments))
+
+
+def _show(arguments: argparse.Namespace, place: PagePlace, starts: Sequence[Pose2D]) -> int:
+    """Start a robot at each place, if any, and the page."""
     # Here, so that 'quadwalk --help' works where rclpy is absent.
     from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 
-    place = page_place(arguments)
     console = Console()
     with contextlib.ExitStack() as stack:
         groups = [stack.enter_context(NodeProcesses())] if arguments.attach else []
         if not arguments.attach:
-            starts = _starts(arguments)
             stack.enter_context(isolated_domain())
             for number, start in enumerate(starts, start=1):
                 namespace = f'robot{number}' if len(starts) > 1 else ''

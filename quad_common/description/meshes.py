@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +51,7 @@ def mesh_path(name: str, description: Path) -> Path:
 
 def _candidates(name: str, folder: Path) -> list[Path]:
     if name.startswith(_FILE):
-        return [Path(name[len(_FILE) :])]
+        return [Path(name[len(_FILE) :]), Path(unquote(name[len(_FILE) :]))]
     if not is_in_package(name):
         return [folder / name]
     # Files of one folder are often handed on without their package.

@@ -31,6 +31,23 @@ class NotSimulated(SimulatorError):
 
 
 @dataclass(eq=False, repr=False)
+class RobotNotLoaded(SimulatorError):
+    """A physics engine refuses a robot's own URDF."""
+
+    robot: str
+    """Name of the robot."""
+    engine: str
+    """Name of the engine."""
+    reason: str
+    """What the engine says."""
+
+    def sentence(self) -> str:
+        """Say which engine refuses it, and why."""
+        reason = ' '.join(self.reason.split())
+        return f'{self.engine} cannot load the URDF of {quoted(self.robot)}: {quoted(reason)}'
+
+
+@dataclass(eq=False, repr=False)
 class ObstacleOnRobot(SimulatorError):
     """An obstacle would stand where the robot is."""
 

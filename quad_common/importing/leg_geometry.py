@@ -57,23 +57,7 @@ def leg_geometry(leg: LegAtZero, is_upright: bool) -> Leg:
         Its knee's sign is +1 and its middles are 0: :mod:`~quad_common.importing.ranges` finds
         them.
     """
-    side = 1.0 if leg.hip[1] > 0.0 else -1.0
-    wanted = np.array([0.0, 0.0, 1.0]) if is_upright else np.array([1.0, 0.0, 0.0])
-    outward = np.array([0.0, side, 0.0]) if is_upright else np.array([0.0, 0.0, -1.0])
-    zeta = leg.axes[0] * np.sign(leg.axes[0] @ wanted)
-    rho0 = outward - zeta * float(outward @ zeta)
-    rho0 /= np.linalg.norm(rho0)
-    nu0 = np.cross(zeta, rho0)
-    # Rounded in the description, the pitch axis is made square to the first.
-    nu = leg.axes[1] - zeta * float(leg.axes[1] @ zeta)
-    nu /= np.linalg.norm(nu)
-    rho = np.cross(nu, zeta)
-    if abs(float(rho @ rho0)) < _ASIDE:
-        is_away = float((leg.foot - leg.hip) @ rho) < 0.0
-    else:
-        is_away = float(rho @ rho0) < 0.0
-    if is_away:
-        rho, nu = -rho, -nu
+    zeta, rho0, rho, nu = _axes(leg, is_upright)
 
     def in_plane(arm: Array) -> tuple[float, float]:
         """Return length and angle of an arm in the leg's plane."""
@@ -84,6 +68,7 @@ def leg_geometry(leg: LegAtZero, is_upright: bool) -> Leg:
     thigh, pitch = in_plane(knee - pitch_axis)
     calf, calf_angle = in_plane(leg.foot - knee)
     bend = math.remainder(calf_angle - pitch, _TURN)
+    yaw = math.atan2(float(rho @ np.cross(zeta, rho0)), float(rho @ rho0))
     return Leg(
         name=leg.name,
         hip=leg.hip,
@@ -99,5 +84,32 @@ def leg_geometry(leg: LegAtZero, is_upright: bool) -> Leg:
             float(np.sign(leg.axes[1] @ nu)),
             float(np.sign(leg.axes[2] @ nu)),
         ),
-        zeros=(math.atan2(float(rho @ nu0), float(rho @ rho0)), pitch, bend),
+        zeros=(yaw, pitch, bend),
     )
+
+
+def _axes(leg: LegAtZero, is_upright: bool) -> tuple[Array, Array, Array, Array]:
+    """
+    Find the axes of a leg's plane.
+
+    Returns
+    -------
+    zeta, rho0, rho, nu : ndarray, shape (3,)
+        The first axis; the plane's direction where the first joint's angle is 0 in closed form;
+        its direction at the zero of the robot's own joint; the pitch axis there.
+    """
+    side = 1.0 if leg.hip[1] > 0.0 else -1.0
+    wanted = np.array([0.0, 0.0, 1.0]) if is_upright else np.array([1.0, 0.0, 0.0])
+    outward = np.array([0.0, side, 0.0]) if is_upright else np.array([0.0, 0.0, -1.0])
+    zeta = leg.axes[0] * np.sign(leg.axes[0] @ wanted)
+    rho0 = outward - zeta * float(outward @ zeta)
+    rho0 /= np.linalg.norm(rho0)
+    # Rounded in the description, the pitch axis is made square to the first.
+    nu = leg.axes[1] - zeta * float(leg.axes[1] @ zeta)
+    nu /= np.linalg.norm(nu)
+    rho = np.cross(nu, zeta)
+    if abs(float(rho @ rho0)) < _ASIDE:
+        is_away = float((leg.foot - leg.hip) @ rho) < 0.0
+    else:
+        is_away = float(rho @ rho0) < 0.0
+    return (zeta, rho0, -rho, -nu) if is_away else (zeta, rho0, rho, nu)

@@ -4,6 +4,7 @@ What a person may say of a robot that its description leaves open, and what was 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 DIRECTIONS = ('+x', '-x', '+y', '-y', '+z', '-z')
@@ -11,6 +12,16 @@ DIRECTIONS = ('+x', '-x', '+y', '-y', '+z', '-z')
 
 KNEES = ('forward', 'backward', 'inward', 'outward')
 """Where knees may point: all alike, toward the robot's middle, or away from it."""
+
+
+_LONGEST_NAME = 64
+"""Characters of a robot's name."""
+
+
+def file_name(name: str) -> str:
+    """Make of any text a name that robots and files may have: no folders, no control characters."""
+    plain = re.sub(r'[^\w.+-]', '_', name)[:_LONGEST_NAME].strip('.')
+    return plain or 'robot'
 
 
 @dataclass(frozen=True)

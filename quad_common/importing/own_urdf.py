@@ -57,8 +57,7 @@ def own_urdf(robot: ImportedRobot, meshes: Path) -> str:
         left out.
     """
     model = yourdfpy.urdf
-    to_base = robot.to_base
-    base_from_root = inverse(to_base)
+    base_from_root = inverse(robot.to_base)
     body = robot.parts.body
     shapes = _Shapes(robot, meshes)
     links = [_link(shapes, body.link, body.links, base_from_root, body.mass)]
@@ -67,46 +66,37 @@ def own_urdf(robot: ImportedRobot, meshes: Path) -> str:
         parent, parent_frame = body.link, base_from_root
         for j, (joint, part) in enumerate(zip(chain.joints, parts)):
             frame = robot.tree.pose(joint.child)
-            has_foot = j == 2 and foot.link != part.link
-            links += (
-                _calf_and_foot(shapes, part, foot.link)
-                if has_foot
-                else [_link(shapes, part.link, part.links, frame, part.mass)]
+            if j == 2 and foot.link != part.link:
+                links += _calf_and_foot(shapes, part, foot.link)
+            else:
+                links.append(_link(shapes, part.link, part.links, frame, part.mass))
+            made = _joint(
+                joint.name, 'revolute', (parent, part.link), inverse(parent_frame) @ frame
             )
-            joints.append(
-                model.Joint(
-                    name=joint.name,
-                    type='revolute',
-                    parent=parent,
-                    child=part.link,
-                    origin=inverse(parent_frame) @ frame,
-                    axis=joint.axis,
-                    limit=model.Limit(
-                        effort=float(robot.effort[k, j]),
-                        velocity=float(robot.velocity[k, j]),
-                        lower=float(robot.legs[k].lower[j]),
-                        upper=float(robot.legs[k].upper[j]),
-                    ),
-                )
+            made.axis = joint.axis
+            made.limit = model.Limit(
+                effort=float(robot.effort[k, j]),
+                velocity=float(robot.velocity[k, j]),
+                lower=float(robot.legs[k].lower[j]),
+                upper=float(robot.legs[k].upper[j]),
             )
+            joints.append(made)
             parent, parent_frame = part.link, frame
         if foot.link != parent:
             origin = inverse(parent_frame) @ robot.tree.pose(foot.link)
-            joints.append(
-                model.Joint(
-                    name=f'{foot.link}_fixed',
-                    type='fixed',
-                    parent=parent,
-                    child=foot.link,
-                    origin=origin,
-                )
-            )
+            joints.append(_joint(f'{foot.link}_fixed', 'fixed', (parent, foot.link), origin))
     described = model.Robot(
         name=robot.name, links=links, joints=joints, materials=robot.tree.materials
     )
     written = yourdfpy.URDF(described, build_scene_graph=False, load_meshes=False).write_xml()
     text: bytes = etree.tostring(written, pretty_print=True)
     return text.decode()
+
+
+def _joint(name: str, kind: str, links: tuple[str, str], origin: Array) -> Any:
+    """Make a joint of a kind between a parent and its child, whose frame is in the parent's."""
+    parent, child = links
+    return yourdfpy.urdf.Joint(name=name, type=kind, parent=parent, child=child, origin=origin)
 
 
 def _calf_and_foot(shapes: _Shapes, part: Part, foot: str) -> list[Any]:

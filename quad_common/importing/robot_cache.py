@@ -15,9 +15,9 @@ from itertools import islice
 from pathlib import Path
 
 from quad_common.errors import DescriptionUnusable, FileUnusable
-from quad_common.files.bounded_file import make_folder, read_bytes, user_path
+from quad_common.files.bounded_file import is_file, make_folder, read_bytes, user_path
 from quad_common.importing.known_robots import KNOWN_ROBOTS
-from quad_common.importing.options import ImportOptions
+from quad_common.importing.options import ImportOptions, file_name
 
 DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 """Suffixes of files that are imported where a robot is asked for."""
@@ -36,8 +36,12 @@ def _included(description: Path) -> list[tuple[str, int]]:
     """List what a xacro file may include, with the times of the last changes [ns]."""
     if description.suffix != '.xacro':
         return []
-    found = description.resolve().parents[1].rglob('*.xacro')
-    return sorted((str(path), path.stat().st_mtime_ns) for path in islice(found, _MOST_INCLUDED))
+    folder = description.resolve().parent
+    package = next((at for at in (folder, *folder.parents) if is_file(at / 'package.xml')), None)
+    # Without a package there is no telling where it ends: a home folder is not looked through.
+    found = folder.glob('*.xacro') if package is None else package.rglob('*.xacro')
+    files = islice((path for path in found if is_file(path)), _MOST_INCLUDED)
+    return sorted((str(path), path.stat().st_mtime_ns) for path in files)
 
 
 def cache_folder() -> Path:
@@ -85,9 +89,9 @@ def imported_file(description: Path, options: ImportOptions | None = None) -> Pa
         raise DescriptionUnusable(error.path, f"the robot's description {error.reason}") from error
     asked = f'{_FORMAT} {description.resolve()} {options} {_included(description)}'.encode()
     key = hashlib.sha256(content + asked).hexdigest()[:12]
-    name = options.name or description.name.partition('.')[0]
+    name = file_name(options.name or description.name.partition('.')[0])
     path = cache_folder() / f'{name}-{key}.yaml'
-    if path.is_file() and path.with_suffix('.urdf').is_file():
+    if is_file(path) and is_file(path.with_suffix('.urdf')):
         return path
     # Reading descriptions needs packages that are slow to import, and may not be there.
     from quad_common.importing.robot_document import write_robot
@@ -95,10 +99,14 @@ def imported_file(description: Path, options: ImportOptions | None = None) -> Pa
 
     robot = import_robot(description, options)
     make_folder(path.parent)
-    # Several nodes may begin at once: each writes files of its own, and the last one stays.
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        meshes = path.with_name(f'{path.stem}_meshes')
-        data_file, urdf = write_robot(robot, Path(folder) / path.name, meshes)
-        urdf.replace(path.with_suffix('.urdf'))
-        data_file.replace(path)
+    try:
+        # Several nodes may begin at once: each writes files of its own, and the last one stays.
+        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+            meshes = path.with_name(f'{path.stem}_meshes')
+            data_file, urdf = write_robot(robot, Path(folder) / path.name, meshes)
+            urdf.replace(path.with_suffix('.urdf'))
+            data_file.replace(path)
+    except OSError as error:
+        reason = f'cannot be written in: {error.strerror or error}; set XDG_CACHE_HOME to another'
+        raise FileUnusable('folder of imported robots', path.parent, reason) from error
     return path

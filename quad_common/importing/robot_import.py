@@ -20,7 +20,7 @@ from quad_common.importing.feet import Foot, find_foot
 from quad_common.importing.leg_axes import LegAxes, leg_axes
 from quad_common.importing.leg_geometry import LegAtZero, leg_geometry
 from quad_common.importing.masses import Parts, exact_masses, find_parts
-from quad_common.importing.options import ImportOptions, Notes
+from quad_common.importing.options import ImportOptions, Notes, file_name
 from quad_common.importing.ranges import RangedLeg, with_ranges
 from quad_common.importing.sizes import Sizes, body_box, link_radii
 from quad_common.importing.stance import over_feet, stance
@@ -125,21 +125,16 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     order = corners(moved(to_base, axes.hips), path)
     chains, feet = [chains[k] for k in order], [feet[k] for k in order]
     at_zero = _at_zero(axes, order, feet, to_base)
-    is_upright = leg_type == 'yaw_pitch_pitch'
     legs = [
-        with_ranges(leg_geometry(leg, is_upright), chain, options.knees, notes)
+        _ranged_leg(leg, chain, leg_type, options.knees, notes, path)
         for leg, chain in zip(at_zero, chains)
     ]
-    for ranged, chain in zip(legs, chains):
-        if min(float(ranged.leg.thigh_length), float(ranged.leg.calf_length)) < _SHORTEST:
-            problem = f'has links without length between {chain.joints[1].name} and its foot'
-            raise LegNotFeasible(path, str(ranged.leg.name), problem)
     parts = find_parts(tree, chains, notes)
     masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))
     sizes = _sizes(tree, chains, parts, at_zero, feet, to_base, notes)
     return ImportedRobot(
-        name=options.name or _name(path, robot.name),
+        name=file_name(options.name) if options.name else _name(path, robot.name),
         leg_type=leg_type,
         tree=tree,
         to_base=to_base,
@@ -157,10 +152,21 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     )
 
 
+def _ranged_leg(
+    at_zero: LegAtZero, chain: LegChain, leg_type: str, knees: str, notes: Notes, path: Path
+) -> RangedLeg:
+    """Find a leg's geometry and ranges; refuse one whose links have no length."""
+    leg = leg_geometry(at_zero, leg_type == 'yaw_pitch_pitch')
+    if min(float(leg.thigh_length), float(leg.calf_length)) < _SHORTEST:
+        problem = f'has links without length between {chain.joints[1].name} and its foot'
+        raise LegNotFeasible(path, str(leg.name), problem)
+    return with_ranges(leg, chain, knees, notes)
+
+
 def _name(path: Path, own: object) -> str:
     """Return the file's name, as people call robots; the description's own if that says nothing."""
     stem = path.name.partition('.')[0]
-    return str(own) if stem.lower() in _NO_NAMES and own else stem
+    return file_name(str(own) if stem.lower() in _NO_NAMES and own else stem)
 
 
 def _at_zero(axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array) -> list[LegAtZero]:

@@ -41,6 +41,9 @@ _WIDTH = 0.5
 """Distance of the feet from the middle line that is enough, as a fraction of the hips' height
 above them: narrow robots rock when they trot sideways."""
 
+_ALL = 2.0
+"""Score of a stance with enough room and width."""
+
 _SPRAWL = (0.0, -0.3, 0.3, -0.6)
 """Pitches of sprawling thighs that are tried, from level; positive is downward [rad]."""
 
@@ -95,19 +98,21 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
                 if -float(spare.min()) < least:
                     least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
                 continue
-            room = _room(shape, angles)
-            wide = float(np.abs(feet[:, 1]).min() / np.abs(feet[:, 2]).max())
-            if room >= _ROOM * length and wide >= _WIDTH:
-                return angles
-            # Narrow stances are less bad than parts that touch.
-            fraction_of_room = min(max(room, 0.0) / (_ROOM * length), 1.0)
-            score = fraction_of_room + min(wide / _WIDTH, 1.0)
+            score = _score(_room(shape, angles) / (_ROOM * length), feet)
             if score > most:
                 best, most = angles, score
+            if score == _ALL:
+                break
         if best is not None:
             return best
     problem = 'finds no posture to stand in: the ranges of its joints hold none with level feet'
     raise LegNotFeasible(path, str(legs[worst].leg.name), problem)
+
+
+def _score(room: float, feet: Array) -> float:
+    """Judge a stance by its room, as a fraction of what is enough, and by its width."""
+    wide = float(np.abs(feet[:, 1]).min() / np.abs(feet[:, 2]).max())
+    return min(max(room, 0.0), 1.0) + min(wide / _WIDTH, 1.0)
 
 
 def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Array:

@@ -6,12 +6,15 @@ The axes are those of :mod:`quad_common.robot.leg_kinematics`: rho0, nu0 and zet
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from quad_common.errors import FootTargetUnreachable, SingularPosture
+
+if TYPE_CHECKING:
+    from quad_common.robot.leg_kinematics import Leg
 
 Array = NDArray[np.float64]
 
@@ -155,3 +158,43 @@ class LegArrays(NamedTuple):
 
     def _name(self, leg: int) -> str:
         return self.names[leg]
+
+
+def arrays_of(leg: Leg) -> LegArrays:
+    """Take the numbers of one leg, or of several stacked, as arrays."""
+    hips = np.reshape(np.asarray(leg.hip, dtype=float), (-1, 3))
+    count = len(hips)
+    axes = np.stack([leg.radial_direction, leg.lateral_direction, leg.first_axis])
+    axes = axes.reshape(3, count, 3)
+    # All legs at once: rows are (axis, leg), columns are (leg, body axis).
+    blocks = np.zeros((3, count, count, 3))
+    for index in range(count):
+        blocks[:, index, index] = axes[:, index]
+    to_local = blocks.reshape(3 * count, 3 * count)
+
+    def column(values: ArrayLike) -> Array:
+        return np.reshape(np.asarray(values, dtype=float), (count, 1))
+
+    def by_joint(values: ArrayLike) -> Array:
+        return np.reshape(np.asarray(values, dtype=float), (count, 3)).T[:, :, None].copy()
+
+    lateral = column(leg.lateral_offset)
+    return LegArrays(
+        names=(leg.name,) if isinstance(leg.name, str) else leg.name,
+        to_local=to_local,
+        # The axes are orthonormal.
+        to_body=to_local,
+        hips=hips.reshape(-1),
+        hips_local=to_local @ hips.reshape(-1, 1),
+        axial=column(leg.axial_offset),
+        radial=column(leg.radial_offset),
+        lateral=lateral,
+        has_lateral=bool(np.any(lateral != 0.0)),
+        thigh=column(leg.thigh_length),
+        calf=column(leg.calf_length),
+        knee_sign=column(leg.knee_sign),
+        signs=by_joint(leg.signs),
+        zeros=by_joint(leg.zeros),
+        middles=by_joint(leg.middles),
+        is_turned=bool(np.any(leg.zeros) or np.any(leg.middles)),
+    )

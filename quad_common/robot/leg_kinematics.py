@@ -29,9 +29,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from quad_common.robot.leg_arrays import EDGE, LegArrays
+from quad_common.robot.leg_arrays import EDGE, LegArrays, arrays_of
 
 Array = NDArray[np.float64]
 
@@ -317,42 +317,7 @@ class Leg:
 
     @cached_property
     def _arrays(self) -> LegArrays:
-        hips = np.reshape(np.asarray(self.hip, dtype=float), (-1, 3))
-        count = len(hips)
-        axes = np.stack([self.radial_direction, self.lateral_direction, self.first_axis])
-        axes = axes.reshape(3, count, 3)
-        # All legs at once: rows are (axis, leg), columns are (leg, body axis).
-        blocks = np.zeros((3, count, count, 3))
-        for leg in range(count):
-            blocks[:, leg, leg] = axes[:, leg]
-        to_local = blocks.reshape(3 * count, 3 * count)
-
-        def column(values: ArrayLike) -> Array:
-            return np.reshape(np.asarray(values, dtype=float), (count, 1))
-
-        def by_joint(values: ArrayLike) -> Array:
-            return np.reshape(np.asarray(values, dtype=float), (count, 3)).T[:, :, None].copy()
-
-        lateral = column(self.lateral_offset)
-        return LegArrays(
-            names=(self.name,) if isinstance(self.name, str) else self.name,
-            to_local=to_local,
-            # The axes are orthonormal.
-            to_body=to_local,
-            hips=hips.reshape(-1),
-            hips_local=to_local @ hips.reshape(-1, 1),
-            axial=column(self.axial_offset),
-            radial=column(self.radial_offset),
-            lateral=lateral,
-            has_lateral=bool(np.any(lateral != 0.0)),
-            thigh=column(self.thigh_length),
-            calf=column(self.calf_length),
-            knee_sign=column(self.knee_sign),
-            signs=by_joint(self.signs),
-            zeros=by_joint(self.zeros),
-            middles=by_joint(self.middles),
-            is_turned=bool(np.any(self.zeros) or np.any(self.middles)),
-        )
+        return arrays_of(self)
 
 
 def stack_legs(legs: Sequence[Leg]) -> Leg:

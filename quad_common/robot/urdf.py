@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import PurePath
 from xml.etree import ElementTree
 
 import numpy as np
@@ -93,18 +94,21 @@ def published_urdf(robot: Robot) -> str:
     -------
     str
         As :func:`urdf_from_robot`; above a root of another name there is ``base_link``, in the
-        same place.
+        same place. Meshes are named by URIs, ``file:///...``, as RViz and Foxglove need them.
     """
     text = urdf_from_robot(robot)
     if not robot.own_urdf:
         return text
     root = ElementTree.fromstring(text)
+    for mesh in root.iter('mesh'):
+        path = PurePath(mesh.get('filename', ''))
+        if path.is_absolute():
+            mesh.set('filename', path.as_uri())
     children = {joint.find('child').get('link') for joint in root.iter('joint')}  # type: ignore[union-attr]
     top = next(link.get('name') for link in root.iter('link') if link.get('name') not in children)
-    if top == 'base_link':
-        return text
-    ElementTree.SubElement(root, 'link', name='base_link')
-    _joint(root, 'base_link_fixed', 'fixed', ('base_link', str(top)), _Origin())
+    if top != 'base_link':
+        ElementTree.SubElement(root, 'link', name='base_link')
+        _joint(root, 'base_link_fixed', 'fixed', ('base_link', str(top)), _Origin())
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding='unicode')
 

@@ -17,12 +17,9 @@ from numpy.typing import NDArray
 
 from quad_common.errors import (
     AxisNotAUnitVector,
-    FileUnusable,
     JointRangeEmpty,
-    RobotFileUnusable,
     RobotValueInvalid,
 )
-from quad_common.files.bounded_file import read_text
 from quad_common.files.yaml_document import check_keys
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg
@@ -33,9 +30,6 @@ Array = NDArray[np.float64]
 
 NAMES_OF_IMPORTED = ('urdf', 'names')
 """Keys of such a file that hold no number."""
-
-LARGEST_URDF = 2**24
-"""Bytes of the largest URDF that is read."""
 
 _LONGEST_NAME = 200
 """Characters of the name of a joint or a link."""
@@ -173,23 +167,3 @@ def _names(names: Mapping[str, Any], key: str, path: Path, count: int = 0) -> tu
         number = f'{count} ' if count else ''
         raise RobotValueInvalid(f'names.{key}', given, f'a list of {number}names', f'{path}: ')
     return tuple(given)
-
-
-def own_urdf(document: Mapping[str, Any], path: Path) -> str:
-    """
-    Read the robot's own URDF, whose path is relative to the data file; empty if it has none.
-
-    Raises
-    ------
-    RobotModelError
-        If the file cannot be read.
-    """
-    name = document.get('urdf')
-    if name is None:
-        return ''
-    if not isinstance(name, str) or not name.isprintable():
-        raise RobotValueInvalid('urdf', name, 'the path of a URDF file', f'{path}: ')
-    try:
-        return read_text(path.parent / name, 'URDF', LARGEST_URDF)
-    except FileUnusable as error:
-        raise error.of_kind(RobotFileUnusable) from error

@@ -46,9 +46,9 @@ from quad_common.robot_files.imported_entries import (
     exact_masses,
     imported_joints,
     imported_links,
-    own_urdf,
     part_names,
 )
+from quad_common.robot_files.named_urdf import named_urdf
 from quad_common.robot_files.robot_numbers import RobotNumbers
 
 Array = NDArray[np.float64]
@@ -101,11 +101,11 @@ def robot_file(robot: str | Path) -> Path:
     shipped = ROBOTS_FOLDER / f'{robot}.yaml'
     try:
         path = shipped if is_file(shipped) else user_path(robot, _WHAT)
+        if is_file(path):
+            return imported_file(path) if path.suffix in DESCRIPTIONS else path
+        known = known_robot_file(str(robot))
     except FileUnusable as error:
         raise error.of_kind(RobotFileUnusable) from error
-    if is_file(path):
-        return imported_file(path) if path.suffix in DESCRIPTIONS else path
-    known = known_robot_file(str(robot))
     if known is None:
         raise RobotUnknown(str(robot), (*available_robots(), *known_names()))
     return known
@@ -148,6 +148,7 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     # Asked for first: what either format misspells is told from what it leaves out.
     is_imported = number.has('legs')
     joints = imported_joints(number, kinds, path) if is_imported else _joints(number, kinds, path)
+    names = part_names(document, path) if is_imported else PartNames.of_kinds(kinds)
     robot = Robot(
         name=name,
         leg_type=leg_type,
@@ -174,11 +175,11 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         roughness=number('gait.roughness'),
         gaits=_gaits(number),
         sources=number.sources,
-        part_names=part_names(document, path) if is_imported else PartNames.of_kinds(kinds),
+        part_names=names,
         exact_masses=exact_masses(number) if is_imported else None,
-        own_urdf=own_urdf(document, path),
+        own_urdf=named_urdf(document, names, path) if is_imported else '',
     )
-    number.check_all_used(but=(*_NOT_NUMBERS, *NAMES_OF_IMPORTED))
+    number.check_all_used(but=(*_NOT_NUMBERS, *(NAMES_OF_IMPORTED if is_imported else ())))
     try:
         robot.check_joint_limits(robot.initial_joint_angles)
     except JointLimitExceeded as error:

@@ -15,7 +15,7 @@ from quad_common.errors import NotAQuadruped
 from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
 from quad_common.importing.robot_import import import_robot
 from quad_common.robot_files.robot_file import load_robot
-from quad_lab.robots.broken_descriptions import broken_descriptions, import_broken
+from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
 from quad_lab.robots.import_check import (
     REFUSED,
     UPRIGHT_Y,
@@ -138,7 +138,7 @@ def _refusal_bars() -> list[Criterion]:
 
 
 def _broken_bars(console: Console) -> list[Criterion]:
-    faults = broken_descriptions()
+    faults = BROKEN_DESCRIPTIONS
     results = [import_broken(fault, change) for fault, change in faults.items()]
     for result in results:
         if not result.is_named:

@@ -41,117 +41,145 @@ def good_description() -> str:
     return urdf_from_robot(load_robot('genibo'))
 
 
-def broken_descriptions() -> dict[str, Change]:
-    """Return the faults by their names, each as what it makes of a good description."""
+def _replaced(pattern: str, by: str, count: int = 1) -> Change:
+    """Replace what matches a pattern, at most so many times; all of it if the count is 0."""
 
-    def replaced(pattern: str, by: str, count: int = 1) -> Change:
-        def change(text: str) -> str:
-            changed, made = re.subn(pattern, lambda match: match.expand(by), text, count=count)
-            if not made:
-                raise AssertionError(f'nothing to change: {pattern}')
-            return changed
+    def change(text: str) -> str:
+        changed, made = re.subn(pattern, lambda match: match.expand(by), text, count=count)
+        if not made:
+            raise AssertionError(f'nothing to change: {pattern}')
+        return changed
 
-        return change
+    return change
 
-    def without_joint(name: str) -> Change:
-        return replaced(rf'(?s)<joint name="{name}".*?</joint>', '')
 
-    faults: dict[str, Change] = {
-        'an empty file': lambda text: '',
-        'no XML': lambda text: 'robot: genibo',
-        'cut in the middle': lambda text: text[: len(text) // 2],
-        'another format': lambda text: '<sdf version="1.7"/>',
-        'no robot': lambda text: '<robot name="none"/>',
-        'a document type': lambda text: '<!DOCTYPE robot [<!ENTITY a "b">]>' + text,
-        'entities of entities': lambda text: (
-            '<!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]>' + text
-        ),
-        'bytes that are no text': lambda text: text[:200] + '\udcff' + text[200:],
-        'a null byte': lambda text: text[:200] + '\0' + text[200:],
-        'nested too deeply': lambda text: '<robot>' + '<link>' * 5000,
-        'a link twice': replaced(r'(<link name="lf_thigh">)', r'\1</link>\1'),
-        'a joint twice': replaced(r'(?s)(<joint name="lf_hip_pitch_joint".*?</joint>)', r'\1\1'),
-        'a parent that is not there': replaced('parent link="lf_hip"', 'parent link="moon"'),
-        'a child that is not there': replaced('child link="lf_thigh"', 'child link="moon"'),
-        'a loop': replaced('parent link="base_link"', 'parent link="lf_thigh"'),
-        'two trees': without_joint('lf_hip_roll_joint'),
-        'a link at two joints': replaced('child link="rf_hip"', 'child link="lf_hip"'),
-        'a joint without parent': replaced(r'<parent link="lf_hip" ?/>', ''),
-        'a joint without child': replaced(r'<child link="lf_thigh" ?/>', ''),
-        'a joint without name': replaced('<joint name="lf_hip_pitch_joint"', '<joint'),
-        'a joint without kind': replaced(' type="revolute"', ''),
-        'an unknown kind of joint': replaced('type="revolute"', 'type="elastic"'),
-        'a sliding joint': replaced('type="revolute"', 'type="prismatic"'),
-        'a fixed joint in a leg': replaced('type="revolute"', 'type="fixed"'),
-        'an axis of zero': replaced(r'axis xyz="[^"]*"', 'axis xyz="0 0 0"'),
-        'an axis of two numbers': replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0"'),
-        'an axis that is no number': replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0 nan"'),
-        'an axis of words': replaced(r'axis xyz="[^"]*"', 'axis xyz="up"'),
-        'an oblique axis': replaced(r'axis xyz="0 1 0"', 'axis xyz="0.5 1 0"'),
-        'an axis across the others': replaced(r'axis xyz="0 1 0"', 'axis xyz="1 0 0"'),
-        'an origin of words': replaced(r'origin xyz="[^"]*"', 'origin xyz="here"', 4),
-        'an origin far away': replaced(
-            r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>1e30 0 0'
-        ),
-        'an origin that is infinite': replaced(
-            r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>inf 0 0'
-        ),
-        'a mass of words': replaced(r'mass value="[^"]*"', 'mass value="heavy"'),
-        'a negative mass': replaced(r'mass value="[^"]*"', 'mass value="-1"'),
-        'a mass that is no number': replaced(r'mass value="[^"]*"', 'mass value="nan"'),
-        'an infinite mass': replaced(r'mass value="[^"]*"', 'mass value="inf"'),
-        'a mass of planets': replaced(r'mass value="[^"]*"', 'mass value="1e24"'),
-        'an inertia that is no number': replaced(r'ixx="[^"]*"', 'ixx="nan"'),
-        'an inertia of words': replaced(r'ixx="[^"]*"', 'ixx="some"'),
-        'an infinite inertia': replaced(r'izz="[^"]*"', 'izz="inf"'),
-        'no masses': replaced(r'(?s)<inertial>.*?</inertial>', '', 0),
-        'a leg without mass': replaced(
-            r'(?s)(<link name="lf_thigh">.*?mass value=")[^"]*', r'\g<1>0'
-        ),
-        'no efforts': replaced(r' effort="[^"]*"', '', 0),
-        'no speeds': replaced(r' velocity="[^"]*"', '', 0),
-        'an effort of zero': replaced(r' effort="[^"]*"', ' effort="0"', 0),
-        'a negative speed': replaced(r' velocity="[^"]*"', ' velocity="-8"'),
-        'an effort of words': replaced(r' effort="[^"]*"', ' effort="strong"'),
-        'limits exchanged': replaced(
-            r' lower="([^"]*)" upper="([^"]*)"', r' lower="\2" upper="\1"'
-        ),
-        'limits of words': replaced(r' lower="[^"]*"', ' lower="low"'),
-        'limits that are no number': replaced(r' lower="[^"]*"', ' lower="nan"'),
-        'a range in which nothing stands': replaced(
-            r'(?s)(joint name="lf_knee_pitch_joint".*?) lower="[^"]*" upper="[^"]*"',
-            r'\1 lower="-0.11" upper="-0.10"',
-        ),
-        'three legs': replaced(
-            r'(?s)<joint name="lf_hip_roll_joint".*?type="revolute"',
-            '<joint name="lf_hip_roll_joint" type="fixed"',
-        ),
-        'a mesh that is not there': replaced(
-            r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
-            r'\1<mesh filename="missing.stl"/>\2',
-        ),
-        'a mesh that is none': replaced(
-            r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
-            r'\1<mesh filename="broken.urdf"/>\2',
-        ),
-        'a box of words': replaced(r'box size="[^"]*"', 'box size="large"', 2),
-        'a ball without radius': replaced(r'<sphere radius="[^"]*" ?/>', '<sphere/>', 0),
-        'a shape of no kind': replaced(
-            r'(?s)(<collision>.*?<geometry>).*?(</geometry>)', r'\1<cone radius="1"/>\2', 0
-        ),
-        'legs at one place': replaced(
-            r'(?s)(joint name="(?:rf|lf|lh|rh)_hip_roll_joint".*?origin xyz=")[^"]*',
-            r'\g<1>0 0 0',
-            4,
-        ),
-        'a leg on the wrong side': replaced(
-            r'(?s)(joint name="rf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>0.075 0.06 0'
-        ),
-        'a thigh without length': replaced(
-            r'(?s)(joint name="lf_knee_pitch_joint".*?origin xyz=")[^"]*', r'\g<1>0 0 0'
-        ),
-    }
-    return faults
+_OF_FILES: dict[str, Change] = {
+    'an empty file': lambda text: '',
+    'no XML': lambda text: 'robot: genibo',
+    'cut in the middle': lambda text: text[: len(text) // 2],
+    'another format': lambda text: '<sdf version="1.7"/>',
+    'no robot': lambda text: '<robot name="none"/>',
+    'a document type': lambda text: '<!DOCTYPE robot [<!ENTITY a "b">]>' + text,
+    'entities of entities': lambda text: (
+        '<!DOCTYPE robot [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]>' + text
+    ),
+    'bytes that are no text': lambda text: text[:200] + '\udcff' + text[200:],
+    'a null byte': lambda text: text[:200] + '\0' + text[200:],
+    'nested too deeply': lambda text: '<robot>' + '<link>' * 5000,
+}
+"""Faults of the file as a whole."""
+
+_OF_THE_TREE: dict[str, Change] = {
+    'a link twice': _replaced(r'(<link name="lf_thigh">)', r'\1</link>\1'),
+    'a joint twice': _replaced(r'(?s)(<joint name="lf_hip_pitch_joint".*?</joint>)', r'\1\1'),
+    'a parent that is not there': _replaced('parent link="lf_hip"', 'parent link="moon"'),
+    'a child that is not there': _replaced('child link="lf_thigh"', 'child link="moon"'),
+    'a loop': _replaced('parent link="base_link"', 'parent link="lf_thigh"'),
+    'two trees': _replaced(r'(?s)<joint name="lf_hip_roll_joint".*?</joint>', ''),
+    'a link at two joints': _replaced('child link="rf_hip"', 'child link="lf_hip"'),
+    'a joint without parent': _replaced(r'<parent link="lf_hip" ?/>', ''),
+    'a joint without child': _replaced(r'<child link="lf_thigh" ?/>', ''),
+    'a joint without name': _replaced('<joint name="lf_hip_pitch_joint"', '<joint'),
+    'a joint without kind': _replaced(' type="revolute"', ''),
+    'an unknown kind of joint': _replaced('type="revolute"', 'type="elastic"'),
+    'a sliding joint': _replaced('type="revolute"', 'type="prismatic"'),
+    'a fixed joint in a leg': _replaced('type="revolute"', 'type="fixed"'),
+}
+"""Faults of links and joints, and of what hangs where."""
+
+_OF_PLACES: dict[str, Change] = {
+    'an axis of zero': _replaced(r'axis xyz="[^"]*"', 'axis xyz="0 0 0"'),
+    'an axis of two numbers': _replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0"'),
+    'an axis that is no number': _replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0 nan"'),
+    'an axis of words': _replaced(r'axis xyz="[^"]*"', 'axis xyz="up"'),
+    'an oblique axis': _replaced(r'axis xyz="0 1 0"', 'axis xyz="0.5 1 0"'),
+    'an axis across the others': _replaced(r'axis xyz="0 1 0"', 'axis xyz="1 0 0"'),
+    'an origin of words': _replaced(r'origin xyz="[^"]*"', 'origin xyz="here"', 4),
+    'an origin far away': _replaced(
+        r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>1e30 0 0'
+    ),
+    'an origin that is infinite': _replaced(
+        r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>inf 0 0'
+    ),
+}
+"""Faults of axes and origins."""
+
+_OF_MASSES: dict[str, Change] = {
+    'a mass of words': _replaced(r'mass value="[^"]*"', 'mass value="heavy"'),
+    'a negative mass': _replaced(r'mass value="[^"]*"', 'mass value="-1"'),
+    'a mass that is no number': _replaced(r'mass value="[^"]*"', 'mass value="nan"'),
+    'an infinite mass': _replaced(r'mass value="[^"]*"', 'mass value="inf"'),
+    'a mass of planets': _replaced(r'mass value="[^"]*"', 'mass value="1e24"'),
+    'an inertia that is no number': _replaced(r'ixx="[^"]*"', 'ixx="nan"'),
+    'an inertia of words': _replaced(r'ixx="[^"]*"', 'ixx="some"'),
+    'an infinite inertia': _replaced(r'izz="[^"]*"', 'izz="inf"'),
+    'no masses': _replaced(r'(?s)<inertial>.*?</inertial>', '', 0),
+    'a leg without mass': _replaced(r'(?s)(<link name="lf_thigh">.*?mass value=")[^"]*', r'\g<1>0'),
+}
+"""Faults of masses and inertias."""
+
+_OF_LIMITS: dict[str, Change] = {
+    'no efforts': _replaced(r' effort="[^"]*"', '', 0),
+    'no speeds': _replaced(r' velocity="[^"]*"', '', 0),
+    'an effort of zero': _replaced(r' effort="[^"]*"', ' effort="0"', 0),
+    'a negative speed': _replaced(r' velocity="[^"]*"', ' velocity="-8"'),
+    'an effort of words': _replaced(r' effort="[^"]*"', ' effort="strong"'),
+    'limits exchanged': _replaced(r' lower="([^"]*)" upper="([^"]*)"', r' lower="\2" upper="\1"'),
+    'limits of words': _replaced(r' lower="[^"]*"', ' lower="low"'),
+    'limits that are no number': _replaced(r' lower="[^"]*"', ' lower="nan"'),
+    'a range in which nothing stands': _replaced(
+        r'(?s)(joint name="lf_knee_pitch_joint".*?) lower="[^"]*" upper="[^"]*"',
+        r'\1 lower="-0.11" upper="-0.10"',
+    ),
+}
+"""Faults of what joints can do."""
+
+_OF_SHAPES: dict[str, Change] = {
+    'a mesh that is not there': _replaced(
+        r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
+        r'\1<mesh filename="missing.stl"/>\2',
+    ),
+    'a mesh that is none': _replaced(
+        r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
+        r'\1<mesh filename="broken.urdf"/>\2',
+    ),
+    'a box of words': _replaced(r'box size="[^"]*"', 'box size="large"', 2),
+    'a ball without radius': _replaced(r'<sphere radius="[^"]*" ?/>', '<sphere/>', 0),
+    'a shape of no kind': _replaced(
+        r'(?s)(<collision>.*?<geometry>).*?(</geometry>)', r'\1<cone radius="1"/>\2', 0
+    ),
+}
+"""Faults of what links look like."""
+
+_OF_LEGS: dict[str, Change] = {
+    'three legs': _replaced(
+        r'(?s)<joint name="lf_hip_roll_joint".*?type="revolute"',
+        '<joint name="lf_hip_roll_joint" type="fixed"',
+    ),
+    'legs at one place': _replaced(
+        r'(?s)(joint name="(?:rf|lf|lh|rh)_hip_roll_joint".*?origin xyz=")[^"]*',
+        r'\g<1>0 0 0',
+        4,
+    ),
+    'a leg on the wrong side': _replaced(
+        r'(?s)(joint name="rf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>0.075 0.06 0'
+    ),
+    'a thigh without length': _replaced(
+        r'(?s)(joint name="lf_knee_pitch_joint".*?origin xyz=")[^"]*', r'\g<1>0 0 0'
+    ),
+}
+"""Faults of the legs as a whole."""
+
+BROKEN_DESCRIPTIONS: dict[str, Change] = {
+    **_OF_FILES,
+    **_OF_THE_TREE,
+    **_OF_PLACES,
+    **_OF_MASSES,
+    **_OF_LIMITS,
+    **_OF_SHAPES,
+    **_OF_LEGS,
+}
+"""The faults by their names, each as what it makes of a good description."""
 
 
 def import_broken(fault: str, change: Change) -> BrokenImport:

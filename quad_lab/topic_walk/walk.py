@@ -151,15 +151,7 @@ def walk(
         recording = None
         if options.recording is not None:
             recording = stack.enter_context(Recording(options.recording))
-        observer = stack.enter_context(
-            WalkObserver(
-                options.goal,
-                recording,
-                by_marker=options.perception == 'camera',
-                by_truth=options.odom_drift > 0.0,
-                executor=None if isinstance(nodes, NodeProcesses) else nodes.executor,
-            )
-        )
+        observer = stack.enter_context(_observer(options, nodes, recording))
         listen = observer.listen
         if not isinstance(nodes, NodeProcesses):
             nodes.tell(observer)
@@ -172,6 +164,18 @@ def walk(
 
         on_end(record, go_on)
         return record
+
+
+def _observer(
+    options: WalkOptions, nodes: NodeProcesses | ComposedNodes, recording: Recording | None
+) -> WalkObserver:
+    return WalkObserver(
+        options.goal,
+        recording,
+        by_marker=options.perception == 'camera',
+        by_truth=options.odom_drift > 0.0,
+        executor=None if isinstance(nodes, NodeProcesses) else nodes.executor,
+    )
 
 
 def _nodes(options: WalkOptions) -> NodeProcesses | ComposedNodes:

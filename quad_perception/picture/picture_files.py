@@ -108,13 +108,19 @@ def write_picture(path: Path, rgb: Picture) -> None:
     """
     try:
         check_target(path, 'picture')
-        is_written = cv2.imwrite(str(path), cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
     except FileUnusable as error:
         raise error.of_kind(CameraFileUnusable) from error
-    except (cv2.error, UnicodeEncodeError):
-        is_written = False
-    if not is_written:
+    try:
+        is_made, content = cv2.imencode(path.suffix, cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
+    except cv2.error as error:
+        raise PictureNotWritten(path) from error
+    if not is_made:
         raise PictureNotWritten(path)
+    try:
+        # Not by OpenCV, which dies of names that are not UTF-8.
+        path.write_bytes(content.tobytes())
+    except (OSError, ValueError) as error:
+        raise PictureNotWritten(path) from error
 
 
 def _check_still(path: Path, content: bytes) -> None:
@@ -137,8 +143,14 @@ def _check_still(path: Path, content: bytes) -> None:
 def _video(path: Path) -> Iterator[Picture]:
     # Damage is told in our own sentence, not by the decoder on stderr.
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
+    name = os.fspath(path.resolve())
+    try:
+        name.encode()
+    except UnicodeEncodeError as error:
+        # OpenCV dies of such names.
+        raise CameraFileUnusable('video', path, 'cannot be read: its name is not UTF-8') from error
     # By the whole path: a relative one may look like the address of a stream.
-    video = cv2.VideoCapture(os.fspath(path.resolve()))
+    video = cv2.VideoCapture(name)
     has_pictures = False
     try:
         sides = [video.get(side) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from quad_common.errors import RobotNotLoaded
 from quad_common.process.temporary_folder import temporary_folder
 from quad_common.robot.robot import Robot
 from quad_common.robot.urdf import urdf_from_robot
@@ -95,9 +96,12 @@ def load_body(client: Any, robot: Robot, in_physics: bool) -> BulletBody:
             | client.URDF_USE_IMPLICIT_CYLINDER
         )
     with temporary_folder() as folder:
-        path = folder / f'{robot.name}.urdf'
+        path = folder / 'robot.urdf'
         path.write_text(urdf_from_robot(robot), encoding='utf-8')
-        number: int = client.loadURDF(str(path), flags=flags)
+        try:
+            number: int = client.loadURDF(str(path), flags=flags)
+        except client.error as error:
+            raise RobotNotLoaded(robot.name, 'PyBullet', str(error)) from error
     by_name, links = {}, {-1: client.getBodyInfo(number)[0].decode()}
     feet: dict[int, int] = {}
     for index in range(client.getNumJoints(number)):

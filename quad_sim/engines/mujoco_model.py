@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import RobotNotLoaded
 from quad_common.robot.robot import Robot
 from quad_common.robot.urdf import urdf_from_robot
 from quad_common.vision.markers import Color
@@ -84,7 +85,10 @@ class MujocoModel:
         self._count: Counter[str] = Counter()
         self._placed: dict[Hashable, tuple[Obstacle, Any]] = {}
         urdf = urdf_from_robot(robot)
-        self._spec: Any = mujoco.MjSpec.from_string(_seen(urdf) if robot.own_urdf else urdf)
+        try:
+            self._spec: Any = mujoco.MjSpec.from_string(_seen(urdf) if robot.own_urdf else urdf)
+        except ValueError as error:
+            raise RobotNotLoaded(robot.name, 'MuJoCo', str(error)) from error
         # Feet are bodies of their own, so that contacts can be told apart.
         self._spec.compiler.fusestatic = False
         # Shapes that are only looked at were left out on reading; the floor's pattern is to stay.

@@ -39,6 +39,10 @@ _LINES = (
     'camera calibrate --camera camera.yaml --points points.txt --output o.yaml',
     'robot check titan_viii',
     'robot urdf genibo --json',
+    'robot urdf imported.yaml',
+    'robot import description.urdf --output mine.yaml --effort 3 --speed 8 --no-picture',
+    'view --map room --robot titan_viii --gait crawl --robots 2 --port 8080',
+    'view --start 1.2,1.2,0 --host 127.0.0.1 --real-time-factor 1 --method mesh',
     'parameters gait_node',
 )
 
@@ -62,7 +66,7 @@ REACHED = 'error: the work was reached'
 _NUMERIC = (
     '--safety-distance', '--path-deviation', '--step-height', '--largest-slope', '--seed',
     '--real-time-factor', '--least-margin', '--resolution', '--every', '--bounds', '--start',
-    '--goal', '--motion',
+    '--goal', '--motion', '--effort', '--speed', '--robots', '--port',
 )  # fmt: skip
 """Options that take numbers; none of them has a range that holds what is not finite."""
 
@@ -128,6 +132,7 @@ def without_work() -> Iterator[None]:
             'quad_lab.papers.s3.reproduce',
             'quad_cli.bench._parts',
             'quad_cli.demo._walk',
+            'quad_cli.view._show',
         ):
             stack.enter_context(mock.patch(name, side_effect=WorkReached))
         yield

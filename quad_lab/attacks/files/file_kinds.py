@@ -17,6 +17,8 @@ from PIL import Image
 from quad_common import quantity
 from quad_common.files.bounded_file import read_text
 from quad_common.files.yaml_document import read_yaml
+from quad_common.importing.robot_document import write_robot
+from quad_common.importing.robot_import import import_robot
 from quad_common.maps import height_map_file, map_file
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
@@ -91,6 +93,14 @@ def _copied(path: Path, folder: Path, name: str) -> Path:
 def _write_robot(folder: Path, index: int) -> Path:
     robots = sorted(ROBOTS_FOLDER.glob('*.yaml'))
     return _copied(robots[index % len(robots)], folder, 'robot.yaml')
+
+
+def _write_imported(folder: Path, index: int) -> Path:
+    """Write the data file of a robot whose legs are each given for themselves, and its URDF."""
+    description = folder / 'description.urdf'
+    description.write_text(urdf_from_robot(load_robot('genibo')), encoding='utf-8')
+    data_file, _ = write_robot(import_robot(description), folder / 'imported.yaml')
+    return data_file
 
 
 def _write_gait(folder: Path, index: int) -> Path:
@@ -223,6 +233,17 @@ KINDS = (
         _read_robot,
         {f'{name}.value': range_ for name, range_ in robot_numbers.QUANTITIES.items()},
         free=('gaits.*', 'stated.*', 'stated.*.*'),
+    ),
+    FileKind(
+        'imported robot',
+        _write_imported,
+        _read_robot,
+        {
+            f'{name}.value{element}': range_
+            for name, range_ in robot_numbers.QUANTITIES.items()
+            for element in ('', '.*')
+        },
+        free=('gaits.*',),
     ),
     FileKind('gait', _write_gait, lambda path: load_gait(path, _ROBOT), _GAIT_RANGES),
     FileKind('map', _write_map, map_file.load_map, _MAP_RANGES, image='map.pgm'),

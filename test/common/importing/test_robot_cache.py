@@ -4,6 +4,7 @@ Robots by name and by description are imported once, and again when the descript
 
 import concurrent.futures
 import importlib.util
+from xml.etree import ElementTree
 
 import pytest
 
@@ -14,6 +15,7 @@ from quad_common.robot_files.robot_file import load_robot, robot_file
 
 pytest.importorskip('yourdfpy')
 
+from quad_common.description.meshes import mesh_path
 from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
 
 needs_descriptions = pytest.mark.skipif(
@@ -122,6 +124,56 @@ def test_frames_of_others_begin_at_base_link(cache):
     text = published_urdf(load_robot('a1'))
     assert '<parent link="base_link" />' in text
     assert '<child link="trunk" />' in text
+
+
+@needs_descriptions
+def test_others_find_the_meshes(cache):
+    root = ElementTree.fromstring(published_urdf(load_robot('a1')))
+    names = {mesh.get('filename') for mesh in root.iter('mesh')}
+    assert names
+    for name in names:
+        assert name.startswith('file:///')
+        assert mesh_path(name, cache).is_file()
+
+
+def test_a_folder_that_cannot_be_written_is_said(tmp_path, description, monkeypatch):
+    monkeypatch.setenv('XDG_CACHE_HOME', '/proc/no_such_folder')
+    with pytest.raises(RobotModelError, match='cannot be made'):
+        load_robot(description)
+
+
+def test_a_robot_with_a_very_long_name_is_kept(cache, tmp_path):
+    path = tmp_path / f'{"x" * 240}.urdf'
+    path.write_text(urdf_from_robot(load_robot('genibo')))
+    assert load_robot(path).name == 'x' * 64
+
+
+def test_a_name_is_no_path(cache, tmp_path):
+    path = tmp_path / 'robot.urdf'
+    text = urdf_from_robot(load_robot('genibo'))
+    path.write_text(text.replace('<robot name="genibo"', '<robot name="../../elsewhere"'))
+    robot = load_robot(path)
+    assert '/' not in robot.name
+    assert robot_file(path).parent == cache
+
+
+def test_only_its_package_is_looked_through(cache, tmp_path):
+    pytest.importorskip('xacro')
+    package = tmp_path / 'my_robot'
+    for folder in ('urdf', 'parts'):
+        (package / folder).mkdir(parents=True)
+    (package / 'package.xml').write_text('<package/>')
+    text = urdf_from_robot(load_robot('genibo'))
+    body = text[text.index('<link') : text.rindex('</robot>')]
+    opening = '<robot name="mine" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    part, main = package / 'parts' / 'body.xacro', package / 'urdf' / 'mine.xacro'
+    part.write_text(f'{opening}{body}</robot>')
+    main.write_text(f'{opening}<xacro:include filename="../parts/body.xacro"/></robot>')
+    first = robot_file(main)
+    (tmp_path / 'other.xacro').write_text('nothing of this robot')
+    assert robot_file(main) == first
+    part.write_text(part.read_text().replace('effort="2"', 'effort="4"'))
+    assert robot_file(main) != first
 
 
 def test_names_of_robots_that_are_not_installed_are_not_offered(monkeypatch):
