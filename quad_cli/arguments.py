@@ -177,6 +177,16 @@ def folder_argument(text: str) -> Path:
     return path
 
 
+def namespace_argument(text: str) -> str:
+    """Read a namespace of ROS, slashes at its ends left out; raise ArgumentTypeError."""
+    namespace = text.strip('/')
+    if namespace and not re.fullmatch(r'[A-Za-z_]\w*(/[A-Za-z_]\w*)*', namespace, re.ASCII):
+        raise argparse.ArgumentTypeError(
+            f'{quoted(text)} is no namespace, which has letters, digits and underscores'
+        )
+    return namespace
+
+
 def _path(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError('a path is needed, not an empty text')

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.table import Table
 
 from quad_cli.arguments import (
     folder_argument,
@@ -24,6 +23,7 @@ from quad_cli.arguments import (
     quantity_argument,
     seed_argument,
 )
+from quad_cli.output.walk_table import print_walk
 from quad_cli.view import add_page_arguments, page_place
 from quad_common.errors import GoalOutsideMap, StartOutsideMap
 from quad_common.files.bounded_file import make_folder
@@ -151,7 +151,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _walk(arguments: argparse.Namespace) -> int:
     """Walk, draw and say how it went; return 0 if the robot arrived."""
     # Here, so that 'quadwalk --help' and the commands without ROS work where rclpy is absent.
-    from quad_cli.progress import walk_progress
+    from quad_cli.output.progress import walk_progress
     from quad_lab.topic_walk.walk import WalkOptions, walk
 
     console = Console(stderr=arguments.json)
@@ -229,7 +229,7 @@ def _report(
     if arguments.json:
         print(json.dumps(summary), flush=True)
     else:
-        _print_table(console, summary)
+        print_walk(console, summary)
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -245,7 +245,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:
     # Imported late: matplotlib takes its time, and the robot should walk meanwhile.
-    from quad_cli.picture import Scene, draw_walk
+    from quad_cli.output.picture import Scene, draw_walk
 
     robot = load_robot(options.robot)
     safety = options.safety_distance
@@ -263,7 +263,7 @@ def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:
 
 
 def _recording(output: Path, console: Console) -> Path | None:
-    from quad_lab.topic_walk.recording import can_record
+    from quad_lab.recordings.recording import can_record
 
     if can_record():
         return output / 'recording'
@@ -274,35 +274,3 @@ def _recording(output: Path, console: Console) -> Path | None:
 def _existing(recording: Path | None) -> str | None:
     """Return where a recording is; None if there is none, or nothing was received for it."""
     return None if recording is None or not recording.is_dir() else str(recording)
-
-
-def _print_table(console: Console, summary: dict[str, object]) -> None:
-    table = Table(title=f'Walk on {summary["map"]}', show_header=False)
-    of_which = ', of the last plan' if summary['plans'] != 1 else ''
-    rows = (
-        ('arrived', 'yes' if summary['arrived'] else f'no: {summary["problem"]}', ''),
-        ('final position error', summary['position_error'], 'm'),
-        ('final heading error', summary['heading_error'], 'deg'),
-        ('largest distance from the path', summary['largest_path_distance'], 'm'),
-        ('least stability margin, planned', summary['least_stability_margin'], 'm'),
-        ('walking time, simulated', summary['walking_time'], 's'),
-        *((('plans', summary['plans'], ''),) if of_which else ()),
-        (f'path{of_which}', summary['path_length'], 'm'),
-        (f'turning points{of_which}', summary['turning_points'], ''),
-        ('gait cycles', summary['cycles'], ''),
-        ('contacts other than feet on the ground', summary['contacts'] or 'none', ''),
-        ('fallen', 'yes' if summary['fallen'] else 'no', ''),
-        ('speed', summary['real_time_factor'], 'x real time'),
-    )
-    for name, value, unit in rows:
-        table.add_row(name, _cell(value), unit)
-    console.print(table)
-    console.print(f'picture:   {summary["picture"]}', highlight=False)
-    if summary['recording'] is not None:
-        console.print(f'recording: {summary["recording"]}', highlight=False)
-
-
-def _cell(value: object) -> str:
-    if value is None:
-        return 'not measured'
-    return f'{value:.3f}' if isinstance(value, float) else str(value)

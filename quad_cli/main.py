@@ -23,6 +23,8 @@ from quad_common.errors.quoting import clipped
 COMMANDS = {
     'demo': 'walk from a start to a goal in simulation, and say how well it went',
     'view': 'show robots on a page in the browser, and let them walk by a click',
+    'record': 'keep what a robot publishes, for ros2 bag, Foxglove and evaluate',
+    'evaluate': 'say how walks went, from their recording alone',
     'plan': 'plan a path on a map, and draw it',
     'reproduce': "draw a paper's figures again, and print its numbers",
     'bench': 'measure what quadwalk does, and compare it with what it should do',

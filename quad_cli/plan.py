@@ -179,7 +179,7 @@ def run(arguments: argparse.Namespace) -> int:
         _print_comparison(outcomes, arguments.start, pace)
     if arguments.picture is not None:
         # Imported late: matplotlib is slow to import.
-        from quad_cli.picture import Scene, draw_plans
+        from quad_cli.output.picture import Scene, draw_plans
 
         plans = {outcome.method: outcome.plan for outcome in outcomes if outcome.plan is not None}
         scene = Scene(grid, robot, clearance, arguments.start, arguments.goal)

@@ -207,7 +207,7 @@ def _import(arguments: argparse.Namespace) -> int:
     robot = load_robot(data_file)
     written = [data_file, urdf]
     if not arguments.no_picture:
-        from quad_cli.robot_picture import draw_robot
+        from quad_cli.output.robot_picture import draw_robot
 
         written.append(draw_robot(robot, data_file.with_suffix('.png')))
     figures = derived_figures(robot)

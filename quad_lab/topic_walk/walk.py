@@ -20,8 +20,8 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
 from quad_lab.closed_loop.guided_end import GuidedEnd
+from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
-from quad_lab.topic_walk.recording import Recording
 from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
@@ -150,13 +150,22 @@ def walk(
             on_page(start_viewer(stack.enter_context(NodeProcesses()), options.page))
         recording = None
         if options.recording is not None:
-            recording = stack.enter_context(Recording(options.recording))
+            recording = stack.enter_context(RobotRecording(options.recording))
         observer = stack.enter_context(_observer(options, nodes, recording))
         listen = observer.listen
         if not isinstance(nodes, NodeProcesses):
             nodes.tell(observer)
             listen = nodes.listen
         record = _watch(observer, nodes, listen, on_progress)
+        if recording is not None:
+            recording.note(
+                {
+                    'robot': options.robot,
+                    'map': options.map_file.stem,
+                    'problem': record.problem,
+                    'wall_time': record.wall_time,
+                }
+            )
 
         def go_on() -> None:
             listen(0.1)
@@ -167,7 +176,7 @@ def walk(
 
 
 def _observer(
-    options: WalkOptions, nodes: NodeProcesses | ComposedNodes, recording: Recording | None
+    options: WalkOptions, nodes: NodeProcesses | ComposedNodes, recording: RobotRecording | None
 ) -> WalkObserver:
     return WalkObserver(
         options.goal,

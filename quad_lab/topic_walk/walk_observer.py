@@ -5,37 +5,23 @@ Listens to the topics of a walk: notes down what happens, and records it if aske
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
-import numpy as np
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import JointState, PointCloud2
-from std_msgs.msg import Float64
-from trajectory_msgs.msg import JointTrajectory
-from visualization_msgs.msg import MarkerArray
+from rclpy.serialization import serialize_message
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.ros.height_map_conversions import height_map_from_message
-from quad_common.ros.pose_conversions import (
-    plan_from_message,
-    pose_from_message,
-    pose_message,
-    seconds_from_time,
-)
+from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.run_node import make_executor
 from quad_gait.behaviours.activity import Activity
-from quad_lab.topic_walk.recording import Recording
+from quad_lab.recordings.recorded_topics import GOAL, GOAL_MARKER, RECORDED, RecordedTopic
+from quad_lab.recordings.recorder import subscription_quality
+from quad_lab.recordings.robot_recording import RobotRecording
+from quad_lab.topic_walk.walk_notes import WalkNotes
 from quad_lab.topic_walk.walk_record import WalkRecord
-
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class WalkObserver:
@@ -46,7 +32,7 @@ class WalkObserver:
     ----------
     goal : Pose2D
         Where the robot is to go.
-    recording : Recording, optional
+    recording : RobotRecording, optional
         Where every received message goes.
     by_marker : bool
         Whether the goal is given by a marker that a camera has to see.
@@ -59,47 +45,32 @@ class WalkObserver:
     def __init__(
         self,
         goal: Pose2D,
-        recording: Recording | None = None,
+        recording: RobotRecording | None = None,
         by_marker: bool = False,
         by_truth: bool = False,
         executor: Any = None,
     ) -> None:
-        self.record = WalkRecord(goal)
-        self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
-        """Level, message and values of each node, as last received on diagnostics."""
-        self.time = 0.0
-        """Simulated time, as last received [s]."""
-        self.pose: Pose2D | None = None
+        self.notes = WalkNotes(goal, by_truth)
+        """What has been taken down of the walk."""
         self.received = 0
         """Number of messages that were received."""
         self._recording = recording
-        self._goal_given = False
-        self._spent_before = [0.0, 0.0]
         self._context = None if executor else rclpy.Context()
         if self._context is not None:
             rclpy.init(context=self._context)
         self._node = rclpy.create_node('quadwalk_cli', context=self._context)
         self._executor = executor or make_executor(self._context)
         self._executor.add_node(self._node)
+        self._goal_topic = GOAL_MARKER if by_marker else GOAL
         if by_marker:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_marker', 10)
         else:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
-        sensor = qos_profile_sensor_data
-        if by_truth:
-            self._listen(Odometry, 'odom/truth', sensor, self._on_odometry)
-        else:
-            self._listen(Odometry, 'odom', sensor, self._on_odometry)
-        self._listen(Path, 'plan', _LATCHED, self._on_plan)
-        self._listen(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
-        self._listen(MarkerArray, 'footholds', 10, self._on_footholds)
-        self._listen(Float64, 'stability_margin', 10, self._on_margin)
-        self._listen(PointCloud2, 'height_map', _LATCHED, self._on_height_map)
-        if recording is not None:
-            self._listen(OccupancyGrid, 'map', _LATCHED, None)
-            self._listen(JointState, 'joint_states', sensor, None)
-            self._listen(JointTrajectory, 'joint_trajectory', 10, None)
-            self._listen(PoseStamped, 'goal_pose', 10, None)
+        for topic in RECORDED:
+            is_noted = topic.name in self.notes.topics
+            is_recorded = recording is not None and not topic.is_on_demand
+            if is_noted or (is_recorded and topic is not self._goal_topic):
+                self._listen(topic)
 
     def __enter__(self) -> WalkObserver:
         return self
@@ -138,14 +109,36 @@ class WalkObserver:
         """Publish the goal, and take notes from now on."""
         message = PoseStamped(pose=pose_message(self.record.goal))
         message.header.frame_id = 'map'
-        self._goal_given = True
+        self.notes.begin()
+        if self._recording is not None:
+            # Before anything that follows from it.
+            self._recording.take(self._goal_topic, serialize_message(message))
         self._goals.publish(message)
+
+    @property
+    def record(self) -> WalkRecord:
+        """What has been noted down of the walk."""
+        return self.notes.record
+
+    @property
+    def statuses(self) -> dict[str, tuple[bytes, str, dict[str, str]]]:
+        """Level, message and values of each node, as last received on diagnostics."""
+        return self.notes.statuses
+
+    @property
+    def time(self) -> float:
+        """Simulated time, as last received [s]."""
+        return self.notes.time
+
+    @property
+    def pose(self) -> Pose2D | None:
+        """Where the robot is, as last received."""
+        return self.notes.pose
 
     @property
     def activity(self) -> Activity | None:
         """What the gait node says it does; None before it has said so."""
-        said = self.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
-        return Activity(said) if said else None
+        return self.notes.activity
 
     @property
     def distance_left(self) -> float:
@@ -157,60 +150,18 @@ class WalkObserver:
         """The plan in force."""
         return self.record.plans[-1] if self.record.plans else None
 
-    def _listen(
-        self, kind: type, topic: str, qos: Any, callback: Callable[[Any], None] | None
-    ) -> None:
+    def _listen(self, topic: RecordedTopic) -> None:
         """Take messages as bytes: they are recorded as they are, and read if need be."""
+        kind = topic.message_type()
+        if kind is None:
+            return
 
         def on_bytes(data: bytes) -> None:
             self.received += 1
             if self._recording is not None:
-                self._recording.write(topic, kind, data)
-            if callback is not None:
-                callback(deserialize_message(data, kind))
+                self._recording.take(topic, data)
+            self.notes.take(topic.name, data)
 
-        self._node.create_subscription(kind, topic, on_bytes, qos, raw=True)
-
-    def _on_odometry(self, message: Odometry) -> None:
-        self.time = seconds_from_time(message.header.stamp)
-        self.pose = pose_from_message(message.pose.pose)
-        if self._goal_given and not self.record.has_arrived:
-            self.record.note_pose(self.time, self.pose)
-
-    def _on_plan(self, message: Path) -> None:
-        plan = plan_from_message(message)
-        if plan is not None and self._goal_given:
-            self.record.plans.append(plan)
-
-    def _on_height_map(self, message: PointCloud2) -> None:
-        self.record.height_map = height_map_from_message(message, ('map',))
-
-    def _on_footholds(self, message: MarkerArray) -> None:
-        feet = [(m.pose.position.x, m.pose.position.y, m.pose.position.z) for m in message.markers]
-        if feet and self._goal_given:
-            self.record.footholds.append(np.array(feet))
-            self.record.cycles += 1
-
-    def _on_margin(self, message: Float64) -> None:
-        self.record.least_margin = min(self.record.least_margin, message.data)
-
-    def _note_spent_time(self, values: dict[str, str]) -> None:
-        spent = [float(values.get(f'seconds_{what}', 0.0)) for what in ('in_physics', 'publishing')]
-        if not self._goal_given:
-            self._spent_before = spent
-        self.record.seconds_in_physics = spent[0] - self._spent_before[0]
-        self.record.seconds_publishing = spent[1] - self._spent_before[1]
-
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        record = self.record
-        for status in message.status:
-            values = {pair.key: pair.value for pair in status.values}
-            self.statuses[status.name] = (status.level, status.message, values)
-            if status.name == 'sim_node' and self._goal_given:
-                record.contacts = values.get('contacts', '')
-                record.has_fallen = values.get('has_fallen') == 'True'
-                record.late_trajectories = int(values.get('late_trajectories', 0))
-            if status.name == 'sim_node':
-                self._note_spent_time(values)
-            if status.name == 'gait_node' and record.plans:
-                record.has_arrived = record.has_arrived or values.get('activity') == 'arrived'
+        self._node.create_subscription(
+            kind, topic.name, on_bytes, subscription_quality(topic), raw=True
+        )

@@ -60,6 +60,8 @@ class ModelLink:
     """Number of joints that may move between the root and it."""
     shapes: tuple[Shape, ...]
     """Visible parts."""
+    name: str = ''
+    """Name of the link."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +225,7 @@ def _assembled(
         above = links[place[parent]] if parent else None
         depth = (above.depth if above else 0) + (1 if moves else 0)
         shapes = tuple(_shape(visual, colors) for visual in elements[child].iterfind('visual'))
-        links.append(ModelLink(place[parent] if parent else -1, depth, shapes))
+        links.append(ModelLink(place[parent] if parent else -1, depth, shapes, child))
         names.append(moved_by if moves else '')
     return RobotModel(name, tuple(links), tuple(names), origins, turns, turning, sliding, factors)
 

@@ -28,7 +28,12 @@ _SHELL_NAMES = ('_node', '_conversions', '_topics')
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
     'quad_lab.topic_walk.walk_observer',
-    'quad_cli.progress',
+    'quad_lab.topic_walk.walk_notes',
+    'quad_lab.topic_walk.recorded_walk',
+    'quad_lab.recordings.recorder',
+    'quad_lab.recordings.robot_recording',
+    'quad_lab.recordings.robot_transforms',
+    'quad_cli.output.progress',
     'quad_lab.benchmarks.bench_walk',
     'quad_lab.benchmarks.bench_localisation',
     'quad_lab.benchmarks.bench_view',
@@ -106,7 +111,7 @@ def imports(path):
 
 def test_every_core_module_is_imported_without_ros_and_pybullet():
     core = [module_name(path) for path in SOURCES if not is_shell(path)]
-    core.remove('quad_lab.topic_walk.recording')
+    core.remove('quad_lab.recordings.recording')
     assert len(core) > 35
     assert import_blocked(core) == []
 

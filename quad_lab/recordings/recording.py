@@ -4,7 +4,8 @@ Records topics to an MCAP file that ``ros2 bag``, Foxglove and PlotJuggler read.
 
 from __future__ import annotations
 
-import time
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -12,8 +13,17 @@ from typing import Any
 
 from quad_common.errors import MissingOptionalDependency, QuadError
 from quad_common.process.end_signals import shielded
+from quad_lab.recordings.recorded_topics import Delivery, RecordedTopic
 
 try:
+    from rosbags.interfaces import (
+        Qos,
+        QosDurability,
+        QosHistory,
+        QosLiveliness,
+        QosReliability,
+        QosTime,
+    )
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 except ImportError:
@@ -21,6 +31,9 @@ except ImportError:
 else:
     _CAN_RECORD = True
 
+
+FACTS = 'quadwalk'
+"""Key of what is kept beside the messages."""
 
 _PARTS = ('metadata.yaml', '*.mcap')
 """The files of a recording; one that was cut off by a kill has no metadata."""
@@ -54,6 +67,8 @@ class Recording:
     folder : Path
         Where it goes; a recording that is there already is replaced, and so is what a
         kill has left of one.
+    namespace : str
+        Namespace of the robot; empty for none.
 
     Raises
     ------
@@ -63,12 +78,16 @@ class Recording:
         If the folder holds something else.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, namespace: str = '') -> None:
         if not _CAN_RECORD:
             raise MissingOptionalDependency('rosbags', 'pip install rosbags')
         _remove(folder)
         folder.parent.mkdir(parents=True, exist_ok=True)
         self.folder = folder
+        """Where it goes."""
+        self.counts: dict[str, int] = {}
+        """Number of messages by full names of topics."""
+        self._namespace = namespace
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._writer: Any = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
         self._connections: dict[str, Any] = {}
@@ -90,28 +109,55 @@ class Recording:
                 # Its duration would be less than nothing.
                 _remove(self.folder)
 
-    def write(self, topic: str, message_type: type, data: bytes) -> None:
+    def write(self, topic: RecordedTopic, data: bytes, time: float) -> None:
         """
-        Add a message, stamped with the wall clock as ``ros2 bag record`` does.
+        Add a message.
 
         Parameters
         ----------
-        topic : str
-            Its topic, relative to the root namespace.
-        message_type : type
-            Its class.
+        topic : RecordedTopic
+            Its topic.
         data : bytes
             The message as it was sent (CDR).
+        time : float
+            When it was received, by the clock that the robot goes by [s].
         """
+        name = topic.in_namespace(self._namespace)
         # A message that is cut off makes the file unreadable.
         with shielded():
-            if topic not in self._connections:
-                package = message_type.__module__.split('.')[0]
-                name = f'{package}/msg/{message_type.__name__}'
-                self._connections[topic] = self._writer.add_connection(
-                    f'/{topic}', name, typestore=self._types
+            if name not in self._connections:
+                self._connections[name] = self._writer.add_connection(
+                    name,
+                    topic.kind,
+                    typestore=self._types,
+                    offered_qos_profiles=[_quality_of_service(topic)],
                 )
-            self._writer.write(self._connections[topic], time.time_ns(), data)
+                self.counts[name] = 0
+            self._writer.write(self._connections[name], round(time * 1e9), data)
+            self.counts[name] += 1
+
+    def note(self, facts: Mapping[str, object]) -> None:
+        """Keep facts beside the messages, as JSON holds them; later ones replace them."""
+        with shielded():
+            self._writer.set_custom_data(FACTS, json.dumps(dict(facts)))
+
+
+def _quality_of_service(topic: RecordedTopic) -> Any:
+    """Say how a topic is published, in the terms of recordings."""
+    unlimited = QosTime(2147483647, 4294967295)
+    is_latched = topic.delivery is Delivery.LATCHED
+    is_sensor = topic.delivery is Delivery.SENSOR
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=topic.depth,
+        reliability=QosReliability.BEST_EFFORT if is_sensor else QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL if is_latched else QosDurability.VOLATILE,
+        deadline=unlimited,
+        lifespan=unlimited,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=unlimited,
+        avoid_ros_namespace_conventions=False,
+    )
 
 
 def can_record() -> bool:

@@ -1,0 +1,3 @@
+"""
+What commands show: tables, pictures and progress.
+"""

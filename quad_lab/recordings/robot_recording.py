@@ -1,0 +1,140 @@
+"""
+A recording of one robot: every message at the robot's time, and transforms of all its links.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+
+from quad_common.errors import InvalidMessage
+from quad_lab.recordings.recorded_topics import (
+    CLOCK,
+    CORRECTIONS,
+    DESCRIPTION,
+    FIXED_TRANSFORMS,
+    JOINT_STATES,
+    ODOMETRY,
+    TRANSFORMS,
+    RecordedTopic,
+)
+from quad_lab.recordings.recording import Recording
+from quad_lab.recordings.robot_transforms import RobotTransforms, map_transform
+
+_CLOCK = struct.Struct('<iI')
+"""Seconds and nanoseconds of a Clock, after the four bytes that say how numbers are written."""
+
+
+_INSTANT = 1e-6
+"""Time between two messages that are received at the same simulated time [s]."""
+
+
+class RobotRecording:
+    """
+    Takes a robot's messages as they come; use it in a ``with`` block.
+
+    Where nobody publishes them, transforms of the links are added, so that RViz and Foxglove
+    show the robot with nothing but the recording.
+
+    Parameters
+    ----------
+    folder : Path
+        Where it goes; see :class:`Recording`.
+    namespace : str
+        Namespace of the robot; empty for none.
+    is_simulated : bool
+        Whether the robot goes by ``/clock``: messages are recorded at that time then, as their
+        stamps have it, and at the machine's time otherwise.
+    has_links : bool
+        Whether somebody publishes transforms of the links.
+    """
+
+    def __init__(
+        self, folder: Path, namespace: str = '', is_simulated: bool = True, has_links: bool = False
+    ) -> None:
+        self._recording = Recording(folder, namespace)
+        self._is_simulated = is_simulated
+        self._time: float | None = None if is_simulated else 0.0
+        self._waiting: list[tuple[RecordedTopic, bytes]] = []
+        self._last = 0.0
+        self._has_body = TRANSFORMS.message_type() is not None
+        self._transforms = RobotTransforms(self._has_body, has_links)
+        self._first_odometry: tuple[bytes, float] | None = None
+        self._is_corrected = False
+
+    @property
+    def folder(self) -> Path:
+        """Where it goes."""
+        return self._recording.folder
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Number of messages by full names of topics."""
+        return self._recording.counts
+
+    def __enter__(self) -> RobotRecording:
+        self._recording.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for topic, data in self._waiting:
+            self._time = 0.0
+            self._write(topic, data)
+        if self._first_odometry is not None and not self._has_body and not self._is_corrected:
+            odometry, received = self._first_odometry
+            self._recording.write(FIXED_TRANSFORMS, map_transform('map', odometry), received)
+        self._recording.__exit__(kind, error, trace)
+
+    def take(self, topic: RecordedTopic, data: bytes) -> None:
+        """Record a message (CDR)."""
+        if topic is CLOCK and self._is_simulated:
+            seconds, nanoseconds = _CLOCK.unpack_from(data, 4)
+            self._time = seconds + 1e-9 * nanoseconds
+        if self._time is None:
+            # What is latched comes before the clock does.
+            self._waiting.append((topic, data))
+            return
+        waiting, self._waiting = self._waiting, []
+        for earlier in (*waiting, (topic, data)):
+            self._write(*earlier)
+
+    def _write(self, topic: RecordedTopic, data: bytes) -> None:
+        now = self._time if self._is_simulated else time.time()
+        assert now is not None
+        # Readers sort by time: what came after something else is to stay behind it.
+        self._last = max(now, self._last + _INSTANT)
+        self._recording.write(topic, data, self._last)
+        self._add_transforms(topic, data, self._last)
+
+    def note(self, facts: Mapping[str, object]) -> None:
+        """Keep facts beside the messages; see :meth:`Recording.note`."""
+        self._recording.note(facts)
+
+    def _add_transforms(self, topic: RecordedTopic, data: bytes, now: float) -> None:
+        """Record what follows from a message for those who draw the robot."""
+        self._is_corrected |= topic is CORRECTIONS
+        if topic is ODOMETRY:
+            self._first_odometry = self._first_odometry or (data, now)
+            added = self._transforms.of_body(data)
+        elif topic is JOINT_STATES:
+            added = self._transforms.of_joints(data)
+        elif topic is DESCRIPTION:
+            # One that is no URDF is recorded as it is: whoever plays it will say so.
+            with contextlib.suppress(InvalidMessage):
+                fixed = self._transforms.of_description(data)
+                if fixed is not None:
+                    self._recording.write(FIXED_TRANSFORMS, fixed, now)
+            return
+        else:
+            return
+        if added is not None:
+            self._recording.write(TRANSFORMS, added, now)

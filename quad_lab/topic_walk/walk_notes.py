@@ -1,0 +1,134 @@
+"""
+Takes a walk down, message by message: while it happens, or from a recording of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry, Path
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import Float64
+from visualization_msgs.msg import MarkerArray
+
+from quad_common.planar_pose import Pose2D
+from quad_common.ros.height_map_conversions import height_map_from_message
+from quad_common.ros.pose_conversions import (
+    plan_from_message,
+    pose_from_message,
+    seconds_from_time,
+)
+from quad_gait.behaviours.activity import Activity
+from quad_lab.topic_walk.walk_record import WalkRecord
+
+
+class WalkNotes:
+    """
+    What the messages of a walk tell of it.
+
+    Parameters
+    ----------
+    goal : Pose2D
+        Where the robot is to go.
+    by_truth : bool
+        Whether the walk is judged by odom/truth, and not by odometry.
+    """
+
+    def __init__(self, goal: Pose2D, by_truth: bool = False) -> None:
+        self.record = WalkRecord(goal)
+        """What has been noted down."""
+        self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
+        """Level, message and values of each node, as last received on diagnostics."""
+        self.time = 0.0
+        """Time of the robot, as last received [s]."""
+        self.pose: Pose2D | None = None
+        """Where the robot is, as last received."""
+        self._has_begun = False
+        self._spent_before = [0.0, 0.0]
+        self._notes: dict[str, tuple[type, Callable[[Any], None]]] = {
+            'odom/truth' if by_truth else 'odom': (Odometry, self._on_odometry),
+            'plan': (Path, self._on_plan),
+            'diagnostics': (DiagnosticArray, self._on_diagnostics),
+            'footholds': (MarkerArray, self._on_footholds),
+            'stability_margin': (Float64, self._on_margin),
+            'height_map': (PointCloud2, self._on_height_map),
+        }
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Names of the topics that tell of the walk."""
+        return tuple(self._notes)
+
+    @property
+    def activity(self) -> Activity | None:
+        """What the gait node says it does; None before it has said so."""
+        said = self.statuses.get('gait_node', (b'', '', {}))[2].get('activity', '')
+        return Activity(said) if said else None
+
+    def begin(self) -> None:
+        """Take notes from now on: the goal is given."""
+        self._has_begun = True
+
+    def for_goal(self, goal: Pose2D) -> WalkNotes:
+        """Return notes of the next walk, which knows what this one knew last."""
+        following = WalkNotes(goal, 'odom/truth' in self._notes)
+        following.statuses = dict(self.statuses)
+        following.time, following.pose = self.time, self.pose
+        following.record.height_map = self.record.height_map
+        return following
+
+    def take(self, topic: str, data: bytes) -> None:
+        """Take a message (CDR) of a topic; of others nothing is noted."""
+        if topic in self._notes:
+            kind, note = self._notes[topic]
+            note(deserialize_message(data, kind))
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self.time = seconds_from_time(message.header.stamp)
+        self.pose = pose_from_message(message.pose.pose)
+        if self._has_begun and not self.record.has_arrived:
+            self.record.note_pose(self.time, self.pose)
+
+    def _on_plan(self, message: Path) -> None:
+        plan = plan_from_message(message)
+        if plan is not None and self._has_begun:
+            self.record.plans.append(plan)
+
+    def _on_height_map(self, message: PointCloud2) -> None:
+        self.record.height_map = height_map_from_message(message, ('map',))
+
+    def _on_footholds(self, message: MarkerArray) -> None:
+        feet = [(m.pose.position.x, m.pose.position.y, m.pose.position.z) for m in message.markers]
+        if feet and self._has_begun:
+            self.record.footholds.append(np.array(feet))
+            self.record.cycles += 1
+
+    def _on_margin(self, message: Float64) -> None:
+        self.record.least_margin = min(self.record.least_margin, message.data)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        record = self.record
+        for status in message.status:
+            # A robot's own namespace says nothing here.
+            name = status.name.rpartition('/')[2]
+            values = {pair.key: pair.value for pair in status.values}
+            self.statuses[name] = (status.level, status.message, values)
+            if name == 'sim_node' and self._has_begun:
+                record.contacts = values.get('contacts', '')
+                record.has_fallen = values.get('has_fallen') == 'True'
+                record.late_trajectories = int(values.get('late_trajectories', 0))
+            if name == 'sim_node':
+                self._note_spent_time(values)
+            if name == 'gait_node' and record.plans:
+                record.has_arrived = record.has_arrived or values.get('activity') == 'arrived'
+
+    def _note_spent_time(self, values: dict[str, str]) -> None:
+        spent = [float(values.get(f'seconds_{what}', 0.0)) for what in ('in_physics', 'publishing')]
+        if not self._has_begun:
+            self._spent_before = spent
+        self.record.seconds_in_physics = spent[0] - self._spent_before[0]
+        self.record.seconds_publishing = spent[1] - self._spent_before[1]

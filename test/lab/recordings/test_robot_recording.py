@@ -1,0 +1,179 @@
+"""
+A recording has the robot's own time, keeps the order of messages, and tells where its links are.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rosbags')
+pytest.importorskip('nav_msgs')
+
+from nav_msgs.msg import Odometry
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from quad_common.robot.urdf import published_urdf
+from quad_common.robot_files.robot_file import load_robot
+from quad_common.ros.pose_conversions import time_from_seconds
+from quad_common.rotations import matrix_from_quaternion
+from quad_lab.recordings.recorded_topics import (
+    CLOCK,
+    DESCRIPTION,
+    GOAL,
+    JOINT_STATES,
+    ODOMETRY,
+    TRANSFORMS,
+)
+from quad_lab.recordings.robot_recording import RobotRecording
+
+TYPES = get_typestore(Stores.ROS2_JAZZY)
+
+ROBOT = load_robot('titan_viii')
+
+ANGLES = ROBOT.initial_joint_angles + np.linspace(-0.1, 0.1, 12).reshape(4, 3)
+
+DESCRIBED = serialize_message(String(data=published_urdf(ROBOT)))
+
+
+def clock(time):
+    return serialize_message(Clock(clock=time_from_seconds(time)))
+
+
+def joints(time, angles=ANGLES):
+    message = JointState(name=list(ROBOT.joint_names), position=angles.reshape(-1).tolist())
+    message.velocity, message.effort = [0.0] * 12, [0.0] * 12
+    message.header.stamp = time_from_seconds(time)
+    return serialize_message(message)
+
+
+def odometry(time, x=0.0):
+    message = Odometry(child_frame_id='base_link')
+    message.header.frame_id = 'odom'
+    message.header.stamp = time_from_seconds(time)
+    message.pose.pose.position.x = x
+    return serialize_message(message)
+
+
+def messages(folder):
+    with Reader(folder) as reader:
+        return [
+            (connection.topic, time * 1e-9, TYPES.deserialize_cdr(data, connection.msgtype))
+            for connection, time, data in reader.messages()
+        ]
+
+
+def transforms(folder):
+    return [
+        transform
+        for topic, _, message in messages(folder)
+        if topic in ('/tf', '/tf_static')
+        for transform in message.transforms
+    ]
+
+
+def matrix(transform):
+    place, turn = transform.translation, transform.rotation
+    made = np.eye(4)
+    made[:3, :3] = matrix_from_quaternion(np.array([turn.x, turn.y, turn.z, turn.w]))
+    made[:3, 3] = place.x, place.y, place.z
+    return made
+
+
+@pytest.mark.parametrize('leg', range(4))
+def test_links_are_where_kinematics_has_them(tmp_path, leg):
+    with RobotRecording(tmp_path / 'bag') as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+        recording.take(CLOCK, clock(3.0))
+        recording.take(JOINT_STATES, joints(3.0))
+    frames = {
+        transform.child_frame_id: (transform.header.frame_id, matrix(transform.transform))
+        for transform in transforms(tmp_path / 'bag')
+    }
+    name, pose = f'{ROBOT.legs[leg].name}_foot', np.eye(4)
+    while name != 'base_link':
+        name, step = frames[name]
+        pose = step @ pose
+    assert pose[:3, 3] == pytest.approx(ROBOT.foot_positions(ANGLES)[leg], abs=1e-6)
+
+
+def test_links_of_others_are_left_to_them(tmp_path):
+    with RobotRecording(tmp_path / 'bag', has_links=True) as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+        recording.take(JOINT_STATES, joints(0.0))
+    names = {topic for topic, _, _ in messages(tmp_path / 'bag')}
+    assert names == {'/robot_description', '/joint_states'}
+
+
+def test_transforms_are_as_frequent_as_pictures_of_a_film(tmp_path):
+    with RobotRecording(tmp_path / 'bag') as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+        for k in range(50):
+            recording.take(JOINT_STATES, joints(0.02 * k))
+    assert sum(topic == '/tf' for topic, _, _ in messages(tmp_path / 'bag')) == 25
+
+
+@pytest.mark.skipif(TRANSFORMS.message_type() is not None, reason='tf2_msgs is installed')
+@pytest.mark.parametrize('has_links', [False, True])
+def test_the_body_is_placed_on_the_map_where_nobody_publishes_transforms(tmp_path, has_links):
+    with RobotRecording(tmp_path / 'bag', has_links=has_links) as recording:
+        recording.take(CLOCK, clock(1.0))
+        recording.take(ODOMETRY, odometry(1.0, x=2.5))
+    found = {
+        (transform.header.frame_id, transform.child_frame_id): transform.transform.translation.x
+        for transform in transforms(tmp_path / 'bag')
+    }
+    assert found == {('odom', 'base_link'): 2.5, ('map', 'odom'): 0.0}
+
+
+def test_messages_have_simulated_times_and_keep_their_order(tmp_path):
+    with RobotRecording(tmp_path / 'bag') as recording:
+        recording.take(CLOCK, clock(7.25))
+        recording.take(JOINT_STATES, joints(7.25))
+        recording.take(GOAL, serialize_message(String()))
+        recording.take(DESCRIPTION, DESCRIBED)
+    with Reader(tmp_path / 'bag') as reader:
+        order = [(c.topic, time) for c, time, _ in reader.messages() if 'tf' not in c.topic]
+    topics = ['/clock', '/joint_states', '/goal_pose', '/robot_description']
+    assert [topic for topic, _ in order] == topics
+    assert all(math.isclose(time * 1e-9, 7.25, abs_tol=1e-4) for _, time in order)
+
+
+def test_what_is_latched_has_the_time_at_which_recording_begins(tmp_path):
+    with RobotRecording(tmp_path / 'bag') as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+        recording.take(ODOMETRY, odometry(12.0))
+        recording.take(CLOCK, clock(12.0))
+        recording.take(JOINT_STATES, joints(12.02))
+    with Reader(tmp_path / 'bag') as reader:
+        assert reader.start_time == pytest.approx(12e9, abs=1e6)
+        assert reader.duration < 1e6
+        assert next(reader.messages())[0].topic == '/robot_description'
+
+
+def test_without_a_clock_nothing_is_lost(tmp_path):
+    with RobotRecording(tmp_path / 'bag', has_links=True) as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+    assert [topic for topic, _, _ in messages(tmp_path / 'bag')] == ['/robot_description']
+
+
+def test_without_a_simulator_it_is_the_time_of_the_machine(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        recording.take(JOINT_STATES, joints(1.0))
+    ((_, time, _),) = messages(tmp_path / 'bag')
+    assert time > 1.6e9
+
+
+def test_a_description_that_is_none_is_recorded_all_the_same(tmp_path):
+    with RobotRecording(tmp_path / 'bag') as recording:
+        recording.take(DESCRIPTION, serialize_message(String(data='no URDF')))
+        recording.take(JOINT_STATES, joints(0.0))
+    names = [topic for topic, _, _ in messages(tmp_path / 'bag')]
+    assert names == ['/robot_description', '/joint_states']

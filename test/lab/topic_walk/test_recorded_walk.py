@@ -1,0 +1,135 @@
+"""
+A recording of a walk alone has the figures that the walk had.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+
+import pytest
+
+pytest.importorskip('rosbags')
+pytest.importorskip('nav_msgs')
+
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import Reader
+
+from quad_cli.main import main
+from quad_common.errors import QuadError
+from quad_common.planar_pose import Pose2D
+from quad_common.resources import sample_map
+from quad_common.ros.pose_conversions import pose_message, time_from_seconds
+from quad_lab.recordings.recorded_topics import GOAL, ODOMETRY
+from quad_lab.recordings.robot_recording import RobotRecording
+from quad_lab.topic_walk.recorded_walk import read_walks
+from quad_lab.topic_walk.walk import WalkOptions, walk
+
+
+@pytest.fixture(scope='module')
+def recorded(tmp_path_factory):
+    """Walk a short way over topics, and record it."""
+    folder = tmp_path_factory.mktemp('walk') / 'recording'
+    start, goal = Pose2D(1.2, 1.2, 0.0), Pose2D(1.5, 1.6, 0.5)
+    record = walk(WalkOptions(sample_map('room'), start, goal, composed=True, recording=folder))
+    return record.result(), folder
+
+
+def test_figures_are_those_of_the_walk_itself(recorded):
+    result, folder = recorded
+    assert result.arrived
+    (walked,) = read_walks(folder).walks
+    assert walked.result() == result
+
+
+def test_nothing_was_lost(recorded):
+    _, folder = recorded
+    with Reader(folder) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+        times = [time for connection, time, _ in reader.messages() if connection.topic == '/odom']
+    assert counts['/odom'] == counts['/joint_states'] == counts['/imu'] == len(times)
+    # Received one by one at 50 Hz of simulated time.
+    assert max(b - a for a, b in itertools.pairwise(times)) < 0.03e9
+    for topic in ('/map', '/robot_description', '/goal_pose', '/plan', '/tf', '/tf_static'):
+        assert counts[topic] >= 1
+
+
+def test_the_command_prints_them(recorded, capsys):
+    result, folder = recorded
+    assert main(['evaluate', str(folder), '--json']) == 0
+    (summary,) = json.loads(capsys.readouterr().out)['walks']
+    assert summary == {'map': 'room', **result.as_dict()}
+    assert main(['evaluate', str(folder)]) == 0
+    assert 'final position error' in capsys.readouterr().out
+
+
+def take_odometry(recording, time, x):
+    message = Odometry(child_frame_id='base_link')
+    message.header.frame_id, message.header.stamp = 'odom', time_from_seconds(time)
+    message.pose.pose = pose_message(Pose2D(x, 0.0, 0.0))
+    recording.take(ODOMETRY, serialize_message(message))
+
+
+def test_each_goal_is_a_walk_of_its_own(tmp_path):
+    with RobotRecording(tmp_path / 'bag', 'robot1', is_simulated=False) as recording:
+        for k, goal in enumerate((1.0, 2.0)):
+            message = PoseStamped(pose=pose_message(Pose2D(goal, 0.0, 0.0)))
+            recording.take(GOAL, serialize_message(message))
+            for j in range(3):
+                take_odometry(recording, 10.0 * k + j, goal - 0.2 + 0.1 * j)
+    first, second = (record.result() for record in read_walks(tmp_path / 'bag', 'robot1').walks)
+    assert first.position_error == pytest.approx(0.0)
+    assert second.walking_time == pytest.approx(2.0)
+    assert second.walked_distance == pytest.approx(0.2)
+    with pytest.raises(QuadError, match='holds no goal, and so no walk'):
+        read_walks(tmp_path / 'bag')
+
+
+def without_metadata(folder):
+    (folder / 'metadata.yaml').unlink()
+
+
+def without_messages(folder):
+    next(folder.glob('*.mcap')).unlink()
+
+
+def cut_off(folder):
+    path = next(folder.glob('*.mcap'))
+    path.write_bytes(path.read_bytes()[:-200])
+
+
+def overwritten(folder):
+    path = next(folder.glob('*.mcap'))
+    path.write_bytes(b'words' * 100)
+
+
+def other_metadata(folder):
+    (folder / 'metadata.yaml').write_text('[1, 2]')
+
+
+def metadata_of_another_kind(folder):
+    (folder / 'metadata.yaml').write_text('rosbag2_bagfile_information: 3')
+
+
+@pytest.mark.parametrize(
+    'damage',
+    [
+        without_metadata,
+        without_messages,
+        cut_off,
+        overwritten,
+        other_metadata,
+        metadata_of_another_kind,
+        lambda folder: None,
+    ],
+)
+def test_what_is_no_recording_of_a_walk_is_said(tmp_path, damage):
+    folder = tmp_path / 'bag'
+    with RobotRecording(folder, is_simulated=False) as recording:
+        take_odometry(recording, 1.0, 0.0)
+    damage(folder)
+    with pytest.raises(QuadError) as caught:
+        read_walks(folder)
+    assert '\n' not in str(caught.value)
