@@ -32,6 +32,7 @@ COMMANDS = {
     'gait': 'list the gaits, or check one on a robot',
     'camera': 'see what a ceiling camera shows: colors, map, robot and goal, or where it is',
     'robot': 'check a robot data file, or print its URDF',
+    'doctor': 'say what works on this machine, what is missing, and what mends it',
     'parameters': "print a node's parameters as a commented YAML file",
 }
 """Each command's module is ``quad_cli.<command>``."""

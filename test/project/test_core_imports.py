@@ -31,6 +31,7 @@ ROS_COMMANDS = {
     'quad_lab.topic_walk.walk_notes',
     'quad_lab.topic_walk.recorded_walk',
     'quad_lab.recordings.recorder',
+    'quad_lab.doctor.echo',
     'quad_lab.recordings.robot_recording',
     'quad_lab.recordings.robot_transforms',
     'quad_cli.output.progress',

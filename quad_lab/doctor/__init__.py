@@ -1,0 +1,3 @@
+"""
+Checks of the machine that quadwalk runs on, and what mends what is missing.
+"""

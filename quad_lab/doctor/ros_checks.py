@@ -1,0 +1,88 @@
+"""
+Checks of ROS: packages, settings, and whether a message comes through to another process.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Iterator
+
+from quad_common.errors import QuadError
+from quad_lab.doctor.finding import Finding, good, missing, wrong
+
+_PACKAGES = (
+    'geometry_msgs', 'nav_msgs', 'sensor_msgs', 'std_msgs', 'std_srvs', 'trajectory_msgs',
+    'visualization_msgs', 'diagnostic_msgs', 'rosgraph_msgs',
+)  # fmt: skip
+"""Packages of messages that the nodes need."""
+
+_INSTALL = "pip install 'quadwalk[ros]', or source a ROS 2 installation"
+
+_PATIENCE = 15.0
+"""Time in which another process must have been found [s]."""
+
+_MESSAGES = 50
+
+
+def check_ros() -> Iterator[Finding]:
+    """Look whether nodes can run, and talk to each other."""
+    if importlib.util.find_spec('rclpy') is None:
+        yield wrong('rclpy', 'absent: the library works, nodes and walks do not', _INSTALL)
+        return
+    absent = [name for name in _PACKAGES if importlib.util.find_spec(name) is None]
+    if absent:
+        yield wrong('messages', f'absent: {", ".join(absent)}', _INSTALL)
+        return
+    try:
+        # Where a library of ROS does not load, that is what is raised.
+        from quad_common.ros.network import reach_of
+        from quad_common.ros.run_node import check_middleware
+
+        check_middleware()
+    except (ImportError, QuadError) as error:
+        yield wrong('rclpy', str(error), 'see docs/troubleshooting.md')
+        return
+    distribution = os.environ.get('ROS_DISTRO', 'from PyPI')
+    middleware = os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp')
+    yield good('rclpy', f'{distribution}, {middleware}')
+    yield good('network', reach_of(os.environ).rstrip('.'))
+    if importlib.util.find_spec('tf2_msgs') is None:
+        said = 'absent: nodes publish no tf; recordings have it all the same'
+        yield missing('tf2_msgs', said, 'make tf, or a ROS 2 installation')
+    else:
+        yield good('tf2_msgs', 'nodes publish tf')
+    yield _round_trip()
+
+
+def _round_trip() -> Finding:
+    """Send messages to another process, which sends them back."""
+    from quad_lab.doctor.echo import Caller
+
+    # Another doctor may be at work on the same network.
+    trip = f'trip_{uuid.uuid4().hex}'
+    command = [sys.executable, '-m', 'quad_lab.doctor.echo', trip]
+    echo = subprocess.Popen(command, stdin=subprocess.PIPE)
+    mend = 'allow UDP and multicast on the loopback; see docs/network.md'
+    try:
+        began = time.monotonic()
+        with Caller(trip) as caller:
+            if not caller.find(_PATIENCE):
+                said = f'another process was not found within {_PATIENCE:.0f} s'
+                return wrong('round trip', said, mend)
+            found = time.monotonic() - began
+            times = caller.call(_MESSAGES)
+    finally:
+        # It ends when nobody holds the other end.
+        echo.communicate()
+    if len(times) < _MESSAGES:
+        said = f'{len(times)} of {_MESSAGES} messages came back from another process'
+        return wrong('round trip', said, mend)
+    middle = 1e3 * sorted(times)[len(times) // 2]
+    return good(
+        'round trip', f'another process is found in {found:.1f} s, and answers in {middle:.2f} ms'
+    )
