@@ -15,6 +15,7 @@ import importlib
 import io
 import os
 import sys
+from types import ModuleType
 
 from quad_cli.arguments import CommandParser, with_negative_values
 from quad_common.errors import QuadError
@@ -25,6 +26,7 @@ COMMANDS = {
     'view': 'show robots on a page in the browser, and let them walk by a click',
     'record': 'keep what a robot publishes, for ros2 bag, Foxglove and evaluate',
     'evaluate': 'say how walks went, from their recording alone',
+    'replay': 'show a recording on a page in the browser, with a slider for the time',
     'plan': 'plan a path on a map, and draw it',
     'reproduce': "draw a paper's figures again, and print its numbers",
     'bench': 'measure what quadwalk does, and compare it with what it should do',
@@ -35,7 +37,15 @@ COMMANDS = {
     'doctor': 'say what works on this machine, what is missing, and what mends it',
     'parameters': "print a node's parameters as a commented YAML file",
 }
-"""Each command's module is ``quad_cli.<command>``."""
+"""The commands."""
+
+_ROOMS = dict.fromkeys(('record', 'evaluate', 'replay'), 'recordings.')
+"""Rooms of commands that are not in ``quad_cli`` itself."""
+
+
+def command_module(name: str) -> ModuleType:
+    """Import the module of a command, one of :data:`COMMANDS`."""
+    return importlib.import_module(f'quad_cli.{_ROOMS.get(name, "")}{name}')
 
 
 def main(args: list[str] | None = None) -> int:
@@ -67,7 +77,7 @@ def main(args: list[str] | None = None) -> int:
         )
         # Some commands are slow to import: only the one that is run is.
         if args[:1] == [name]:
-            module = importlib.import_module(f'quad_cli.{name}')
+            module = command_module(name)
             command.epilog = module.EXAMPLES
             module.add_arguments(command)
             command.set_defaults(run=module.run)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseStamped
@@ -74,12 +74,14 @@ class SampledTopics:
         self._taken: dict[str, tuple[Any, Callable[[Any], None]]] = {}
 
     def create_subscription(
-        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile
+        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
     ) -> None:
         """Have the newest message handed on at each look."""
         name = f'{self._prefix}{topic}'
         # The executor of another node calls nothing of this one.
-        subscription = self._node.create_subscription(kind, name, lambda message: None, qos)
+        subscription = self._node.create_subscription(
+            kind, name, lambda message: None, qos, **options
+        )
         self._taken[topic] = subscription, callback
 
     def end(self, topic: str) -> None:
@@ -134,30 +136,44 @@ class NamedTopics:
         return self._node.get_logger()
 
 
+class Subscriber(Protocol):
+    """What makes subscriptions for a robot: a node, or a recording in its place."""
+
+    def create_subscription(
+        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
+    ) -> Any:
+        """Have messages of a topic, named within the robot's namespace, handed on."""
+
+
 class RobotTopics:
     """
     Receives what is shown of a robot.
 
     Parameters
     ----------
-    node : QuadNode
-        The node.
-    inputs : Node
-        A node that no executor has, for what comes often.
+    named : Subscriber
+        For topics of which every message counts.
+    sampled : Subscriber
+        For topics of which the newest message counts.
     view : RobotView
         What is known of the robot.
     parameters : ViewerParameters
-        Of the node.
+        Names of topics and frames.
+    clock : callable
+        Returns the time at which something is received [s].
     """
 
     def __init__(
-        self, node: QuadNode[Any], inputs: Node, view: RobotView, parameters: ViewerParameters
+        self,
+        named: Subscriber,
+        sampled: Subscriber,
+        view: RobotView,
+        parameters: ViewerParameters,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         p = self._parameters = parameters
         self._view = view
-        prefix = f'/{view.name}/' if view.name else '/'
-        named = NamedTopics(node, prefix)
-        self._sampled = sampled = SampledTopics(inputs, prefix)
+        self._clock = clock
         self._frame = MapFrame(p.map_frame)
         self._map = MapFrameListener(cast(Any, named), self._frame, _CORRECTION_TIMEOUT)
         sampled.create_subscription(JointState, 'joint_states', self._on_joints, _NEWEST)
@@ -176,25 +192,17 @@ class RobotTopics:
         named.create_subscription(Bool, 'emergency_stop/active', self._on_stopped, _LATCHED)
         named.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 10)
 
-    def look(self) -> list[QuadError]:
-        """Take the newest of what comes often; return why it could not be used."""
-        return self._sampled.look()
-
-    def show_picture(self, is_shown: bool) -> None:
-        """Receive the camera's picture, or no more: none is taken that nobody looks at."""
-        if is_shown:
-            p = self._parameters
-            self._sampled.create_subscription(Image, p.picture_topic, self._on_picture, _NEWEST)
-        else:
-            self._sampled.end(self._parameters.picture_topic)
-            self._view.note(picture=None)
+    def receive_pictures(self, sampled: Subscriber) -> None:
+        """Receive a camera's pictures from now on."""
+        p = self._parameters
+        sampled.create_subscription(Image, p.picture_topic, self._on_picture, _NEWEST)
 
     def _on_joints(self, message: JointState) -> None:
         self._view.note_joints(joints_from_message(message))
 
     def _on_odometry(self, message: Odometry) -> None:
         planar, odometry = self._map.locate(message)
-        self._view.note_pose(*body_on_map(message, planar, odometry), time.monotonic())
+        self._view.note_pose(*body_on_map(message, planar, odometry), self._clock())
         stamp = seconds_from_time(message.header.stamp)
         self._view.plot(stamp, velocity_from_message(message))
 
@@ -243,5 +251,5 @@ class RobotTopics:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             name = status.name.rsplit('/', 1)[-1]
-            said = said_by(status, time.monotonic())
+            said = said_by(status, self._clock())
             self._view.note(said={**self._view.said, name: said})

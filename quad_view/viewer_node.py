@@ -12,7 +12,7 @@ if __name__ == '__main__':
 
 import time
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import rclpy
 from rclpy.clock import Clock
@@ -23,7 +23,7 @@ from quad_common.ros.run_node import run_node
 from quad_view.command_topics import CommandTopics
 from quad_view.page.viewer_page import ViewerPage
 from quad_view.parameters import ViewerParameters
-from quad_view.robot_topics import RobotTopics
+from quad_view.robot_topics import NamedTopics, RobotTopics, SampledTopics
 from quad_view.scene.commands import Command, ShowPicture
 from quad_view.scene.robot_view import RobotView
 from quad_view.scene.robots import namespaces_of
@@ -32,6 +32,15 @@ _SEARCH_PERIOD = 0.5
 """Time between two searches for robots [s]."""
 
 _JOINT_STATES = 'sensor_msgs/msg/JointState'
+
+
+class _ShownRobot(NamedTuple):
+    """What belongs to one robot."""
+
+    view: RobotView
+    sampled: SampledTopics
+    topics: RobotTopics
+    commands: CommandTopics
 
 
 class ViewerNode(QuadNode[ViewerParameters]):
@@ -48,7 +57,7 @@ class ViewerNode(QuadNode[ViewerParameters]):
             enable_rosout=False,
             start_parameter_services=False,
         )
-        self._robots: dict[str, tuple[RobotView, RobotTopics, CommandTopics]] = {}
+        self._robots: dict[str, _ShownRobot] = {}
         self._page = ViewerPage(p.page_options, self._take_command)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / p.rate, self._on_frame, clock=clock)
@@ -59,7 +68,7 @@ class ViewerNode(QuadNode[ViewerParameters]):
 
     def update_status(self) -> None:
         """Report where the page is, and what it shows."""
-        shown = [robot for robot, _, _ in self._robots.values()]
+        shown = [robot.view for robot in self._robots.values()]
         now = time.monotonic()
         silent = [robot.name or 'the robot' for robot in shown if not robot.has_robot(now)]
         values = {'pages': self._page.readers, 'robots': len(shown), 'address': self._page.address}
@@ -84,20 +93,24 @@ class ViewerNode(QuadNode[ViewerParameters]):
         if command.robot not in self._robots:
             # The page says that there is none.
             return
-        _, topics, commands = self._robots[command.robot]
-        if isinstance(command, ShowPicture):
-            topics.show_picture(command.is_shown)
+        robot = self._robots[command.robot]
+        if not isinstance(command, ShowPicture):
+            robot.commands.carry_out(command)
+        elif command.is_shown:
+            robot.topics.receive_pictures(robot.sampled)
         else:
-            commands.carry_out(command)
+            # None is taken that nobody looks at.
+            robot.sampled.end(self.parameters.picture_topic)
+            robot.view.note(picture=None)
 
     def _on_frame(self) -> None:
         """Show what has come since the last frame, or seldom while nobody looks."""
         now = time.monotonic()
-        for _, _, commands in self._robots.values():
-            commands.steer()
+        for robot in self._robots.values():
+            robot.commands.steer()
         if self._page.is_due(now):
-            for _, topics, _ in self._robots.values():
-                for problem in topics.look():
+            for robot in self._robots.values():
+                for problem in robot.sampled.look():
                     self.report_error(problem)
             self._page.draw(now)
 
@@ -110,11 +123,11 @@ class ViewerNode(QuadNode[ViewerParameters]):
         ]
         for name in namespaces_of(self.parameters.robots, published):
             if name not in self._robots:
-                view = RobotView(name)
-                topics = RobotTopics(self, self._inputs, view, self.parameters)
-                self._robots[name] = (
-                    view, topics, CommandTopics(self, view, self.parameters)
-                )  # fmt: skip
+                view, prefix = RobotView(name), f'/{name}/' if name else '/'
+                sampled = SampledTopics(self._inputs, prefix)
+                topics = RobotTopics(NamedTopics(self, prefix), sampled, view, self.parameters)
+                commands = CommandTopics(self, view, self.parameters)
+                self._robots[name] = _ShownRobot(view, sampled, topics, commands)
                 self._page.add_robot(view)
 
 

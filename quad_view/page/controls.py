@@ -81,8 +81,8 @@ class Controls:
         """Namespace of the robot that commands are for."""
         return self._robot
 
-    def add_emergency_stop(self) -> None:
-        """Add the emergency stop, which is always in sight."""
+    def add_first(self) -> None:
+        """Add what is always in sight: the emergency stop."""
         stop = self._gui.add_button(
             'EMERGENCY STOP',
             color='red',
@@ -108,7 +108,15 @@ class Controls:
         self._robots.value = self._robot
         self._robots.visible = len(names) > 1
 
-    def add_walking(self) -> None:
+    def add_tabs(self, tabs: Any) -> None:
+        """Add what walks the robot."""
+        with tabs.add_tab('Walk'):
+            self._add_walking()
+            self._add_options()
+        with tabs.add_tab('Steer'):
+            self._add_pad()
+
+    def _add_walking(self) -> None:
         """Add what a click does, and the services."""
         gui = self._gui
         self._click = gui.add_dropdown('A click on the floor', (GOAL, OBSTACLE))
@@ -124,14 +132,14 @@ class Controls:
         clear = gui.add_button('Take all obstacles away', color='gray')
         clear.on_click(lambda _: self._send(ClearObstacles(self._robot)))
 
-    def add_pad(self) -> None:
+    def _add_pad(self) -> None:
         """Add the speed pad."""
         self._gui.add_markdown('*Hold a button, or its key: what is let go, or lost, stops.*')
         self._speed = self._gui.add_slider('Speed [%]', 5, 100, 5, 50)
         for label, key, direction in _STEERING:
             self._add_steering(label, key, direction)
 
-    def add_options(self) -> None:
+    def _add_options(self) -> None:
         """Add gait, turning style and planning method."""
         for label, choices, node, name in (
             ('Gait', self._options.gaits, 'gait_node', 'gait'),

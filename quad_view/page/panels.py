@@ -5,6 +5,7 @@ What the panel shows: what the robot does, what each node says, plots, the camer
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -68,18 +69,28 @@ class WordPanel:
         """Say that there is no robot."""
         self._put('headline', self._headline, _paragraph(Level.WARN, NO_ROBOT, '1.0em'))
 
-    def draw(self, view: RobotView, now: float) -> None:
-        """Show the words about a robot, if they are others, at a time of the wall clock [s]."""
+    def draw(self, view: RobotView, now: float, shown: float) -> None:
+        """
+        Show the words about a robot, if they are others.
+
+        Parameters
+        ----------
+        view : RobotView
+            The robot.
+        now, shown : float
+            Time of the wall clock, and time by which the robot's messages were received [s].
+        """
         if now < self._due:
             return
         self._due = now + _WORD_PERIOD
-        level, sentence = view.headline(now)
+        level, sentence = view.headline(shown)
         self._put('headline', self._headline, _paragraph(level, sentence, '1.0em'))
         # There even if it is empty: what is below must not move under somebody's hand.
         answer = html.escape(view.answer) or '&nbsp;'
         self._put('answer', self._answer, f'<div style="{_ANSWER}">{answer}</div>')
         rows = [
-            _paragraph(line.level, f'{line.node}: {line.text}', '0.9em') for line in view.lines(now)
+            _paragraph(line.level, f'{line.node}: {line.text}', '0.9em')
+            for line in view.lines(shown)
         ]
         self._put('nodes', self._nodes, ''.join(rows))
 
@@ -151,16 +162,19 @@ class PicturePanel:
         self._handle: Any = None
         self._drawn: NDArray[np.uint8] | None = None
 
-    def add_picture(self) -> Any:
-        """Add the choice to show it; return its handle."""
-        choice = self._gui.add_checkbox("The camera's picture", False)
+    def add_picture(self, choose: Callable[[bool], None]) -> None:
+        """Add it, and the choice to show it: that is told."""
+        self._choice = self._gui.add_checkbox("The camera's picture", False)
+        self._choice.on_update(lambda _: choose(bool(self._choice.value)))
         self._text = self._gui.add_markdown('*No picture yet: is there a camera?*', visible=False)
         blank = np.full((2, 4, 3), 200, dtype=np.uint8)
         self._handle = self._gui.add_image(blank, format='jpeg', visible=False)
-        return choice
 
-    def draw(self, view: RobotView, is_wanted: bool, now: float) -> None:
+    def draw(self, view: RobotView, now: float) -> None:
         """Show the picture if it is wanted and another one, at a time of the wall clock [s]."""
+        if self._handle is None:
+            return
+        is_wanted = self._choice.value
         picture = view.picture if is_wanted else None
         self._text.visible = is_wanted and picture is None
         self._handle.visible = picture is not None

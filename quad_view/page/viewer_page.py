@@ -5,18 +5,19 @@ The page: robots and their room in the scene, words, plots and buttons beside it
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from quad_view.page.controls import Controls
 from quad_view.page.course_figure import CourseFigure
 from quad_view.page.floor_figure import FloorFigure
 from quad_view.page.panels import PicturePanel, PlotPanel, WordPanel
 from quad_view.page.pointing import Pointing
+from quad_view.page.replay_panel import ReplayPanel
 from quad_view.page.robot_figure import RobotFigure
 from quad_view.page.server import is_loopback, open_server
 from quad_view.scene.commands import Command, ShowPicture
 from quad_view.scene.page_options import PageOptions
 from quad_view.scene.robot_view import RobotView
+from quad_view.scene.timeline import Timeline
 
 _UNSEEN_PERIOD = 0.5
 """Time between two updates while nobody looks [s]."""
@@ -30,25 +31,37 @@ class ViewerPage:
     ----------
     options : PageOptions
         How it is opened, and what can be chosen.
-    send : callable
-        Takes a command of whoever looks at the page; called by threads of the page.
+    send : callable, optional
+        Takes a command of whoever looks at the page; called by threads of the page. Without it
+        nothing can be commanded.
+    timeline : Timeline, optional
+        Time of the recording that is shown, for a page without commands.
     """
 
-    def __init__(self, options: PageOptions, send: Callable[[Command], None]) -> None:
+    def __init__(
+        self,
+        options: PageOptions,
+        send: Callable[[Command], None] | None = None,
+        timeline: Timeline | None = None,
+    ) -> None:
         self._options = options
         self._server = server = open_server(options.host, options.port, 'quadwalk')
-        self._send = send
         self._robots: dict[str, RobotView] = {}
         self._figures: dict[str, tuple[RobotFigure, CourseFigure]] = {}
         self._due = 0.0
         self._floor = FloorFigure(server)
-        self._controls = Controls(server, options, send)
+        self._controls: Controls | ReplayPanel
+        self._pointing: Pointing | None = None
+        if send is not None:
+            controls = self._controls = Controls(server, options, send)
+            self._pointing = Pointing(server, controls, self._robot_looked_at, send)
+        else:
+            self._controls = ReplayPanel(server, timeline or Timeline(0.0, 0.0))
         self._words = WordPanel(server)
         self._plots = PlotPanel(server, 1.0 / options.plot_rate)
         self._picture = PicturePanel(server)
-        self._pointing = Pointing(server, self._controls, self._robot_looked_at, send)
         self._has_camera = False
-        self._arrange()
+        self._arrange(send)
 
     @property
     def address(self) -> str:
@@ -85,8 +98,17 @@ class ViewerPage:
         """Return whether to bring it up to date, at a time of the wall clock [s]."""
         return self.readers > 0 or now >= self._due
 
-    def draw(self, now: float) -> None:
-        """Send what has changed, at a time of the wall clock [s]."""
+    def draw(self, now: float, shown: float | None = None) -> None:
+        """
+        Send what has changed.
+
+        Parameters
+        ----------
+        now : float
+            Time of the wall clock [s].
+        shown : float, optional
+            Time that is shown of a recording [s]; the wall clock's if not given.
+        """
         self._due = now + _UNSEEN_PERIOD
         looked_at = self._robot_looked_at()
         with self._server.atomic():
@@ -96,14 +118,17 @@ class ViewerPage:
                 robot.draw(changed)
                 course.draw(changed, now)
                 if view is looked_at and self._floor.draw(view, changed):
-                    self._pointing.watch(self._floor.handle)
+                    if self._pointing is not None:
+                        self._pointing.watch(self._floor.handle)
                     self._place_camera(view)
         if looked_at is None:
             self._words.draw_none()
         else:
-            self._words.draw(looked_at, now)
+            self._words.draw(looked_at, now, now if shown is None else shown)
             self._plots.draw(looked_at, now)
-            self._picture.draw(looked_at, self._shows_picture.value, now)
+            self._picture.draw(looked_at, now)
+        if isinstance(self._controls, ReplayPanel):
+            self._controls.follow()
 
     def close(self) -> None:
         """Close the page."""
@@ -112,7 +137,7 @@ class ViewerPage:
     def _robot_looked_at(self) -> RobotView | None:
         return self._robots.get(self._controls.robot)
 
-    def _arrange(self) -> None:
+    def _arrange(self, send: Callable[[Command], None] | None) -> None:
         """Put everything into its place."""
         server = self._server
         server.gui.main_panel.dock_right()
@@ -122,25 +147,20 @@ class ViewerPage:
         server.scene.configure_environment_map(None)
         server.scene.add_light_ambient('/light', intensity=0.6)
         # First, so that it stays where it is whatever the sentences below take.
-        self._controls.add_emergency_stop()
+        self._controls.add_first()
         self._words.add_headline()
         self._controls.add_choice_of_robot()
         tabs = server.gui.add_tab_group()
-        with tabs.add_tab('Walk'):
-            self._controls.add_walking()
-            self._controls.add_options()
-        with tabs.add_tab('Steer'):
-            self._controls.add_pad()
+        self._controls.add_tabs(tabs)
         with tabs.add_tab('Plots'):
             self._plots.add_plots()
         with tabs.add_tab('Nodes'):
             self._words.add_nodes()
-        with tabs.add_tab('Camera'):
-            self._shows_picture = self._picture.add_picture()
-            self._shows_picture.on_update(self._choose_picture)
-
-    def _choose_picture(self, _: Any) -> None:
-        self._send(ShowPicture(self._controls.robot, bool(self._shows_picture.value)))
+        if send is not None:
+            with tabs.add_tab('Camera'):
+                self._picture.add_picture(
+                    lambda is_shown: send(ShowPicture(self._controls.robot, is_shown))
+                )
 
     def _place_camera(self, view: RobotView) -> None:
         """Look at the whole room, once."""

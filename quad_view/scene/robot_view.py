@@ -132,6 +132,16 @@ class RobotView:
         if self._track.add(pose.x, pose.y):
             self.note(track=self._track.points())
 
+    def rewind(self) -> None:
+        """Forget what is not so at the beginning; links, map and ground stay."""
+        self._track, self._moved_at = Track(), -math.inf
+        for series in self.plots.values():
+            series.clear()
+        self.note(
+            plan=_NOTHING, goal=None, track=_NOTHING, footholds=np.zeros((0, 3)), support=_NOTHING,
+            margin=math.nan, obstacles={}, is_stopped=False, said={}, answer='', boundary=(),
+        )  # fmt: skip
+
     def note_plan(self, plan: Plan | None) -> None:
         """Take the plan on the map; None where it is taken back."""
         self.note(plan=_NOTHING if plan is None else plan.corners)

@@ -55,6 +55,10 @@ class Series:
         while self._rows[0][0] < time - self._span:
             self._rows.popleft()
 
+    def clear(self) -> None:
+        """Begin anew."""
+        self._rows.clear()
+
     def arrays(self) -> tuple[Array, ...]:
         """Return the times [s] and each quantity, arrays of one length; one point at least."""
         rows = self._rows or [(0.0, *(math.nan for _ in self.names))]

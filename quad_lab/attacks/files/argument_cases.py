@@ -44,6 +44,9 @@ _LINES = (
     'view --map room --robot titan_viii --gait crawl --robots 2 --port 8080',
     'view --start 1.2,1.2,0 --host 127.0.0.1 --real-time-factor 1 --method mesh',
     'parameters gait_node',
+    'evaluate folder --namespace robot1 --json',
+    'replay folder --namespace robot1 --port 8080',
+    'record --output kept --namespace robot1 --duration 5',
 )
 
 COMMANDS = tuple(
@@ -67,6 +70,7 @@ _NUMERIC = (
     '--safety-distance', '--path-deviation', '--step-height', '--largest-slope', '--seed',
     '--real-time-factor', '--least-margin', '--resolution', '--every', '--bounds', '--start',
     '--goal', '--motion', '--effort', '--speed', '--robots', '--port',
+    '--duration',
 )  # fmt: skip
 """Options that take numbers; none of them has a range that holds what is not finite."""
 
@@ -133,6 +137,7 @@ def without_work() -> Iterator[None]:
             'quad_cli.bench._parts',
             'quad_cli.demo._walk',
             'quad_cli.view._show',
+            'quad_cli.recordings.record._record',
         ):
             stack.enter_context(mock.patch(name, side_effect=WorkReached))
         yield
@@ -142,7 +147,7 @@ def warm_up() -> None:
     """Import what the commands need."""
     with without_work():
         for name in {words[0] for words in COMMANDS}:
-            importlib.import_module(f'quad_cli.{name}')
+            importlib.import_module('quad_cli.main').command_module(name)
         run_in_process(CommandLine(('plan', '--start', '1,1,0', '--goal', '2,2,0'), False))
 
 

@@ -48,6 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Record until it is interrupted."""
+    return _record(arguments)
+
+
+def _record(arguments: argparse.Namespace) -> int:
     # Here, so that 'quadwalk --help' works where rclpy is absent.
     from quad_lab.recordings.recorder import Recorder
 

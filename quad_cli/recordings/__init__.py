@@ -1,0 +1,3 @@
+"""
+Commands that make recordings, and use them.
+"""
