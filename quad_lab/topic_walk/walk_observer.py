@@ -14,7 +14,12 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import (
+    DurabilityPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_profile_sensor_data,
+)
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState, PointCloud2
 from std_msgs.msg import Float64
@@ -36,6 +41,10 @@ from quad_lab.topic_walk.recording import Recording
 from quad_lab.topic_walk.walk_record import WalkRecord
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_UNACKNOWLEDGED = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Of what comes as often as odometry: to acknowledge each takes both ends longer than to send it.
+"""
 
 
 class WalkObserver:
@@ -67,13 +76,14 @@ class WalkObserver:
         self.record = WalkRecord(goal)
         self.statuses: dict[str, tuple[bytes, str, dict[str, str]]] = {}
         """Level, message and values of each node, as last received on diagnostics."""
-        self.time = 0.0
-        """Simulated time, as last received [s]."""
-        self.pose: Pose2D | None = None
         self.received = 0
         """Number of messages that were received."""
         self._recording = recording
         self._goal_given = False
+        self._goal_given_at = 0.0
+        self._odometry: bytes | None = None
+        # What came on the walk, and how many plans there were when it did.
+        self._unread: list[tuple[bytes, int]] = []
         self._spent_before = [0.0, 0.0]
         self._context = None if executor else rclpy.Context()
         if self._context is not None:
@@ -86,15 +96,13 @@ class WalkObserver:
         else:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
         sensor = qos_profile_sensor_data
-        if by_truth:
-            self._listen(Odometry, 'odom/truth', sensor, self._on_odometry)
-        else:
-            self._listen(Odometry, 'odom', sensor, self._on_odometry)
-        self._listen(Path, 'plan', _LATCHED, self._on_plan)
-        self._listen(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
-        self._listen(MarkerArray, 'footholds', 10, self._on_footholds)
-        self._listen(Float64, 'stability_margin', 10, self._on_margin)
-        self._listen(PointCloud2, 'height_map', _LATCHED, self._on_height_map)
+        odometry = 'odom/truth' if by_truth else 'odom'
+        self._listen(Odometry, odometry, sensor, self._keep_odometry)
+        self._read(Path, 'plan', _LATCHED, self._on_plan)
+        self._read(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
+        self._read(MarkerArray, 'footholds', 10, self._on_footholds)
+        self._read(Float64, 'stability_margin', _UNACKNOWLEDGED, self._on_margin)
+        self._read(PointCloud2, 'height_map', _LATCHED, self._on_height_map)
         if recording is not None:
             self._listen(OccupancyGrid, 'map', _LATCHED, None)
             self._listen(JointState, 'joint_states', sensor, None)
@@ -138,8 +146,34 @@ class WalkObserver:
         """Publish the goal, and take notes from now on."""
         message = PoseStamped(pose=pose_message(self.record.goal))
         message.header.frame_id = 'map'
-        self._goal_given = True
+        self._goal_given, self._goal_given_at = True, self.time
         self._goals.publish(message)
+
+    def note_poses(self) -> None:
+        """
+        Take down in the record where the robot was since the goal was given.
+
+        It is called once the walk is over: reading all odometry takes a third of the time that
+        observing does, and the nodes need the processors.
+        """
+        unread, self._unread = self._unread, []
+        for data, plan_count in unread:
+            self.record.note_pose(*_time_and_pose(data), plan_count)
+
+    @property
+    def time(self) -> float:
+        """Simulated time, as last received [s]."""
+        return 0.0 if self._odometry is None else _time_and_pose(self._odometry)[0]
+
+    @property
+    def pose(self) -> Pose2D | None:
+        """Pose of base_link, as last received; None before any was."""
+        return None if self._odometry is None else _time_and_pose(self._odometry)[1]
+
+    @property
+    def walking_time(self) -> float:
+        """Simulated time since the goal was given [s]."""
+        return self.time - self._goal_given_at
 
     @property
     def activity(self) -> Activity | None:
@@ -158,24 +192,27 @@ class WalkObserver:
         return self.record.plans[-1] if self.record.plans else None
 
     def _listen(
-        self, kind: type, topic: str, qos: Any, callback: Callable[[Any], None] | None
+        self, kind: type, topic: str, qos: Any, callback: Callable[[bytes], None] | None
     ) -> None:
-        """Take messages as bytes: they are recorded as they are, and read if need be."""
+        """Take messages as bytes: they are recorded as they are."""
 
         def on_bytes(data: bytes) -> None:
             self.received += 1
             if self._recording is not None:
                 self._recording.write(topic, kind, data)
             if callback is not None:
-                callback(deserialize_message(data, kind))
+                callback(data)
 
         self._node.create_subscription(kind, topic, on_bytes, qos, raw=True)
 
-    def _on_odometry(self, message: Odometry) -> None:
-        self.time = seconds_from_time(message.header.stamp)
-        self.pose = pose_from_message(message.pose.pose)
+    def _read(self, kind: type, topic: str, qos: Any, callback: Callable[[Any], None]) -> None:
+        """Read messages as they come."""
+        self._listen(kind, topic, qos, lambda data: callback(deserialize_message(data, kind)))
+
+    def _keep_odometry(self, data: bytes) -> None:
+        self._odometry = data
         if self._goal_given and not self.record.has_arrived:
-            self.record.note_pose(self.time, self.pose)
+            self._unread.append((data, len(self.record.plans)))
 
     def _on_plan(self, message: Path) -> None:
         plan = plan_from_message(message)
@@ -214,3 +251,9 @@ class WalkObserver:
                 self._note_spent_time(values)
             if status.name == 'gait_node' and record.plans:
                 record.has_arrived = record.has_arrived or values.get('activity') == 'arrived'
+
+
+def _time_and_pose(data: bytes) -> tuple[float, Pose2D]:
+    """Read time [s] and pose of an odometry."""
+    message = deserialize_message(data, Odometry)
+    return seconds_from_time(message.header.stamp), pose_from_message(message.pose.pose)
