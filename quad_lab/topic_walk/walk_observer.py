@@ -14,12 +14,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from rclpy.qos import (
-    DurabilityPolicy,
-    QoSProfile,
-    ReliabilityPolicy,
-    qos_profile_sensor_data,
-)
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState, PointCloud2
 from std_msgs.msg import Float64
@@ -42,8 +37,10 @@ from quad_lab.topic_walk.walk_record import WalkRecord
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
-_UNACKNOWLEDGED = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Of what comes as often as odometry: to acknowledge each takes both ends longer than to send it.
+_OFTEN = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""
+Of what comes with each measurement, many times faster than in real time: none is lost in a short
+pause, and none is acknowledged, which takes both ends as long as the message itself.
 """
 
 
@@ -95,17 +92,18 @@ class WalkObserver:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_marker', 10)
         else:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
-        sensor = qos_profile_sensor_data
-        odometry = 'odom/truth' if by_truth else 'odom'
-        self._listen(Odometry, odometry, sensor, self._keep_odometry)
-        self._read(Path, 'plan', _LATCHED, self._on_plan)
-        self._read(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
-        self._read(MarkerArray, 'footholds', 10, self._on_footholds)
-        self._read(Float64, 'stability_margin', _UNACKNOWLEDGED, self._on_margin)
-        self._read(PointCloud2, 'height_map', _LATCHED, self._on_height_map)
+        if by_truth:
+            self._listen(Odometry, 'odom/truth', _OFTEN, self._keep_odometry, as_bytes=True)
+        else:
+            self._listen(Odometry, 'odom', _OFTEN, self._keep_odometry, as_bytes=True)
+        self._listen(Path, 'plan', _LATCHED, self._on_plan)
+        self._listen(DiagnosticArray, 'diagnostics', 10, self._on_diagnostics)
+        self._listen(MarkerArray, 'footholds', 10, self._on_footholds)
+        self._listen(Float64, 'stability_margin', _OFTEN, self._on_margin)
+        self._listen(PointCloud2, 'height_map', _LATCHED, self._on_height_map)
         if recording is not None:
             self._listen(OccupancyGrid, 'map', _LATCHED, None)
-            self._listen(JointState, 'joint_states', sensor, None)
+            self._listen(JointState, 'joint_states', _OFTEN, None)
             self._listen(JointTrajectory, 'joint_trajectory', 10, None)
             self._listen(PoseStamped, 'goal_pose', 10, None)
 
@@ -192,22 +190,23 @@ class WalkObserver:
         return self.record.plans[-1] if self.record.plans else None
 
     def _listen(
-        self, kind: type, topic: str, qos: Any, callback: Callable[[bytes], None] | None
+        self,
+        kind: type,
+        topic: str,
+        qos: Any,
+        callback: Callable[[Any], None] | None,
+        as_bytes: bool = False,
     ) -> None:
-        """Take messages as bytes: they are recorded as they are."""
+        """Take messages as bytes: they are recorded as they are, and read if need be."""
 
         def on_bytes(data: bytes) -> None:
             self.received += 1
             if self._recording is not None:
                 self._recording.write(topic, kind, data)
             if callback is not None:
-                callback(data)
+                callback(data if as_bytes else deserialize_message(data, kind))
 
         self._node.create_subscription(kind, topic, on_bytes, qos, raw=True)
-
-    def _read(self, kind: type, topic: str, qos: Any, callback: Callable[[Any], None]) -> None:
-        """Read messages as they come."""
-        self._listen(kind, topic, qos, lambda data: callback(deserialize_message(data, kind)))
 
     def _keep_odometry(self, data: bytes) -> None:
         self._odometry = data

@@ -58,6 +58,7 @@ QUALITIES = {
     '_STATIC': 'reliable, transient local, depth 100',
     '_CLOCK': 'best effort, volatile, depth 1',
     '_NEWEST': 'best effort, volatile, depth 1',
+    '_OFTEN': 'best effort, volatile, depth 100',
     'qos_profile_sensor_data': 'best effort, volatile, depth 5',
 }
 """How the pages call what the code asks for; ``test_..._profiles_mean_...`` checks it."""
@@ -385,6 +386,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
 
     from quad_common.ros import map_frame_listener, transform_publisher
     from quad_gait import gait_node, gait_topics
+    from quad_lab.topic_walk import walk_observer
     from quad_perception import camera_topics, ceiling_camera_node
     from quad_planner import planner_node, planner_topics
     from quad_sim import sim_node, sim_topics
@@ -411,6 +413,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
         '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_topics._CLOCK],
         '_NEWEST': [ceiling_camera_node._NEWEST, robot_topics._NEWEST],
+        '_OFTEN': [walk_observer._OFTEN],
         'qos_profile_sensor_data': [qos_profile_sensor_data],
     }
     assert profiles.keys() == QUALITIES.keys()
