@@ -144,11 +144,34 @@ def distance_to_polyline(point: tuple[float, float], corners: NDArray[np.float64
     float
         Distance [m].
     """
-    p = np.asarray(point, dtype=float)
-    if len(corners) == 1:
-        return float(np.linalg.norm(corners[0] - p))
-    a, b = corners[:-1], corners[1:]
+    return float(distances_to_polyline(np.array([point], dtype=float), corners)[0])
+
+
+def distances_to_polyline(
+    points: NDArray[np.float64], corners: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """
+    Distances from points to a line of straight segments.
+
+    Parameters
+    ----------
+    points : ndarray, shape (m, 2)
+        The points [m].
+    corners : ndarray, shape (n, 2), n >= 1
+        The corners in order [m].
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Distances [m].
+    """
+    p = points[:, None]
+    # A single corner is a segment without length.
+    a, b = (corners[:-1], corners[1:]) if len(corners) > 1 else (corners, corners)
     ab = b - a
     squared = np.maximum(np.einsum('ij,ij->i', ab, ab), 1e-18)
-    t = np.clip(np.einsum('ij,ij->i', p - a, ab) / squared, 0.0, 1.0)
-    return float(np.min(np.linalg.norm(a + t[:, None] * ab - p, axis=1)))
+    t = np.clip(np.einsum('mij,ij->mi', p - a, ab) / squared, 0.0, 1.0)
+    distances: NDArray[np.float64] = np.min(
+        np.linalg.norm(a + t[..., None] * ab - p, axis=2), axis=1
+    )
+    return distances

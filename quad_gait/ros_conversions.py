@@ -100,6 +100,7 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
         raise InvalidMessage(
             'joint state', f'it names {len(message.name)} joints; {_MOST_JOINTS} are the most'
         )
+    readings: list[Array | None] = []
     for what, numbers in (
         ('positions', message.position),
         ('velocities', message.velocity),
@@ -109,19 +110,27 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
             raise InvalidMessage(
                 'joint state', f'it has {len(numbers)} {what} for {len(message.name)} names'
             )
-        if not np.all(np.isfinite(numbers)):
+        values = np.array(numbers, dtype=float)
+        if not np.isfinite(values).all():
             raise InvalidMessage('joint state', f'its {what} are not finite')
-    place = {name: index for index, name in enumerate(message.name)}
+        readings.append(values if len(values) else None)
+    names = tuple(message.name)
+    if names != robot.joint_names:
+        order = _order(names, robot.joint_names)
+        readings = [None if values is None else values[order] for values in readings]
+    positions, velocities, efforts = readings
+    assert positions is not None
+    time = seconds_from_time(message.header.stamp) or None
+    return JointReadings(positions, velocities, efforts, time)
+
+
+def _order(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
+    """Return the places of wanted joints among the names of a message, or raise JointNotFound."""
+    place = {name: index for index, name in enumerate(names)}
     try:
-        order = [place[name] for name in robot.joint_names]
+        return [place[name] for name in wanted]
     except KeyError as error:
-        raise JointNotFound(str(error.args[0]), message.name) from None
-    return JointReadings(
-        np.array(message.position)[order],
-        np.array(message.velocity)[order] if len(message.velocity) else None,
-        np.array(message.effort)[order] if len(message.effort) else None,
-        seconds_from_time(message.header.stamp) or None,
-    )
+        raise JointNotFound(str(error.args[0]), names) from None
 
 
 def twist_from_message(message: Twist | TwistStamped) -> Twist2D:

@@ -4,12 +4,14 @@ Conversions between ROS messages and the simulator's values.
 
 from __future__ import annotations
 
+import math
 from array import array
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Quaternion, Vector3
+from geometry_msgs.msg import Point, Vector3
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
@@ -133,26 +135,19 @@ def odometry_message(
     message = Odometry(child_frame_id=p.base_frame)
     message.header.frame_id = p.odom_frame
     message.header.stamp = stamp
-    x, y, z = observation.position + p.odom_position_noise * noise[:3]
-    position = message.pose.pose.position
-    position.x, position.y, position.z = float(x), float(y), float(z)
-    qx, qy, qz, qw = observation.orientation
-    half = 0.5 * p.odom_yaw_noise * noise[3]
+    pose, twist = message.pose.pose, message.twist.twist
+    _set(pose.position, observation.position + p.odom_position_noise * noise[:3])
+    qx, qy, qz, qw = observation.orientation.tolist()
+    half = 0.5 * p.odom_yaw_noise * float(noise[3])
     # A small turn about the vertical, before the orientation.
-    s, c = float(np.sin(half)), float(np.cos(half))
-    message.pose.pose.orientation = Quaternion(
-        x=float(c * qx - s * qy),
-        y=float(c * qy + s * qx),
-        z=float(c * qz + s * qw),
-        w=float(c * qw - s * qz),
-    )
-    message.twist.twist.linear = _vector(observation.linear_velocity_base_in_base)
-    message.twist.twist.angular = _vector(observation.angular_velocity_base_in_base)
-    position_variance = max(p.odom_position_noise**2, _EXACT)
-    yaw_variance = max(p.odom_yaw_noise**2, _EXACT)
-    message.pose.covariance[0:21:7] = array('d', [position_variance] * 3)
-    message.pose.covariance[21:36:7] = array('d', [_EXACT, _EXACT, yaw_variance])
-    message.twist.covariance[0:36:7] = array('d', [_EXACT] * 6)
+    s, c = math.sin(half), math.cos(half)
+    q = pose.orientation
+    q.x, q.y, q.z, q.w = c * qx - s * qy, c * qy + s * qx, c * qz + s * qw, c * qw - s * qz
+    _set(twist.linear, observation.linear_velocity_base_in_base)
+    _set(twist.angular, observation.angular_velocity_base_in_base)
+    x, yaw = p.odom_position_noise, p.odom_yaw_noise
+    message.pose.covariance = _covariance(x, x, x, 0.0, 0.0, yaw)
+    message.twist.covariance = _covariance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return message
 
 
@@ -195,17 +190,15 @@ def imu_message(
     message = Imu()
     message.header.frame_id = p.base_frame
     message.header.stamp = stamp
-    x, y, z, w = (float(value) for value in observation.orientation)
-    message.orientation = Quaternion(x=x, y=y, z=z, w=w)
+    q = message.orientation
+    q.x, q.y, q.z, q.w = observation.orientation.tolist()
     turning = observation.angular_velocity_base_in_base
     force = observation.specific_force_in_base
-    message.angular_velocity = _vector(turning + p.gyroscope_noise * noise[0])
-    message.linear_acceleration = _vector(force + p.accelerometer_noise * noise[1])
-    message.orientation_covariance[0:9:4] = np.full(3, _EXACT)
-    message.angular_velocity_covariance[0:9:4] = np.full(3, max(p.gyroscope_noise**2, _EXACT))
-    message.linear_acceleration_covariance[0:9:4] = np.full(
-        3, max(p.accelerometer_noise**2, _EXACT)
-    )
+    _set(message.angular_velocity, turning + p.gyroscope_noise * noise[0])
+    _set(message.linear_acceleration, force + p.accelerometer_noise * noise[1])
+    message.orientation_covariance = _covariance(0.0, 0.0, 0.0)
+    message.angular_velocity_covariance = _covariance(*[p.gyroscope_noise] * 3)
+    message.linear_acceleration_covariance = _covariance(*[p.accelerometer_noise] * 3)
     return message
 
 
@@ -306,9 +299,18 @@ def check_frame(what: str, frame: str, frames: tuple[str, ...]) -> None:
         )
 
 
-def _vector(values: NDArray[np.float64]) -> Vector3:
-    x, y, z = (float(value) for value in values)
-    return Vector3(x=x, y=y, z=z)
+def _set(vector: Point | Vector3, values: NDArray[np.float64]) -> None:
+    """Write x, y and z into a part of a message, without making another one."""
+    vector.x, vector.y, vector.z = values.tolist()
+
+
+@lru_cache(maxsize=16)
+def _covariance(*deviations: float) -> NDArray[np.float64]:
+    """Return the covariance, row by row, of numbers with these standard deviations; read only."""
+    variances = [max(deviation**2, _EXACT) for deviation in deviations]
+    covariance: NDArray[np.float64] = np.diag(variances).reshape(-1)
+    covariance.setflags(write=False)
+    return covariance
 
 
 def _doubles(values: NDArray[np.float64]) -> array[float]:

@@ -42,10 +42,10 @@ def walk_progress(console: Console) -> Iterator[Callable[[WalkObserver], None]]:
         def show(observer: WalkObserver) -> None:
             nonlocal said_at
             plan, record = observer.plan, observer.record
-            if plan is None or not record.times:
+            if plan is None:
                 return
             left = observer.distance_left
-            simulated = observer.time - record.times[0]
+            simulated = observer.walking_time
             factor = simulated / max(record.wall_time, 1e-6)
             state = f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f} x real time'
             bar.update(task, total=plan.length, completed=max(0.0, plan.length - left), state=state)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -72,7 +73,10 @@ def run_node(
         node.get_logger().info(reach_of(os.environ))
         executor = make_executor()
         executor.add_node(node)
-        while not end.is_wanted() and rclpy.ok():
+        # The context itself is behind two locks, and would be asked before each message.
+        is_shut_down = threading.Event()
+        rclpy.get_default_context().on_shutdown(is_shut_down.set)
+        while not (end.is_wanted() or is_shut_down.is_set()):
             node.turn(executor, drive)
     except (QuadError, ParameterException, rclpy_implementation.RCLError) as error:
         print(f'error: {error}', file=sys.stderr)

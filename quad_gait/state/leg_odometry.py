@@ -9,7 +9,8 @@ the same law holds standing, swaying, in a crawl, in a trot and with a single fo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,24 +47,42 @@ Standard deviation of the heading by the feet, after the first radian and after 
 GYRO_DRIFT = 0.001
 """Standard deviation of the heading by the imu, after the first second [rad]."""
 
+_LEVEL = np.eye(3)
+"""Tilt of a body whose orientation is not known."""
 
-@dataclass(frozen=True)
-class _Sample:
-    """What is known at one instant. The level frame has the body's heading, and z up."""
+
+class _Sample(NamedTuple):
+    """
+    What is known at one instant. The level frame has the body's heading, and z up.
+
+    Feet are plain numbers: so few are added up faster than arrays are made of them.
+    """
 
     time: float
     joint_angles: Array
     """Shape (4, 3) [rad]."""
     tilt: Array
     """Rotation from the body's axes to the level frame, shape (3, 3)."""
-    feet: Array
-    """Relative to base_link, in the level frame, shape (4, 3) [m]."""
-    in_contact: NDArray[np.bool_]
-    """Shape (4,)."""
+    feet: Sequence[Sequence[float]]
+    """x, y and z of each relative to base_link, in the level frame [m]."""
+    in_contact: Sequence[bool]
+    """Whether each foot is on the ground."""
     heading: float | None
     """Heading by the imu's orientation [rad]."""
     yaw_rate: float | None
     """[rad/s]"""
+
+
+class _Step(NamedTuple):
+    """A foot that stood at both of two instants, in the level frame of each [m]."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+    rolled_x: float
+    """Displacement of its center by rolling, in the axes halfway."""
+    rolled_y: float
 
 
 class LegOdometry:
@@ -97,6 +116,7 @@ class LegOdometry:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
+        self._contact_height = CONTACT_HEIGHT * robot.hip_height
         self.reset(Pose2D(0.0, 0.0, 0.0))
 
     @property
@@ -124,7 +144,8 @@ class LegOdometry:
         :data:`TURNING_SLIP` per root radian and root metre by the feet. An error of the
         heading carries over to the distance walked after it.
         """
-        return self._covariance.copy()
+        xx, xy, yy, xt, yt, tt = self._covariance
+        return np.array([[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]])
 
     def reset(self, pose: Pose2D) -> None:
         """
@@ -145,7 +166,8 @@ class LegOdometry:
         self._pose = pose
         self._twist = (0.0, 0.0, 0.0)
         self._height = self._robot.standing_height
-        self._covariance: Array = np.zeros((3, 3))
+        # Of x with x, x with y, y with y, and of x, y and yaw with yaw.
+        self._covariance = (0.0,) * 6
         self._last: _Sample | None = None
         self._time_without_feet = 0.0
         self._time_without_heading = 0.0
@@ -192,8 +214,9 @@ class LegOdometry:
         """
         now = self._sample(time, joint_positions, in_contact, orientation, yaw_rate)
         before, self._last = self._last, now
-        if np.any(now.in_contact):
-            self._height = self._robot.foot_radius - float(np.mean(now.feet[now.in_contact, 2]))
+        heights = [foot[2] for foot, stands in zip(now.feet, now.in_contact) if stands]
+        if heights:
+            self._height = self._robot.foot_radius - sum(heights) / len(heights)
         if before is None or not 0.0 < now.time - before.time <= LONGEST_STEP:
             if before is None or now.time != before.time:
                 self._twist = (0.0, 0.0, 0.0)
@@ -205,23 +228,27 @@ class LegOdometry:
     def _move_on(self, before: _Sample, now: _Sample) -> None:
         """Move the body by what the feet that stand, and the heading, tell of the time between."""
         dt = now.time - before.time
-        standing = before.in_contact & now.in_contact
         rolled = self._rolled(before, now)
-        turn = self._turn(before, now, standing, rolled, dt)
-        if np.any(standing):
+        steps = [
+            _Step(*first[:2], *last[:2], *roll)
+            for first, last, roll, stood, stands in zip(
+                before.feet, now.feet, rolled, before.in_contact, now.in_contact
+            )
+            if stood and stands
+        ]
+        turn = self._turn(before, now, steps, dt)
+        if steps:
             self._time_without_feet = 0.0
-            moved = _turned(before.feet[:, :2], -turn / 2.0) - _turned(now.feet[:, :2], turn / 2.0)
-            x, y = np.mean((moved + rolled)[standing], axis=0).tolist()
+            x, y = _displacement(steps, turn)
+            velocity = (x / dt, y / dt)
         else:
             held = _time_held(self._time_without_feet, dt)
             self._time_without_feet += dt
             x, y = self._twist[0] * held, self._twist[1] * held
-        self._advance(x, y, turn)
-        self._grow_covariance(x, y, turn, dt, by_imu=_has_heading(before, now))
-        velocity = (x / dt, y / dt)
-        if not np.any(standing):
             is_held = self._time_without_feet <= LONGEST_HOLD
             velocity = self._twist[:2] if is_held else (0.0, 0.0)
+        self._advance(x, y, turn)
+        self._grow_covariance(x, y, turn, dt, by_imu=_has_heading(before, now))
         self._twist = (*velocity, turn / dt)
 
     def _sample(
@@ -237,44 +264,41 @@ class LegOdometry:
         if yaw_rate is not None and not math.isfinite(yaw_rate):
             raise InvalidMessage('imu', f'its yaw rate is {yaw_rate}')
         angles = _finite('joint state', joint_positions, (len(self._robot.joint_names),))
-        if np.abs(angles).max() > LARGEST_ANGLE:
+        largest = max(map(abs, angles.tolist()))
+        if largest > LARGEST_ANGLE:
             raise InvalidMessage(
-                'joint state',
-                f'a joint is at {np.abs(angles).max():.4g} rad; {LARGEST_ANGLE:g} are the most',
+                'joint state', f'a joint is at {largest:.4g} rad; {LARGEST_ANGLE:g} are the most'
             )
         joint_angles = angles.reshape(len(LEGS), -1)
-        tilt, heading = np.eye(3), None
+        tilt, heading = _LEVEL, None
         if orientation is not None:
             tilt, heading = _tilt_and_heading(_finite('imu', orientation, (4,)))
-        feet = self._robot.foot_positions(joint_angles) @ tilt.T
+        feet = (self._robot.foot_positions(joint_angles) @ tilt.T).tolist()
         if in_contact is None:
-            height = feet[:, 2] - np.min(feet[:, 2])
-            contact = height <= CONTACT_HEIGHT * self._robot.hip_height
+            lowest = min(z for _, _, z in feet)
+            contact = [z - lowest <= self._contact_height for _, _, z in feet]
         else:
-            contact = np.array(in_contact, dtype=bool)
-            if contact.shape != (len(LEGS),):
-                raise InvalidMessage('contact', f'it has shape {contact.shape}, not {(len(LEGS),)}')
+            given = np.array(in_contact, dtype=bool)
+            if given.shape != (len(LEGS),):
+                raise InvalidMessage('contact', f'it has shape {given.shape}, not {(len(LEGS),)}')
+            contact = given.tolist()
         return _Sample(time, joint_angles, tilt, feet, contact, heading, yaw_rate)
 
-    def _rolled(self, before: _Sample, now: _Sample) -> Array:
-        """Displacement of each foot's center by rolling, level axes halfway, shape (4, 2) [m]."""
+    def _rolled(self, before: _Sample, now: _Sample) -> list[list[float]]:
+        """Displacement x, y of each foot's center by rolling, in level axes halfway [m]."""
         middle = (before.joint_angles + now.joint_angles) / 2.0
         change = now.joint_angles - before.joint_angles
         calf = self._robot.calf_angular_velocities(middle, change)
-        tilting = now.tilt @ before.tilt.T
+        tilting = (now.tilt @ before.tilt.T).tolist()
         # The part about z is the heading's: it rolls nothing.
-        body = np.array([tilting[2, 1] - tilting[1, 2], tilting[0, 2] - tilting[2, 0]]) / 2.0
-        w = body + (calf @ (before.tilt + now.tilt).T / 2.0)[:, :2]
-        return self._robot.foot_radius * np.stack([w[:, 1], -w[:, 0]], axis=-1)
+        body_x, body_y = tilting[2][1] - tilting[1][2], tilting[0][2] - tilting[2][0]
+        half_radius = self._robot.foot_radius / 2.0
+        return [
+            [half_radius * (body_y + y), -half_radius * (body_x + x)]
+            for x, y, _ in (calf @ (before.tilt + now.tilt).T).tolist()
+        ]
 
-    def _turn(
-        self,
-        before: _Sample,
-        now: _Sample,
-        standing: NDArray[np.bool_],
-        rolled: Array,
-        dt: float,
-    ) -> float:
+    def _turn(self, before: _Sample, now: _Sample, steps: Sequence[_Step], dt: float) -> float:
         """Change of heading since the last update [rad]."""
         gap, self._time_without_heading = self._time_without_heading, 0.0
         if before.heading is not None and now.heading is not None:
@@ -282,33 +306,43 @@ class LegOdometry:
         if now.yaw_rate is not None:
             first = now.yaw_rate if before.yaw_rate is None else before.yaw_rate
             return dt * (first + now.yaw_rate) / 2.0
-        if np.count_nonzero(standing) >= 2:
-            return _turn_of_feet((before.feet[:, :2] + rolled)[standing], now.feet[standing, :2])
+        if len(steps) >= 2:
+            return _turn_of_feet(steps)
         self._time_without_heading = gap + dt
         return self._twist[2] * _time_held(gap, dt)
 
     def _advance(self, x: float, y: float, turn: float) -> None:
         """Move by a displacement (x, y) in the axes halfway [m], and turn [rad]."""
-        half = Pose2D(0.0, 0.0, turn / 2.0)
-        self._pose = self._pose @ half @ Pose2D(x, y, turn / 2.0)
+        last = self._pose
+        c, s = math.cos(last.yaw + turn / 2.0), math.sin(last.yaw + turn / 2.0)
+        self._pose = Pose2D(
+            last.x + c * x - s * y, last.y + s * x + c * y, wrap_angle(last.yaw + turn)
+        )
 
     def _grow_covariance(self, x: float, y: float, turn: float, dt: float, by_imu: bool) -> None:
+        """Add a step's errors; that of the heading before it, times a and b, moves x and y."""
         distance = math.hypot(x, y)
         heading = self._pose.yaw - turn / 2.0
-        carried = np.eye(3)
-        carried[0, 2] = -x * math.sin(heading) - y * math.cos(heading)
-        carried[1, 2] = x * math.cos(heading) - y * math.sin(heading)
-        added = GYRO_DRIFT**2 * dt if by_imu else TURNING_SLIP**2 * (abs(turn) + distance)
-        covariance = carried @ self._covariance @ carried.T
-        covariance += np.diag([SLIP**2 * distance, SLIP**2 * distance, added])
-        self._covariance = (covariance + covariance.T) / 2.0
+        c, s = math.cos(heading), math.sin(heading)
+        a, b = -x * s - y * c, x * c - y * s
+        along = SLIP**2 * distance
+        about = GYRO_DRIFT**2 * dt if by_imu else TURNING_SLIP**2 * (abs(turn) + distance)
+        xx, xy, yy, xt, yt, tt = self._covariance
+        self._covariance = (
+            xx + 2.0 * a * xt + a * a * tt + along,
+            xy + a * yt + b * xt + a * b * tt,
+            yy + 2.0 * b * yt + b * b * tt + along,
+            xt + a * tt,
+            yt + b * tt,
+            tt + about,
+        )
 
 
 def _finite(what: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     array = np.array(values, dtype=float)
     if array.shape != shape:
         raise InvalidMessage(what, f'it has numbers of shape {array.shape}, not {shape}')
-    if not np.all(np.isfinite(array)):
+    if not all(map(math.isfinite, array.tolist())):
         raise InvalidMessage(what, f'its numbers are not finite: {array.tolist()}')
     return array
 
@@ -320,7 +354,7 @@ def _has_heading(before: _Sample, now: _Sample) -> bool:
 
 def _tilt_and_heading(quaternion: Array) -> tuple[Array, float]:
     """Split a rotation into roll and pitch, as a matrix (3, 3), and yaw [rad]."""
-    length = float(np.linalg.norm(quaternion))
+    length = math.hypot(*quaternion.tolist())
     if not 0.5 < length < 2.0:
         raise InvalidMessage('imu', f'its quaternion has length {length:.3f}; it must be 1')
     x, y, z, w = (quaternion / length).tolist()
@@ -331,15 +365,20 @@ def _tilt_and_heading(quaternion: Array) -> tuple[Array, float]:
     return matrix_from_unit_quaternion(turned_back), yaw
 
 
-def _turned(points: Array, angle: float) -> Array:
-    """Turn points (n, 2) counter-clockwise."""
-    c, s = math.cos(angle), math.sin(angle)
-    turned: Array = points @ np.array([[c, s], [-s, c]])
-    return turned
+def _displacement(steps: Sequence[_Step], turn: float) -> tuple[float, float]:
+    """Displacement x, y of the body that best explains standing feet, in the axes halfway [m]."""
+    c, s = math.cos(turn / 2.0), math.sin(turn / 2.0)
+    x = y = 0.0
+    for step in steps:
+        x += c * (step.x0 - step.x1) + s * (step.y0 + step.y1) + step.rolled_x
+        y += c * (step.y0 - step.y1) - s * (step.x0 + step.x1) + step.rolled_y
+    return x / len(steps), y / len(steps)
 
 
-def _turn_of_feet(before: Array, now: Array) -> float:
-    """Turn of the body that best explains standing feet, shape (n, 2) each [rad]."""
+def _turn_of_feet(steps: Sequence[_Step]) -> float:
+    """Turn of the body that best explains two or more standing feet [rad]."""
+    before = np.array([(step.x0 + step.rolled_x, step.y0 + step.rolled_y) for step in steps])
+    now = np.array([(step.x1, step.y1) for step in steps])
     a, b = before - before.mean(axis=0), now - now.mean(axis=0)
     cross = float(np.sum(b[:, 0] * a[:, 1] - b[:, 1] * a[:, 0]))
     return math.atan2(cross, float(np.sum(a * b)))

@@ -36,7 +36,7 @@ def joint_step(limits: JointLimits, before: Array, after: Array, dt: float) -> s
     """Say what is impossible about the joints' step, shape (12,) [rad], in a time [s]."""
     most = _OVERSPEED * limits.velocity * dt + _JOINT_NOISE
     step = np.abs(after - before)
-    if np.all(step <= most):
+    if (step <= most).all():
         return ''
     joint = int(np.argmax(step / most))
     return (

@@ -78,8 +78,11 @@ class SensorInputs:
 
     def __init__(self, robot: Robot, options: InputOptions | None = None) -> None:
         self._options = InputOptions() if options is None else options
-        self._limits = JointLimits.of(robot)
-        self._effort = np.broadcast_to(robot.effort, robot.lower.shape).reshape(-1)
+        self._limits = limits = JointLimits.of(robot)
+        self._range = limits.lower - RANGE_MARGIN, limits.upper + RANGE_MARGIN
+        self._most_velocity = _OVERLOAD * limits.velocity
+        efforts = np.broadcast_to(robot.effort, robot.lower.shape).reshape(-1)
+        self._most_effort = _OVERLOAD * efforts
         self._joint_check = SeriesCheck[Array]('joint state', partial(joint_step, self._limits))
         self._imu_check = SeriesCheck[Array]('imu', attitude_step)
         self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', pose_step)
@@ -262,24 +265,25 @@ class SensorInputs:
         return self._joint_refusal or f'no joint states for {time - since:.1f} s'
 
     def _check_ranges(self, readings: JointReadings) -> None:
-        limits = self._limits
-        outside = np.maximum(limits.lower - readings.positions, readings.positions - limits.upper)
-        if not np.all(outside <= RANGE_MARGIN):
+        limits, positions = self._limits, readings.positions
+        least, largest = self._range
+        if not ((least <= positions) & (positions <= largest)).all():
+            outside = np.maximum(limits.lower - positions, positions - limits.upper)
             joint = int(np.argmax(np.nan_to_num(outside, nan=np.inf)))
             raise InvalidMessage(
                 'joint state',
-                f'{limits.joint_names[joint]} is at {readings.positions[joint]:.4g} rad; its '
+                f'{limits.joint_names[joint]} is at {positions[joint]:.4g} rad; its '
                 f'range is {limits.lower[joint]:.3g} to {limits.upper[joint]:.3g} rad, and '
                 f'{RANGE_MARGIN:g} rad more for errors: does its encoder count turns?',
             )
         for what, values, most in (
-            ('velocity', readings.velocities, limits.velocity),
-            ('effort', readings.efforts, self._effort),
+            ('velocity', readings.velocities, self._most_velocity),
+            ('effort', readings.efforts, self._most_effort),
         ):
-            if values is not None and not np.all(np.abs(values) <= _OVERLOAD * most):
+            if values is not None and not (np.abs(values) <= most).all():
                 joint = int(np.argmax(np.nan_to_num(np.abs(values) / most, nan=np.inf)))
                 raise InvalidMessage(
                     'joint state',
                     f'the {what} of {limits.joint_names[joint]} is {values[joint]:.4g}; '
-                    f'its limit is {most[joint]:.3g}',
+                    f'its limit is {most[joint] / _OVERLOAD:.3g}',
                 )

@@ -33,6 +33,8 @@ class RecordedTopic:
     """How it is published."""
     depth: int = 10
     """Number of messages that its publisher keeps."""
+    is_frequent: bool = False
+    """Whether it comes with each measurement: to acknowledge each takes as long as to send it."""
     is_on_demand: bool = False
     """Whether it is published for subscribers only, and takes the nodes time then."""
 
@@ -83,13 +85,17 @@ RECORDED = (
     RecordedTopic('obstacles', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
     RecordedTopic('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', Delivery.RELIABLE),
     RecordedTopic('footholds', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
-    RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE),
+    RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE, is_frequent=True),
     RecordedTopic('emergency_stop/active', 'std_msgs/msg/Bool', Delivery.LATCHED, 1),
     RecordedTopic('diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', Delivery.RELIABLE),
     TRUTH,
     RecordedTopic('odom/legs', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5, is_on_demand=True),
     RecordedTopic(
-        'stability_margin/measured', 'std_msgs/msg/Float64', Delivery.RELIABLE, is_on_demand=True
+        'stability_margin/measured',
+        'std_msgs/msg/Float64',
+        Delivery.RELIABLE,
+        is_frequent=True,
+        is_on_demand=True,
     ),
     RecordedTopic(
         'support_polygon',

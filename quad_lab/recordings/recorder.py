@@ -47,7 +47,7 @@ class NothingToRecord(QuadError):
 
 def subscription_quality(topic: RecordedTopic) -> QoSProfile:
     """Return how a topic is subscribed to by whoever records it: nothing may be lost."""
-    is_sensor = topic.delivery is Delivery.SENSOR
+    is_sensor = topic.delivery is Delivery.SENSOR or topic.is_frequent
     is_latched = topic.delivery is Delivery.LATCHED
     return QoSProfile(
         depth=_DEPTH if not is_latched else topic.depth,

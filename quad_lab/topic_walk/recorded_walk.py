@@ -76,10 +76,12 @@ def _walks(messages: list[Message]) -> list[WalkRecord]:
     for name, _, data in messages:
         if name == goal_topic.name:
             goal = pose_from_message(deserialize_message(data, PoseStamped).pose)
+            notes.note_poses()
             notes = notes.for_goal(goal) if walks else notes
             notes.record.goal = goal
             notes.begin()
             walks.append(notes.record)
         else:
             notes.take(name, data)
+    notes.note_poses()
     return walks

@@ -282,6 +282,7 @@ def _watch(
         is_over = end.is_over(seen, observer.activity)
         if is_over and not record.problem and not record.has_arrived:
             record.problem = observer.statuses['gait_node'][1]
+    observer.note_poses()
     return record
 
 

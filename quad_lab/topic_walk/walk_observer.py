@@ -115,6 +115,10 @@ class WalkObserver:
             self._recording.take(self._goal_topic, serialize_message(message))
         self._goals.publish(message)
 
+    def note_poses(self) -> None:
+        """Take down where the robot was; see :meth:`WalkNotes.note_poses`."""
+        self.notes.note_poses()
+
     @property
     def record(self) -> WalkRecord:
         """What has been noted down of the walk."""
@@ -134,6 +138,11 @@ class WalkObserver:
     def pose(self) -> Pose2D | None:
         """Where the robot is, as last received."""
         return self.notes.pose
+
+    @property
+    def walking_time(self) -> float:
+        """Simulated time since the goal was given [s]."""
+        return self.notes.walking_time
 
     @property
     def activity(self) -> Activity | None:

