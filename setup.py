@@ -35,6 +35,8 @@ EXTRAS = {
     'robots': ['yourdfpy>=0.0.56', 'trimesh>=4.0', 'lxml>=4.8', 'xacro>=2.0'],
     # Recordings of the demo as rosbag2 files, without a ROS installation.
     'record': ['rosbags>=0.11'],
+    # Films of recordings; its wheels bring ffmpeg.
+    'film': ['imageio-ffmpeg>=0.4.9'],
     # The page of viewer_node, and what measures it. viser wants rich below 15. It is held to what
     # is known of its inside: the viewer closes connections of pages that are not its own.
     'view': ['viser>=1.1,<1.2', 'trimesh', 'msgspec', 'websockets', 'zstandard'],

@@ -135,16 +135,39 @@ class CameraModel:
         CameraModel
             It looks straight down.
         """
-        if not 0.0 < field_of_view < math.pi:
-            raise ParameterError('field_of_view', field_of_view, 'between 0 and pi')
-        width, height = size
-        focal = width / 2.0 / math.tan(field_of_view / 2.0)
-        matrix = np.array([[focal, 0.0, width / 2.0], [0.0, focal, height / 2.0], [0.0, 0.0, 1.0]])
         c, s = math.cos(yaw), math.sin(yaw)
         # Right, down in the picture, and straight down, as columns.
         rotation = np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, -1.0]])
         numbers = (np.asarray(value, dtype=float) for value in (position, distortion))
-        return cls(width, height, matrix, rotation, *numbers)
+        return cls(*size, _lens(field_of_view, size), rotation, *numbers)
+
+    @classmethod
+    def looking_at(
+        cls,
+        position: ArrayLike,
+        target: ArrayLike,
+        field_of_view: float,
+        size: tuple[int, int] = (1280, 720),
+    ) -> CameraModel:
+        """
+        Make a camera that looks at a point, its picture upright.
+
+        Parameters
+        ----------
+        position, target : array_like, shape (3,)
+            In the world [m], not above each other.
+        field_of_view : float
+            Angle that the picture's width spans [rad].
+        size : tuple of int
+            Width and height of the picture [pixels].
+        """
+        place = np.asarray(position, dtype=float)
+        ahead = np.asarray(target, dtype=float) - place
+        ahead /= np.linalg.norm(ahead)
+        right = np.cross(ahead, [0.0, 0.0, 1.0])
+        right /= np.linalg.norm(right)
+        rotation = np.stack([right, np.cross(ahead, right), ahead], axis=1)
+        return cls(*size, _lens(field_of_view, size), rotation, place, np.zeros(5))
 
     def project(self, points: ArrayLike) -> Array:
         """
@@ -265,3 +288,12 @@ class CameraModel:
         return CameraModel(
             self.width, self.height, self.matrix, self.rotation, self.position, np.zeros(5)
         )
+
+
+def _lens(field_of_view: float, size: tuple[int, int]) -> Array:
+    """Return the matrix of a lens without distortion; raise ParameterError if there is none."""
+    if not 0.0 < field_of_view < math.pi:
+        raise ParameterError('field_of_view', field_of_view, 'between 0 and pi')
+    width, height = size
+    focal = width / 2.0 / math.tan(field_of_view / 2.0)
+    return np.array([[focal, 0.0, width / 2.0], [0.0, focal, height / 2.0], [0.0, 0.0, 1.0]])

@@ -161,16 +161,24 @@ class BulletSimulator:
             orientation = pybullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
         else:
             orientation = quaternion_from_matrix(rotation)
-        center, turned = self._inertial.from_base(base, orientation, self._to_world(orientation))
-        self._bullet.resetBasePositionAndOrientation(self._body, center, turned)
-        self._bullet.resetBaseVelocity(self._body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self._last_velocity = np.zeros(3)
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
         angles = self._robot.initial_joint_angles.reshape(-1)
-        for joint, angle in zip(self._joints, angles):
-            self._bullet.resetJointState(self._body, joint, float(angle))
+        self.place(base, orientation, angles)
         self._command(angles, np.zeros_like(angles))
+
+    def place(
+        self, position: Array, orientation: Sequence[float] | Array, joint_angles: Array
+    ) -> None:
+        """Put the robot somewhere, at rest; see :meth:`VisibleSimulator.place`."""
+        center, turned = self._inertial.from_base(
+            position, orientation, self._to_world(orientation)
+        )
+        self._bullet.resetBasePositionAndOrientation(self._body, center, turned)
+        self._bullet.resetBaseVelocity(self._body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        for joint, angle in zip(self._joints, joint_angles):
+            self._bullet.resetJointState(self._body, joint, float(angle))
 
     def fail_joint(self, joint: int, kind: str) -> None:
         """Let a joint fail from now on; see :meth:`Simulator.fail_joint`."""

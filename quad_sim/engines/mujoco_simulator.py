@@ -5,7 +5,7 @@ The robot in MuJoCo's physics. Only the files ``mujoco_*`` import mujoco.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,17 +127,24 @@ class MujocoSimulator:
         """Stand the robot at a pose; see :meth:`Simulator.reset`."""
         base, rotation = initial_place(self._robot, self._world.terrain, pose)
         if rotation is None:
-            orientation = quaternion_of_yaw(pose.yaw)
+            w, x, y, z = quaternion_of_yaw(pose.yaw)
         else:
             x, y, z, w = quaternion_from_matrix(rotation)
-            orientation = [w, x, y, z]
         self.drives.reset()
         mujoco.mj_resetData(self._model, self._data)
-        self._data.qpos[:3], self._data.qpos[3:7] = base, orientation
-        self._data.qpos[self._angles] = self._robot.initial_joint_angles.reshape(-1)
         self._last_velocity[:] = 0.0
         self._has_efforts = False
         self._last_efforts[:] = 0.0
+        self.place(base, (x, y, z, w), self._robot.initial_joint_angles.reshape(-1))
+
+    def place(
+        self, position: Array, orientation: Sequence[float] | Array, joint_angles: Array
+    ) -> None:
+        """Put the robot somewhere, at rest; see :meth:`VisibleSimulator.place`."""
+        x, y, z, w = orientation
+        self._data.qpos[:3], self._data.qpos[3:7] = position, (w, x, y, z)
+        self._data.qpos[self._angles] = joint_angles
+        self._data.qvel[:] = 0.0
         mujoco.mj_forward(self._model, self._data)
 
     def fail_joint(self, joint: int, kind: str) -> None:

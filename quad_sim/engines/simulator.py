@@ -4,7 +4,7 @@ What every simulator offers: reset, step, observe, close.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -134,6 +134,22 @@ class SolidSimulator(Simulator, Protocol):
 @runtime_checkable
 class VisibleSimulator(SolidSimulator, Protocol):
     """One whose world can be looked at."""
+
+    def place(
+        self, position: Array, orientation: Sequence[float] | Array, joint_angles: Array
+    ) -> None:
+        """
+        Put the robot somewhere, at rest, without a look at what is there: for pictures.
+
+        Parameters
+        ----------
+        position : ndarray, shape (3,)
+            Of base_link in the world [m].
+        orientation : array_like, shape (4,)
+            Unit quaternion xyzw.
+        joint_angles : ndarray, shape (12,)
+            In the order of ``Robot.joint_names`` [rad].
+        """
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it."""

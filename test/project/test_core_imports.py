@@ -33,6 +33,7 @@ ROS_COMMANDS = {
     'quad_lab.recordings.recorder',
     'quad_lab.recordings.recorded_messages',
     'quad_lab.recordings.replay',
+    'quad_lab.recordings.film',
     'quad_lab.doctor.echo',
     'quad_lab.recordings.robot_recording',
     'quad_lab.recordings.robot_transforms',
