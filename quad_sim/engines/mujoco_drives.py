@@ -31,9 +31,9 @@ _POSITION_GAIN = 0.3
 
 _ANCHOR_GAIN = 0.05
 """Fraction of a contact's creep that is taken back in one step. An anchor is a spring beside the
-friction that damps it; with 0.3 it rocks a trotting body, cuhk by more than a degree on the spot."""
+friction that damps it; with 0.3 it rocks a trotting body, cuhk on the spot by over a degree."""
 
-_LONGEST_CREEP = 1.3e-3
+_LONGEST_CREEP = 6e-4
 """Creep, times the coefficient of friction, from which on a contact slips [m]: its anchor follows,
 and never pulls by more. With half of it robots creep on a slope of 0.15 rad."""
 
