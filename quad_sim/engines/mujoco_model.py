@@ -34,9 +34,9 @@ _DEEP = 1.0
 
 _CONTACT_TIME, _CONTACT_DAMPING = 2.75, 0.7
 """Time constant of contacts, in time steps, and their damping ratio. At this step a contact is
-damped critically, without rebound, from a ratio of 0.8 on; what rebounds rocks a trotting body about
-the diagonal it stands on: at 0.5 TITAN-VIII, sideways, by 0.7 degrees, not 0.15. At 1 feet sink in
-twice as far, and the small robots' crawl is shorter by a percent."""
+damped critically, without rebound, from a ratio of 0.8 on; what rebounds rocks a trotting body
+about the diagonal it stands on: at 0.5 TITAN-VIII, sideways, by 0.7 degrees, not 0.15. At 1 feet
+sink in twice as far, and the small robots' crawl is shorter by a percent."""
 
 _CONTACT_IMPEDANCE = (0.95, 0.95, 0.001, 0.5, 2.0)
 """The same at any depth. With 0.96 cuhk, turning on the spot by trotting, already rocks by 0.4

@@ -91,12 +91,14 @@ def test_the_anchor_of_a_foot_that_is_lifted_is_gone_and_the_others_stay(make):
 
 def test_an_anchor_of_a_foot_that_slips_follows_it(make):
     simulator = make(friction=0.2)
-    # The feet push the body forward by more than the friction can give.
+    rock(simulator, [POSTURE] * 100)
+    # The whole robot slides.
+    simulator._data.qvel[0] = 0.5
     pulls = []
-    for k in range(1, 31):
-        simulator.step(over_standing_feet([0.15 * 9.81 * (0.005 * k) ** 2, 0.0, 0.0]), STILL)
+    for _ in range(30):
+        simulator.step(POSTURE, STILL)
         pulls += [float(np.abs(creep).max()) for creep in simulator.drives.creeps.values()]
-    assert 5e-5 < max(pulls) < 6.001e-4
+    assert 5e-4 < max(pulls) < 6.001e-4
 
 
 def test_an_obstacle_that_comes_leaves_the_feet_standing(make):
