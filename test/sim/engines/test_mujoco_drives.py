@@ -93,7 +93,7 @@ def test_an_anchor_of_a_foot_that_slips_follows_it(make):
     simulator = make(friction=0.2)
     rock(simulator, [POSTURE] * 100)
     # The whole robot slides.
-    simulator._data.qvel[0] = 0.5
+    simulator._data.qvel[0] = 1.0
     pulls = []
     for _ in range(30):
         simulator.step(POSTURE, STILL)
