@@ -32,15 +32,15 @@ _AROUND = 100.0
 _DEEP = 1.0
 """Depth to which the ground around a field, and blocks, reach down [m]."""
 
-_CONTACT_TIME, _CONTACT_DAMPING = 2.75, 0.5
-"""Time constant of contacts, in time steps, and their damping ratio. With two steps TITAN-VIII's
-trot is restless (a cycle's advance scatters by 5 mm; in Bullet by 2), with four trots advance by up
-to 7 % more than in Bullet. A damping ratio of 1 would let feet sink in four times as far, and what
-the small robots lose by that is a percent of their crawl."""
+_CONTACT_TIME, _CONTACT_DAMPING = 2.75, 0.7
+"""Time constant of contacts, in time steps, and their damping ratio. At this step a contact is
+damped critically, without rebound, from a ratio of 0.8 on; what rebounds rocks a trotting body
+about the diagonal it stands on: at 0.5 TITAN-VIII, sideways, by 0.7 degrees, not 0.15. At 1 feet
+sink in twice as far, and the small robots' crawl is shorter by a percent."""
 
 _CONTACT_IMPEDANCE = (0.95, 0.95, 0.001, 0.5, 2.0)
-"""The same at any depth. With 0.96 the smallest robot, trotting on the spot, already rocks by 0.9
-degrees, not 0.1, with some of the gains of anchors; with 0.9 its crawl is shorter by a percent."""
+"""The same at any depth. With 0.96 cuhk, turning on the spot by trotting, already rocks by 0.4
+degrees, not 0.1; with 0.9 feet sink in by more than half a millimetre."""
 
 _MOTOR_TIME = 2.75
 """Time constant of motors, in time steps: with 2, which is the least that is stable, TITAN-VIII's

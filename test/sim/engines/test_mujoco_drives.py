@@ -54,11 +54,11 @@ def largest(creeps):
     return max(float(np.abs(creep).max()) for creep in creeps.values())
 
 
-def test_each_standing_foot_is_anchored_and_gives_by_micrometers(make):
+def test_each_standing_foot_is_anchored_and_gives_by_a_tenth_of_a_millimeter(make):
     simulator = make()
     rock(simulator)
     assert len(simulator.drives.creeps) == 4
-    assert 1e-9 < largest(simulator.drives.creeps) < 2e-5
+    assert 1e-9 < largest(simulator.drives.creeps) < 1.1e-4
 
 
 def test_a_reset_forgets_all_anchors(make):
@@ -91,12 +91,14 @@ def test_the_anchor_of_a_foot_that_is_lifted_is_gone_and_the_others_stay(make):
 
 def test_an_anchor_of_a_foot_that_slips_follows_it(make):
     simulator = make(friction=0.2)
-    # The feet push the body forward by more than the friction can give.
+    rock(simulator, [POSTURE] * 100)
+    # The whole robot slides.
+    simulator._data.qvel[0] = 1.0
     pulls = []
-    for k in range(1, 31):
-        simulator.step(over_standing_feet([0.15 * 9.81 * (0.005 * k) ** 2, 0.0, 0.0]), STILL)
+    for _ in range(30):
+        simulator.step(POSTURE, STILL)
         pulls += [float(np.abs(creep).max()) for creep in simulator.drives.creeps.values()]
-    assert 5e-5 < max(pulls) < 1.001e-4
+    assert 5e-4 < max(pulls) < 6.001e-4
 
 
 def test_an_obstacle_that_comes_leaves_the_feet_standing(make):
