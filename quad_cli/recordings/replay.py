@@ -31,6 +31,10 @@ EXAMPLES = """examples:
 """
 
 
+_RATES = {'.mp4': 25.0, '.gif': 12.5}
+"""Pictures in a second by the kind of film, whose name ends like this [Hz]: GIF grows fast."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument('recording', help='folder of a recording, of quadwalk or of ros2 bag')
@@ -61,8 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def film_argument(text: str) -> Path:
     """Read the path of a film that can be written; raise argparse.ArgumentTypeError."""
     path = output_argument(text)
-    if path.suffix.lower() not in ('.mp4', '.gif'):
-        raise argparse.ArgumentTypeError(f'{quoted(text)} must end in .mp4 or .gif')
+    if path.suffix.lower() not in _RATES:
+        raise argparse.ArgumentTypeError(f'{quoted(text)} must end in {" or ".join(_RATES)}')
     return path
 
 
@@ -87,7 +91,11 @@ def _film(arguments: argparse.Namespace) -> int:
         raise ParameterError('--robot', name, 'a robot: the recording does not say which it was')
     width = arguments.width - arguments.width % 2
     options = FilmOptions(
-        arguments.first, arguments.last, arguments.speed, (width, 2 * round(width * 9 / 32))
+        arguments.first,
+        arguments.last,
+        arguments.speed,
+        (width, 2 * round(width * 9 / 32)),
+        _RATES[arguments.film.suffix.lower()],
     )
     console = Console()
     with Progress(console=console) as progress:

@@ -27,14 +27,12 @@ from quad_common.vision.camera import CameraModel
 from quad_lab.recordings.recorded_messages import RecordedMessages
 from quad_sim.engines.registry import engines_with, make_simulator
 from quad_sim.engines.simulator import VisibleSimulator
+from quad_sim.world.appearance import Appearance
 from quad_sim.world.simulated_camera import SimulatedCamera
 from quad_sim.world.world import World, world_from_map
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
-
-FORMATS = ('.mp4', '.gif')
-"""Ends of names that say what a film is."""
 
 _FIELD_OF_VIEW = math.radians(50.0)
 
@@ -43,6 +41,9 @@ _AWAY, _ABOVE = 9.0, 5.0
 
 _SIDE = math.radians(-60.0)
 """Direction from the robot to the camera, on the map [rad]."""
+
+_LOOK = Appearance(floor_color=(215, 215, 210), obstacle_color=(112, 122, 140), checker_size=0.5)
+"""Colors of the room; squares on the floor show how fast the robot is."""
 
 _SLOWLY = 1.0
 """Time in which the camera follows the robot [s]."""
@@ -118,7 +119,6 @@ def make_film(
             progress((number + 1) / count)
 
     try:
-        # A film that is cut off cannot be shown; what is there by then is.
         (_write_gif if path.suffix.lower() == '.gif' else _write_mp4)(path, pictures(), options)
     finally:
         scene.close()
@@ -141,7 +141,7 @@ class _FilmedRobot:
         messages.go_on_to(messages.start)
         # A map is latched: it comes with the first messages.
         messages.go_on_to(min(messages.start + 1.0, messages.end))
-        simulator = make_simulator(backend, robot, self._world)
+        simulator = make_simulator(backend, robot, self._world, appearance=_LOOK)
         if not isinstance(simulator, VisibleSimulator):
             raise NotSimulated('a film', engines_with('has_pictures'))
         simulator.prepare_pictures()
@@ -208,7 +208,9 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], options: FilmOptions) ->
 
 
 def _write_gif(path: Path, pictures: Iterable[Picture], options: FilmOptions) -> None:
-    images = [Image.fromarray(picture).quantize(128) for picture in pictures]
+    images = [
+        Image.fromarray(picture).quantize(96, dither=Image.Dither.NONE) for picture in pictures
+    ]
     images[0].save(
         path, save_all=True, append_images=images[1:], duration=round(1e3 / options.rate), loop=0
     )

@@ -53,7 +53,11 @@ COMPARED_WITH = {
 
 
 # Imported by optional parts that say how to install them; rosdep does not know them.
-FROM_PIP = {'trimesh': 'trimesh', 'yourdfpy': 'yourdfpy'}
+FROM_PIP = {
+    'trimesh': 'trimesh',
+    'yourdfpy': 'yourdfpy',
+    'imageio_ffmpeg': 'imageio-ffmpeg',
+}
 
 # Of the viewer, which is nothing without viser: for that there is no rosdep key.
 OF_THE_VIEWER = ('viser', 'trimesh', 'msgspec', 'websockets', 'zstandard')
