@@ -116,10 +116,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     tree = KinematicTree(robot, path)
     chains = find_legs(tree, notes)
     axes = leg_axes(tree, chains)
-    feet = [
-        find_foot(tree, chain, points[2], directions[2], notes)
-        for chain, points, directions in zip(chains, axes.points, axes.directions)
-    ]
+    feet = _feet(tree, chains, axes, notes)
     centers = np.array([foot.center for foot in feet])
     to_base, leg_type = body_frame(path, chains, axes, centers, options.forward, notes)
     order = corners(moved(to_base, axes.hips), path)
@@ -150,6 +147,13 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         foot_radius=foot_radius,
         notes=notes,
     )
+
+
+def _feet(tree: KinematicTree, chains: list[LegChain], axes: LegAxes, notes: Notes) -> list[Foot]:
+    return [
+        find_foot(tree, chain, points[2], directions[2], notes)
+        for chain, points, directions in zip(chains, axes.points, axes.directions)
+    ]
 
 
 def _ranged_leg(

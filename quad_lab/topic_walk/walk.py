@@ -158,14 +158,7 @@ def walk(
             listen = nodes.listen
         record = _watch(observer, nodes, listen, on_progress)
         if recording is not None:
-            recording.note(
-                {
-                    'robot': options.robot,
-                    'map': options.map_file.stem,
-                    'problem': record.problem,
-                    'wall_time': record.wall_time,
-                }
-            )
+            recording.note(_facts(options, record))
 
         def go_on() -> None:
             listen(0.1)
@@ -173,6 +166,16 @@ def walk(
 
         on_end(record, go_on)
         return record
+
+
+def _facts(options: WalkOptions, record: WalkRecord) -> dict[str, object]:
+    """Return what no message tells of a walk."""
+    return {
+        'robot': options.robot,
+        'map': options.map_file.stem,
+        'problem': record.problem,
+        'wall_time': record.wall_time,
+    }
 
 
 def _observer(
