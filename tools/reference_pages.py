@@ -27,16 +27,19 @@ _NOTE = """Written from the code by `tools/reference_pages.py`; do not edit.
 _COMMANDS = f"""# Commands
 
 {_NOTE}
-Each command, and each action of one, prints the same with `--help`. All exit with 0 if all went well, with 1 if it did not,
-and with 2 and one sentence if it could not be tried. Poses are `x,y,yaw` in metres and radians, or `x,y,90deg`.
+Each command, and each action of one, prints the same with `--help`. All exit with 0 if all went
+well, with 1 if it did not, and with 2 and one sentence if it could not be tried. Poses are
+`x,y,yaw` in metres and radians, or `x,y,90deg`.
 """
 
 _PARAMETERS = f"""# Parameters
 
 {_NOTE}
-All parameters of all nodes, by name; those that several nodes have should get the same value in each. The page of a
-node says more: {{nodes}}. `quadwalk parameters gait_node` prints a node's as a file for `--params-file`; `config/` holds
-these files.
+All parameters of all nodes, by name. A parameter that several nodes have needs the same value in
+each. The page of a node says more: {{nodes}}.
+
+`quadwalk parameters gait_node` prints those of a node as a file for `--params-file`; `config/`
+holds these files.
 """
 
 
@@ -66,13 +69,14 @@ def command_tables(parser: argparse.ArgumentParser) -> Iterator[str]:
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
             does = {choice.dest: choice.help or '' for choice in action._choices_actions}
-            actions = [(name, does[name], below) for name, below in action.choices.items()]
+            actions = [(does[name], below) for name, below in action.choices.items()]
         elif not isinstance(action, argparse._HelpAction):
             rows.append(f'| {argument(action)} | {meaning(action)} |')
     if rows:
         yield '\n| argument | meaning |\n| --- | --- |\n' + '\n'.join(rows)
-    for name, does, below in actions:
-        yield f'\n### {parser.prog.removeprefix("quadwalk ")} {name}\n\n{does[0].upper()}{does[1:]}.'
+    for does, below in actions:
+        command = below.prog.removeprefix('quadwalk ')
+        yield f'\n### {command}\n\n{does[0].upper()}{does[1:]}.'
         yield from command_tables(below)
 
 
@@ -98,7 +102,7 @@ def meaning(action: argparse.Action) -> str:
 
 
 def default_text(default: object) -> str:
-    """Write a default as it would be given; empty if there is none, or it depends on the machine."""
+    """Write a default as it would be given; empty for none, and for one of the machine's."""
     if default is None or default is False or isinstance(default, Path):
         return ''
     if isinstance(default, Pose2D):

@@ -1,5 +1,5 @@
 """
-The site of the documents: every page has its place, builds without a warning, and needs no other host.
+The site of the documents has every page, builds without a warning, and needs no other host.
 """
 
 from __future__ import annotations
@@ -91,6 +91,9 @@ def test_the_site_reads_a_page_as_code_hosts_do(page):
     host = pytest.importorskip('markdown_it').MarkdownIt('commonmark').enable('table')
     text = page.read_text(encoding='utf-8')
     extensions = ['tables', 'sane_lists', 'fenced_code']
-    read = [Tags(markdown.markdown(text, extensions=extensions)).names, Tags(host.render(text)).names]
+    read = [
+        Tags(markdown.markdown(text, extensions=extensions)).names,
+        Tags(host.render(text)).names,
+    ]
     ours, theirs = ({tag: names.count(tag) for tag in COUNTED} for names in read)
     assert ours == theirs
