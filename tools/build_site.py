@@ -9,6 +9,7 @@ they link come along, so that one relative link serves the site, a code host and
 from __future__ import annotations
 
 import argparse
+import logging
 import re
 import shutil
 import sys
@@ -18,6 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 OUTPUT = ROOT / 'build'
 PATTERNS = ('*.md', 'docs/**/*.md', 'msg_docs/*.md')
+STYLE = ROOT / 'docs' / 'site.css'
 
 
 def all_pages() -> list[Path]:
@@ -44,7 +46,7 @@ def assemble(folder: Path) -> None:
         Where to; what was there is removed.
     """
     shutil.rmtree(folder, ignore_errors=True)
-    wanted = set(all_pages())
+    wanted = {*all_pages(), STYLE}
     for page in all_pages():
         wanted |= {(page.parent / link.partition('#')[0]).resolve() for link in links(page)}
     for path in wanted:
@@ -95,6 +97,7 @@ def main() -> None:
         from mkdocs.exceptions import Abort
     except ModuleNotFoundError:
         sys.exit("this needs mkdocs-material: make site, or pip install 'quadwalk[docs]'")
+    logging.basicConfig(level=logging.WARNING, format='%(message)s')
     try:
         build(output)
     except Abort as error:
