@@ -15,7 +15,7 @@ unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH AMENT_PREFIX_PATH _ROS_WHEELS_BOO
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo view test smoke smokes bench lint lock tf clean
+.PHONY: help venv demo view test smoke smokes bench lint lock site tf clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
@@ -24,6 +24,7 @@ help:
 	@echo 'make smokes  on each other Python that is there: set up, walk once over topics, test the core'
 	@echo 'make bench   measure how well it walks, and print a table'
 	@echo 'make lint    ruff and mypy'
+	@echo 'make site    build the documents as a site in build/site'
 	@echo 'make venv    set everything up in .venv, and nothing else'
 	@echo 'make tf      build tf2_msgs into .venv, so that the nodes publish tf (optional; CMake, a C++ compiler)'
 	@echo 'make lock    write requirements.lock anew (python3.10 to python3.13)'
@@ -96,6 +97,11 @@ bench: venv
 lint: venv
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
+
+# Asks for mkdocs-material where it is not there yet: the lock file has what tests and walks need.
+site: venv
+	@$(BIN)/python -c 'import material' 2>/dev/null || $(PIP) install --no-build-isolation --editable '.[docs]'
+	@$(BIN)/python tools/build_site.py
 
 lock:
 	@python3 tools/lock.py --output requirements.lock $(PYTHONS)

@@ -1,7 +1,8 @@
 """
 The documents say what the code does: interfaces, parameters, errors, sources, links.
 
-``PYTHONPATH=. python test/project/test_docs.py`` writes the generated tables again.
+``PYTHONPATH=. python test/project/test_docs.py`` writes what is generated again: tables,
+and the pages of ``docs/reference``.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import ast
 import importlib
 import inspect
 import re
+import runpy
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,7 +24,7 @@ from test_core_imports import imported_modules
 
 from quad_cli.parameters import TABLES
 from quad_common import errors
-from quad_common.parameters import Parameter, parameters_of, valid_range, yaml_from_parameters
+from quad_common.parameters import parameters_of, valid_range
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import Gait
@@ -31,7 +33,9 @@ ROOT = Path(__file__).resolve().parents[2]
 MSG_DOCS = ROOT / 'msg_docs'
 SOURCES = sorted(ROOT.glob('quad_*/**/*.py'))
 DATA = sorted(ROOT.glob('quad_*/**/*.yaml'))
-PAGES = sorted([*ROOT.glob('*.md'), *ROOT.glob('docs/**/*.md'), *ROOT.glob('msg_docs/*.md')])
+SITE = runpy.run_path(str(ROOT / 'tools' / 'build_site.py'))
+REFERENCE = runpy.run_path(str(ROOT / 'tools' / 'reference_pages.py'))
+PAGES, links = SITE['all_pages'](), SITE['links']
 NODES = sorted(TABLES)
 ARCHITECTURE = ROOT / 'docs' / 'architecture.md'
 TOP = 'the top'
@@ -199,19 +203,13 @@ def parameter_table(node: str) -> str:
     for parameter in parameters_of(TABLES[node]):
         cells = (
             f'`{parameter.name}`',
-            f'`{default_as_yaml(parameter)}`',
+            f'`{REFERENCE["default_as_yaml"](parameter)}`',
             parameter.unit,
             valid_range(parameter) or 'any',
             parameter.description,
         )
         lines.append(f'| {" | ".join(cells)} |'.replace('|  |', '| |'))
     return '\n'.join(lines)
-
-
-def default_as_yaml(parameter: Parameter) -> str:
-    """Write a default as it stands in parameter files."""
-    last = yaml_from_parameters('node', [parameter]).splitlines()[-1]
-    return last.split(': ', 1)[1]
 
 
 def error_table() -> str:
@@ -318,15 +316,6 @@ def resolvable() -> set[tuple[str, str, int]]:
     return found
 
 
-def links(page: Path) -> Iterator[str]:
-    """Yield the relative links of a page, outside its code."""
-    text = re.sub(r'```.*?```|`[^`\n]*`', '', page.read_text(encoding='utf-8'), flags=re.DOTALL)
-    for target in re.findall(r'\]\(([^)\s]+)\)|^\[\w+\]: (\S+)$', text, flags=re.MULTILINE):
-        target = ''.join(target)
-        if not re.match(r'[a-z]+:', target):
-            yield target
-
-
 def examples(page: Path) -> list[str]:
     """Return the Python blocks of a page."""
     blocks: list[str] = re.findall(
@@ -423,6 +412,13 @@ def test_the_profiles_mean_what_the_pages_call_them():
 @pytest.mark.parametrize(('page', 'table'), GENERATED.values(), ids=GENERATED)
 def test_a_generated_table_is_that_of_the_code(page, table):
     assert f'\n{table()}\n' in page.read_text(encoding='utf-8'), (
+        'write it again: PYTHONPATH=. python test/project/test_docs.py'
+    )
+
+
+@pytest.mark.parametrize('page', REFERENCE['PAGES'], ids=relative)
+def test_a_page_of_the_reference_is_that_of_the_code(page):
+    assert page.read_text(encoding='utf-8') == REFERENCE['PAGES'][page](), (
         'write it again: PYTHONPATH=. python test/project/test_docs.py'
     )
 
@@ -556,7 +552,7 @@ def test_no_file_names_a_place_on_somebodys_machine():
 
 
 def write_tables() -> None:
-    """Put the generated tables into their pages."""
+    """Put the generated tables into their pages, and write the generated pages."""
     for page, write in GENERATED.values():
         table = write()
         text = page.read_text(encoding='utf-8')
@@ -564,6 +560,7 @@ def write_tables() -> None:
         old = re.search(rf'{header}\n(?:\|.*\n)*', text)
         if old is not None:
             page.write_text(text.replace(old.group(), f'{table}\n'), encoding='utf-8')
+    REFERENCE['main']()
 
 
 if __name__ == '__main__':
