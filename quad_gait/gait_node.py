@@ -82,7 +82,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self.update_status()
 
     def take_parameters(self, parameters: GaitParameters) -> None:
-        """Change gaits at the end of the cycle."""
+        """Change gaits, and how plans are followed, at the end of the cycle."""
         gaits = parameters.gaits(self._robot)
         self._supervisor.set_gaits(*gaits, parameters.follower_options)
 

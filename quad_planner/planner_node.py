@@ -90,9 +90,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self.report_status(status)
 
     def take_parameters(self, parameters: PlannerParameters) -> None:
-        """Change the planning method."""
+        """Plan by other parameters."""
         self._pace = planner_setup.change_planner(
-            self._session, parameters, self._requests, time.monotonic
+            self._session, self.parameters, parameters, self._requests, time.monotonic
         )
 
     def _on_map(self, message: OccupancyGrid) -> None:

@@ -10,21 +10,17 @@ from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.parameter import Parameter as RosParameter
 
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped
-from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
+from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import give_back_spare_memory
 from quad_common.ros.guarded_node import GuardedNode
+from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
 from quad_common.status import Status
 
 Table = TypeVar('Table')
@@ -33,8 +29,6 @@ OK = DiagnosticStatus.OK
 WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE
-
-_NO_LIMIT = 1e308
 
 _OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 """Parameters that rclpy itself declares."""
@@ -198,7 +192,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         with self.handle:
             given = dict(self.handle.get_parameters(RosParameter))
         given.update({parameter.name: parameter for parameter in overrides})
-        return {name: _plain(parameter.value) for name, parameter in given.items()}
+        return {name: plain_value(parameter) for name, parameter in given.items()}
 
     def _declare(self, table: type[Table], given: dict[str, object]) -> Table:
         """Declare the parameters with checked values, so that refusals are our sentences."""
@@ -215,19 +209,46 @@ class QuadNode(GuardedNode, Generic[Table]):
             self.declare_parameter(
                 parameter.name,
                 getattr(checked, parameter.name),
-                _descriptor(parameter),
+                descriptor(parameter),
                 ignore_override=True,
             )
         if any(parameter.is_dynamic for parameter in declared):
             self.add_on_set_parameters_callback(self._on_set_parameters)
         return checked
 
+    def set_parameters_atomically(self, parameter_list: list[RosParameter]) -> SetParametersResult:
+        """
+        Set parameters; see rclpy's Node, whose services for parameters call it.
+
+        What has its value already needs no change and is never refused, an integer is taken for
+        a float, and a refusal says what would be valid.
+
+        Parameters
+        ----------
+        parameter_list : list of rclpy.parameter.Parameter
+            As rclpy's.
+
+        Returns
+        -------
+        rcl_interfaces.msg.SetParametersResult
+            As rclpy's.
+        """
+        table = {parameter.name: parameter for parameter in parameters_of(type(self.parameters))}
+        declared = [p.name for p in parameter_list if self.has_parameter(p.name)]
+        present = {name: self.get_parameter(name) for name in declared}
+        try:
+            changes = real_changes(parameter_list, table, present)
+        except QuadError as error:
+            return SetParametersResult(successful=False, reason=clipped(str(error)))
+        if parameter_list and not changes:
+            return SetParametersResult(successful=True)
+        return super().set_parameters_atomically(changes)
+
     def _on_set_parameters(self, changes: list[RosParameter]) -> SetParametersResult:
         """Check a change of parameters as a whole, and hand it to the node."""
-        table = type(self.parameters)
-        known = {parameter.name: parameter for parameter in parameters_of(table)}
+        known = {parameter.name: parameter for parameter in parameters_of(type(self.parameters))}
         try:
-            new = {c.name: known[c.name].check(_plain(c.value)) for c in changes if c.name in known}
+            new = {c.name: known[c.name].check(plain_value(c)) for c in changes if c.name in known}
             if new:
                 changed = replace(self.parameters, **new)  # type: ignore[type-var]
                 self.take_parameters(changed)
@@ -235,27 +256,3 @@ class QuadNode(GuardedNode, Generic[Table]):
         except QuadError as error:
             return SetParametersResult(successful=False, reason=clipped(str(error)))
         return SetParametersResult(successful=True)
-
-
-def _plain(value: Any) -> object:
-    return list(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
-
-
-def _descriptor(parameter: Parameter) -> ParameterDescriptor:
-    described = ParameterDescriptor(
-        description=parameter.description + (f' [{parameter.unit}]' if parameter.unit else ''),
-        additional_constraints=valid_range(parameter),
-        read_only=not parameter.is_dynamic,
-    )
-    if isinstance(parameter.default, (bool, str, list)):
-        return described
-    low = -_NO_LIMIT if parameter.lower is None else parameter.lower
-    high = _NO_LIMIT if parameter.upper is None else parameter.upper
-    if isinstance(parameter.default, int):
-        low, high = max(low, -(2**63)), min(high, 2**63 - 1)
-        described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
-    else:
-        described.floating_point_range = [
-            FloatingPointRange(from_value=float(low), to_value=float(high), step=0.0)
-        ]
-    return described
