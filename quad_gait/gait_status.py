@@ -73,7 +73,7 @@ class GaitStatus:
         self._distance_left = supervisor.distance_left(pose)
         return True
 
-    def status(self, clock_problem: str | None, old_correction: str) -> Status:
+    def status(self, clock_problem: str | None, *notes: str) -> Status:
         """
         Return what is to be reported.
 
@@ -81,8 +81,8 @@ class GaitStatus:
         ----------
         clock_problem : str or None
             That simulated time does not advance, as a sentence.
-        old_correction : str
-            That corrections of odometry have grown old, as a sentence; or empty.
+        *notes : str
+            What else a user should know, as sentences; empty ones are left out.
         """
         if clock_problem is not None:
             return Status(Level.STALE, clock_problem)
@@ -98,10 +98,9 @@ class GaitStatus:
         level = _LEVELS.get(activity, Level.OK)
         silent_imu = self._estimator.imu_problem
         missing = '' if silent_imu in f'{supervisor.reason}; {supervisor.limit}' else silent_imu
-        notes = [note for note in (supervisor.limit, missing, old_correction) if note]
-        return Status(
-            max(level, Level.WARN) if notes else level,
-            '; '.join([f'{activity.value}: {supervisor.reason}', *notes]),
+        status = Status(
+            level,
+            f'{activity.value}: {supervisor.reason}',
             {
                 'activity': activity.value,
                 'gait': supervisor.gait.name,
@@ -110,3 +109,4 @@ class GaitStatus:
                 'limit': supervisor.limit,
             },
         )
+        return status.with_notes(supervisor.limit, missing, *notes)

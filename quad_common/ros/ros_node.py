@@ -21,7 +21,7 @@ from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import give_back_spare_memory
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
-from quad_common.status import Status
+from quad_common.status import Level, Status
 
 Table = TypeVar('Table')
 
@@ -32,6 +32,9 @@ STALE = DiagnosticStatus.STALE
 
 _OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 """Parameters that rclpy itself declares."""
+
+_GRACE = 5.0
+"""Time in which nodes that start together find one another [s]; nothing is missing yet."""
 
 _SAME_LOG_AGAIN = 10.0
 """The same sentence is logged again only after so long [s]."""
@@ -68,7 +71,10 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._status = (OK, 'starting')
         self._values: dict[str, object] = {}
         self._said: tuple[bytes, str] | None = None
+        self._subject: tuple[bytes, str] | None = None
         self._logged_at: dict[str, float] = {}
+        self._began = time.monotonic()
+        self._has_unlogged_warning = False
         self._last_refusal: dict[str, object] = {}
         self._caught = 0
         self._clock_seen = self.get_clock().now().nanoseconds
@@ -81,7 +87,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         Say on ``diagnostics`` what the node does, or why it does not.
 
         It is published at once when level or message change, and every second; changes
-        are logged too.
+        of more than figures are logged too.
 
         Parameters
         ----------
@@ -97,8 +103,11 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._values = values
         if self._said != self._status:
             self._said = self._status
-            self._log(level, message)
             self._publish_status(level, message)
+            subject = level, Status(Level(level[0]), message).subject
+            if self._subject != subject:
+                self._subject = subject
+                self._log(level, message, subject[1])
 
     def report_status(self, status: Status | QuadError) -> None:
         """Report a status of the core, or the error that is its status."""
@@ -155,22 +164,29 @@ class QuadNode(GuardedNode, Generic[Table]):
             give_back_spare_memory()
         self.update_status()
         self._publish_status(*self._status)
+        if self._has_unlogged_warning and time.monotonic() - self._began >= _GRACE:
+            self._has_unlogged_warning = False
+            if self._status[0] in (WARN, STALE):
+                self.get_logger().warning(self._status[1])
 
-    def _log(self, level: bytes, message: str) -> None:
-        """Log a message, unless it was logged a moment ago: bad input may come in streams."""
+    def _log(self, level: bytes, message: str, subject: str) -> None:
+        """Log a message, unless its like was a moment ago: bad input may come in streams."""
         now = time.monotonic()
-        if now - self._logged_at.get(message, -math.inf) < _SAME_LOG_AGAIN:
+        key = f'{level[0]} {subject}'
+        if now - self._logged_at.get(key, -math.inf) < _SAME_LOG_AGAIN:
             return
         self._logged_at = {m: t for m, t in self._logged_at.items() if now - t < _SAME_LOG_AGAIN}
         if len(self._logged_at) >= _LOGGED_SENTENCES:
             return
-        self._logged_at[message] = now
+        self._logged_at[key] = now
+        is_warning = level in (WARN, STALE)
         if level == ERROR:
             self.get_logger().error(message)
-        elif level == OK:
-            self.get_logger().info(message)
-        else:
+        elif is_warning and now - self._began >= _GRACE:
             self.get_logger().warning(message)
+        else:
+            self._has_unlogged_warning |= is_warning
+            self.get_logger().info(message)
 
     def _publish_status(self, level: bytes, message: str) -> None:
         status = DiagnosticStatus(
