@@ -31,12 +31,15 @@ class Status:
     """Sentence for a reader."""
     values: Mapping[str, object] = field(default_factory=dict)
     """Values by their names on ``diagnostics``."""
+    is_waiting: bool = False
+    """Whether it waits for what other nodes publish: those that start together soon do."""
 
     def with_notes(self, *notes: str) -> Status:
         """Return the status with sentences that a user should know, those that are not empty."""
         said = [note for note in notes if note]
         level = max(self.level, Level.WARN) if said else self.level
-        return replace(self, level=level, message='; '.join([self.message, *said]))
+        message = '; '.join([self.message, *said])
+        return replace(self, level=level, message=message, is_waiting=self.is_waiting and not said)
 
     @property
     def subject(self) -> str:

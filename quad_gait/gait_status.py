@@ -85,14 +85,14 @@ class GaitStatus:
             What else a user should know, as sentences; empty ones are left out.
         """
         if clock_problem is not None:
-            return Status(Level.STALE, clock_problem)
+            return Status(Level.STALE, clock_problem, is_waiting=True)
         received = self._received_at
         if received is None or self._clock() - received > self._timeout:
             if self._is_time_still:
                 message = 'stale odometry: it comes, and its time stands still'
             else:
                 message = f"no odometry: waiting for it on '{self._topic}'"
-            return Status(Level.WARN, message)
+            return Status(Level.WARN, message, is_waiting=not self._is_time_still)
         supervisor = self._supervisor
         activity, cycle = supervisor.activity, supervisor.cycle
         level = _LEVELS.get(activity, Level.OK)
@@ -108,5 +108,6 @@ class GaitStatus:
                 'least_margin': '' if cycle is None else f'{cycle.least_margin:.4f}',
                 'limit': supervisor.limit,
             },
+            is_waiting=activity is Activity.WAITING,
         )
         return status.with_notes(supervisor.limit, missing, *notes)

@@ -82,7 +82,9 @@ class QuadNode(GuardedNode, Generic[Table]):
         # On the wall clock: it must speak up just when simulated time stands still.
         self.create_timer(1.0, self._on_second, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def report(self, level: bytes, message: str, **values: object) -> None:
+    def report(
+        self, level: bytes, message: str, is_waiting: bool = False, **values: object
+    ) -> None:
         """
         Say on ``diagnostics`` what the node does, or why it does not.
 
@@ -95,6 +97,8 @@ class QuadNode(GuardedNode, Generic[Table]):
             OK, WARN, ERROR or STALE.
         message : str
             One sentence; of one that is too long, beginning and end are said.
+        is_waiting : bool
+            Whether it waits for other nodes: while nodes start, that is no warning in the log.
         **values
             Numbers that go with it.
         """
@@ -107,14 +111,15 @@ class QuadNode(GuardedNode, Generic[Table]):
             subject = level, Status(Level(level[0]), message).subject
             if self._subject != subject:
                 self._subject = subject
-                self._log(level, message, subject[1])
+                self._log(level, message, subject[1], is_waiting)
 
     def report_status(self, status: Status | QuadError) -> None:
         """Report a status of the core, or the error that is its status."""
         if isinstance(status, QuadError):
             self.report_error(status)
         else:
-            self.report(bytes([status.level]), status.message, **status.values)
+            level = bytes([status.level])
+            self.report(level, status.message, is_waiting=status.is_waiting, **status.values)
 
     def update_status(self) -> None:
         """Report what is going on; called every second. Nodes override it."""
@@ -166,10 +171,9 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._publish_status(*self._status)
         if self._has_unlogged_warning and time.monotonic() - self._began >= _GRACE:
             self._has_unlogged_warning = False
-            if self._status[0] in (WARN, STALE):
-                self.get_logger().warning(self._status[1])
+            self.get_logger().warning(self._status[1])
 
-    def _log(self, level: bytes, message: str, subject: str) -> None:
+    def _log(self, level: bytes, message: str, subject: str, is_waiting: bool) -> None:
         """Log a message, unless its like was a moment ago: bad input may come in streams."""
         now = time.monotonic()
         key = f'{level[0]} {subject}'
@@ -179,14 +183,13 @@ class QuadNode(GuardedNode, Generic[Table]):
         if len(self._logged_at) >= _LOGGED_SENTENCES:
             return
         self._logged_at[key] = now
-        is_warning = level in (WARN, STALE)
+        self._has_unlogged_warning = is_waiting and now - self._began < _GRACE
         if level == ERROR:
             self.get_logger().error(message)
-        elif is_warning and now - self._began >= _GRACE:
-            self.get_logger().warning(message)
-        else:
-            self._has_unlogged_warning |= is_warning
+        elif level == OK or self._has_unlogged_warning:
             self.get_logger().info(message)
+        else:
+            self.get_logger().warning(message)
 
     def _publish_status(self, level: bytes, message: str) -> None:
         status = DiagnosticStatus(

@@ -123,7 +123,7 @@ def test_a_simulator_without_a_clock_leaves_it_to_others(bench: Bench):
     bench.start('sim_node', map_file='none', publish_clock=False)
     bench.wait_until('it simulates', lambda: bench.elapsed > 2.0)
     assert bench.node.count_publishers('/clock') == 1
-    assert bench.statuses['sim_node'].message == 'running'
+    assert bench.wait_for_status('sim_node', 'running').message == 'running'
     bench.node.destroy_publisher(other)
 
 
