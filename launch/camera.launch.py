@@ -14,6 +14,7 @@ from pathlib import Path
 
 import yaml
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
+from launch.conditions import IfCondition, UnlessCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
@@ -21,7 +22,7 @@ from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
-SHARED = ('robot', 'namespace', 'use_sim_time', 'config_directory')
+SHARED = ('robot', 'namespace', 'use_sim_time', 'config_directory', 'respawn')
 
 
 def boolean(text: str) -> bool:
@@ -46,8 +47,8 @@ CAMERA_ARGUMENTS = {
 }
 
 
-def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
-    """Start the camera's node with the arguments that were given, and what walks by it."""
+def start_camera(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """Start the camera's node with the arguments that were given."""
     given = {name: LaunchConfiguration(name).perform(context) for name in CAMERA_ARGUMENTS}
     parameters = {}
     for name, (read, _) in CAMERA_ARGUMENTS.items():
@@ -56,7 +57,7 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
                 parameters[name] = read(given[name])
             except ValueError as error:
                 raise ValueError(f'argument {name}: {error}') from error
-    camera = Node(
+    node = Node(
         package='quadwalk',
         executable='ceiling_camera_node',
         namespace=LaunchConfiguration('namespace'),
@@ -70,21 +71,30 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
                 **parameters,
             },
         ],
+        respawn=boolean(LaunchConfiguration('respawn').perform(context)),
+        respawn_delay=2.0,
     )
+    return [node]
+
+
+def what_walks() -> list[IncludeLaunchDescription]:
+    """Include planner and gait, with the simulator or without."""
     # The camera says where the robot is, and the legs begin at an origin of their own.
-    arguments = {name: LaunchConfiguration(name) for name in SHARED}
-    arguments |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
-    has_simulator = boolean(LaunchConfiguration('simulator').perform(context))
-    if has_simulator:
-        arguments |= {'camera': 'true', 'publish_map': 'false', 'publish_tf': 'false'}
-        arguments |= {name: given[name] for name in ('camera_position', 'camera_yaw')}
-    others = 'walk.launch.py' if has_simulator else 'robot.launch.py'
+    shared = {name: LaunchConfiguration(name) for name in SHARED}
+    shared |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
+    simulated = {'camera': 'true', 'publish_map': 'false', 'publish_tf': 'false'}
+    simulated |= {name: LaunchConfiguration(name) for name in ('camera_position', 'camera_yaw')}
+    has_simulator = LaunchConfiguration('simulator')
     return [
-        camera,
         IncludeLaunchDescription(
-            PythonLaunchDescriptionSource(str(Path(__file__).with_name(others))),
+            PythonLaunchDescriptionSource(str(Path(__file__).with_name(file))),
             launch_arguments=arguments.items(),
-        ),
+            condition=condition(has_simulator),
+        )
+        for file, arguments, condition in (
+            ('walk.launch.py', shared | simulated, IfCondition),
+            ('robot.launch.py', shared, UnlessCondition),
+        )
     ]
 
 
@@ -111,10 +121,17 @@ def generate_launch_description() -> LaunchDescription:
                 default_value=PathJoinSubstitution([FindPackageShare('quadwalk'), 'config']),
                 description='folder with a parameter file for each node',
             ),
+            DeclareLaunchArgument(
+                'respawn',
+                default_value='false',
+                choices=['true', 'false'],
+                description='start a node again when it has ended',
+            ),
             *(
                 DeclareLaunchArgument(name, default_value='', description=description)
                 for name, (_, description) in CAMERA_ARGUMENTS.items()
             ),
-            OpaqueFunction(function=start_nodes),
+            OpaqueFunction(function=start_camera),
+            *what_walks(),
         ]
     )

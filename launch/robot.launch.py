@@ -8,12 +8,19 @@ parameter files.
 
 from __future__ import annotations
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from pathlib import Path
+
+import yaml
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
-from launch import LaunchContext, LaunchDescription
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
+from quad_common.robot.urdf import published_urdf
+from quad_common.robot_files.robot_file import load_robot
 
 # Launch argument: its description. Each is the node's parameter of the same name.
 PLANNER_ARGUMENTS = {
@@ -32,13 +39,50 @@ GAIT_ARGUMENTS = {
 }
 NUMBERS = ('safety_distance',)
 
+RESPAWN_DELAY = 2.0
+"""Time after which a node that has ended is started again [s]."""
 
-def start_nodes(context: LaunchContext) -> list[Node]:
+RVIZ_TOPICS = (
+    'map',
+    'plan',
+    'odom',
+    'goal_pose',
+    'footholds',
+    'plan_markers',
+    'support_polygon',
+    'robot_description',
+    'tf',
+    'tf_static',
+)
+"""What quadwalk.rviz shows, and sends."""
+
+
+def is_true(context: LaunchContext, name: str) -> bool:
+    """Read an argument that is true or false."""
+    text = LaunchConfiguration(name).perform(context).lower()
+    if text not in ('true', 'false'):
+        raise ValueError(f"{name} is '{text}'; it must be true or false")
+    return text == 'true'
+
+
+def is_installed(package: str) -> bool:
+    """Return whether a ROS package is there."""
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        return False
+    return True
+
+
+def config_file(name: str) -> PathJoinSubstitution:
+    """Return the path of a file in the folder of configurations."""
+    return PathJoinSubstitution([LaunchConfiguration('config_directory'), name])
+
+
+def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the nodes with the arguments that were given."""
-    use_sim_time = LaunchConfiguration('use_sim_time').perform(context).lower()
-    if use_sim_time not in ('true', 'false'):
-        raise ValueError(f"use_sim_time is '{use_sim_time}'; it must be true or false")
-    nodes = []
+    use_sim_time, respawn = is_true(context, 'use_sim_time'), is_true(context, 'respawn')
+    nodes: list[LaunchDescriptionEntity] = []
     for node, arguments in (('planner_node', PLANNER_ARGUMENTS), ('gait_node', GAIT_ARGUMENTS)):
         given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
         parameters = {
@@ -53,26 +97,77 @@ def start_nodes(context: LaunchContext) -> list[Node]:
                 namespace=LaunchConfiguration('namespace'),
                 output='screen',
                 parameters=[
-                    PathJoinSubstitution([LaunchConfiguration('config_directory'), f'{node}.yaml']),
-                    {'use_sim_time': use_sim_time == 'true', **parameters},
+                    config_file(f'{node}.yaml'),
+                    {'use_sim_time': use_sim_time, **parameters},
                 ],
+                respawn=respawn,
+                respawn_delay=RESPAWN_DELAY,
             )
         )
-    if LaunchConfiguration('view').perform(context).lower() == 'true':
+    nodes += start_state_publisher(context, use_sim_time)
+    if is_true(context, 'view'):
         # Outside the namespace: it shows the robots of all.
-        nodes.append(
-            Node(
-                package='quadwalk',
-                executable='viewer_node',
-                output='screen',
-                parameters=[
-                    PathJoinSubstitution(
-                        [LaunchConfiguration('config_directory'), 'viewer_node.yaml']
-                    ),
-                ],
-            )
+        viewer = Node(
+            package='quadwalk',
+            executable='viewer_node',
+            output='screen',
+            parameters=[config_file('viewer_node.yaml')],
         )
+        nodes.append(viewer)
+    if is_true(context, 'rviz'):
+        nodes.append(start_rviz(use_sim_time))
     return nodes
+
+
+def start_state_publisher(
+    context: LaunchContext, use_sim_time: bool
+) -> list[LaunchDescriptionEntity]:
+    """Start what publishes the frames of the legs, if it is wanted and there."""
+    wanted = LaunchConfiguration('robot_state_publisher').perform(context)
+    if wanted == 'false':
+        return []
+    if not is_installed('robot_state_publisher'):
+        missing = "robot_state_publisher is not installed, and RViz lacks the legs' frames"
+        if wanted == 'true':
+            raise ValueError(missing)
+        return [LogInfo(msg=missing)]
+    robot = LaunchConfiguration('robot').perform(context)
+    if robot == '':
+        file = Path(config_file('gait_node.yaml').perform(context))
+        for node in yaml.safe_load(file.read_text(encoding='utf-8')).values():
+            robot = node.get('ros__parameters', {}).get('robot', robot)
+    return [
+        Node(
+            package='robot_state_publisher',
+            executable='robot_state_publisher',
+            namespace=LaunchConfiguration('namespace'),
+            parameters=[
+                {
+                    'use_sim_time': use_sim_time,
+                    'robot_description': ParameterValue(
+                        published_urdf(load_robot(robot or 'titan_viii')), value_type=str
+                    ),
+                }
+            ],
+            # Its names begin with a slash: in a namespace they would be those of all robots.
+            remappings=[(f'/{name}', name) for name in ('tf', 'tf_static')],
+        )
+    ]
+
+
+def start_rviz(use_sim_time: bool) -> Node:
+    """Start RViz with what a walking robot shows."""
+    if not is_installed('rviz2'):
+        raise ValueError('rviz:=true, and rviz2 is not installed: view:=true needs no RViz')
+    return Node(
+        package='rviz2',
+        executable='rviz2',
+        namespace=LaunchConfiguration('namespace'),
+        arguments=['-d', config_file('quadwalk.rviz')],
+        parameters=[{'use_sim_time': use_sim_time}],
+        # Its configuration has names that begin with a slash.
+        remappings=[(f'/{name}', name) for name in RVIZ_TOPICS],
+    )
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -92,6 +187,24 @@ def generate_launch_description() -> LaunchDescription:
                 'config_directory',
                 default_value=PathJoinSubstitution([FindPackageShare('quadwalk'), 'config']),
                 description='folder with planner_node.yaml and gait_node.yaml',
+            ),
+            DeclareLaunchArgument(
+                'respawn',
+                default_value='false',
+                choices=['true', 'false'],
+                description='start a node again when it has ended',
+            ),
+            DeclareLaunchArgument(
+                'robot_state_publisher',
+                default_value='auto',
+                choices=['auto', 'true', 'false'],
+                description="publish the frames of the legs; 'auto': where it is installed",
+            ),
+            DeclareLaunchArgument(
+                'rviz',
+                default_value='false',
+                choices=['true', 'false'],
+                description='show the robot in RViz, with config/quadwalk.rviz',
             ),
             DeclareLaunchArgument(
                 'view',

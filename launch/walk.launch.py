@@ -56,6 +56,10 @@ SIM_ARGUMENTS = {
     'camera_yaw': (float, "direction in the map of the picture's right side [rad]"),
     'publish_map': (boolean, 'false leaves the map to a camera'),
     'publish_tf': (boolean, 'false leaves the transforms to a camera'),
+    'publish_clock': (
+        boolean,
+        'false: another simulator does; with use_sim_time:=false',
+    ),
 }
 
 
@@ -93,7 +97,9 @@ def generate_launch_description() -> LaunchDescription:
     return LaunchDescription(
         [
             DeclareLaunchArgument(
-                'namespace', default_value='', description='of all topics; a second robot needs one'
+                'namespace',
+                default_value='',
+                description='of all topics; a second robot needs one, and publish_clock:=false',
             ),
             DeclareLaunchArgument(
                 'use_sim_time',

@@ -114,7 +114,8 @@ def _show(arguments: argparse.Namespace, place: PagePlace, starts: Sequence[Pose
             for number, start in enumerate(starts, start=1):
                 namespace = f'robot{number}' if len(starts) > 1 else ''
                 groups.append(stack.enter_context(NodeProcesses(namespace)))
-                _start_robot(groups[-1], arguments, start, is_only=len(starts) == 1)
+                is_only, is_first = len(starts) == 1, number == 1
+                _start_robot(groups[-1], arguments, start, is_only, is_first)
         viewer = stack.enter_context(NodeProcesses())
         console.print(invitation(start_viewer(viewer, place), place), highlight=False)
         console.print('A click on the floor is a goal. Ctrl-C ends.')
@@ -140,7 +141,7 @@ def _starts(arguments: argparse.Namespace) -> list[Pose2D]:
 
 
 def _start_robot(
-    nodes: object, arguments: argparse.Namespace, start: Pose2D, is_only: bool
+    nodes: object, arguments: argparse.Namespace, start: Pose2D, is_only: bool, is_first: bool
 ) -> None:
     from quad_lab.topic_walk.node_processes import NodeProcesses
 
@@ -155,6 +156,7 @@ def _start_robot(
         start_pose=[start.x, start.y, start.yaw],
         real_time_factor=float(arguments.real_time_factor),
         backend=arguments.backend,
+        publish_clock=is_first,
     )
     nodes.start(
         'planner_node',

@@ -39,7 +39,7 @@ class Parameter:
     choices: tuple[str, ...] = ()
     """Valid values of a text; empty if any will do."""
     length: int | None = None
-    """Number of elements of a list."""
+    """Number of elements of a list; one whose default is empty may also be empty."""
     is_dynamic: bool = False
     """Whether it may be set while the node runs."""
 
@@ -77,9 +77,13 @@ class Parameter:
 
     def _check_list(self, value: object) -> list[float]:
         valid = f'{self.length} finite numbers'
+        lengths = {self.length}
+        if not self.default:
+            valid += ', or none'
+            lengths.add(0)
         items = list(value) if isinstance(value, Iterable) else []
         are_numbers = all(isinstance(item, Real) and not isinstance(item, bool) for item in items)
-        if len(items) != self.length or not are_numbers or not all(map(math.isfinite, items)):
+        if len(items) not in lengths or not are_numbers or not all(map(math.isfinite, items)):
             raise ParameterError(self.name, value, valid)
         return [float(item) for item in items]
 
@@ -111,9 +115,12 @@ def parameter(
     upper: float | None = None,
     choices: tuple[str, ...] = (),
     is_dynamic: bool = False,
+    length: int | None = None,
 ) -> Any:
     """
     Make the field of a parameter dataclass; arguments as in :class:`Parameter`.
+
+    A list is as long as its default unless a length is given.
 
     Returns
     -------
@@ -129,7 +136,7 @@ def parameter(
             lower=lower,
             upper=upper,
             choices=choices,
-            length=len(default) if isinstance(default, list) else None,
+            length=len(default) if length is None and isinstance(default, list) else length,
             is_dynamic=is_dynamic,
         )
     }
@@ -216,7 +223,7 @@ def valid_range(parameter: Parameter) -> str:
     if parameter.choices:
         return ', '.join(parameter.choices)
     if isinstance(parameter.default, list):
-        return f'{parameter.length} numbers'
+        return f'{parameter.length} numbers' + ('' if parameter.default else ', or none')
     if isinstance(parameter.default, (bool, str)):
         return ''
     low = '' if parameter.lower is None else f'{parameter.lower:g}'

@@ -65,7 +65,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._odom_frame = 'odom'
         frame = MapFrame(p.map_frame, p.correction_time_constant)
         self._map = MapFrameListener(self, frame, p.correction_timeout)
-        self._topics = GaitTopics(self, supervisor, p.is_uneven)
+        self._topics = GaitTopics(self, supervisor, p)
         plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
         most_bytes = most_plan_bytes(p.longest_plan)
         self.create_subscription(Path, 'plan', self._on_plan, plan_qos, most_bytes=most_bytes)
@@ -82,13 +82,14 @@ class GaitNode(QuadNode[GaitParameters]):
         self.update_status()
 
     def take_parameters(self, parameters: GaitParameters) -> None:
-        """Change gaits at the end of the cycle."""
+        """Change gaits, and how plans are followed, at the end of the cycle."""
         gaits = parameters.gaits(self._robot)
         self._supervisor.set_gaits(*gaits, parameters.follower_options)
 
     def update_status(self) -> None:
         """Report what the robot does, or why it does not move."""
-        self.report_status(self._diagnosis.status(self.clock_problem(), self._map.problem()))
+        notes = self._map.problem(), self._topics.cmd_vel_problem()
+        self.report_status(self._diagnosis.status(self.clock_problem(), *notes))
 
     def _on_plan(self, message: Path) -> None:
         plan = plan_from_message(message, self.parameters.longest_plan)

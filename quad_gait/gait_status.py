@@ -73,7 +73,7 @@ class GaitStatus:
         self._distance_left = supervisor.distance_left(pose)
         return True
 
-    def status(self, clock_problem: str | None, old_correction: str) -> Status:
+    def status(self, clock_problem: str | None, *notes: str) -> Status:
         """
         Return what is to be reported.
 
@@ -81,27 +81,26 @@ class GaitStatus:
         ----------
         clock_problem : str or None
             That simulated time does not advance, as a sentence.
-        old_correction : str
-            That corrections of odometry have grown old, as a sentence; or empty.
+        *notes : str
+            What else a user should know, as sentences; empty ones are left out.
         """
         if clock_problem is not None:
-            return Status(Level.STALE, clock_problem)
+            return Status(Level.STALE, clock_problem, is_waiting=True)
         received = self._received_at
         if received is None or self._clock() - received > self._timeout:
             if self._is_time_still:
                 message = 'stale odometry: it comes, and its time stands still'
             else:
                 message = f"no odometry: waiting for it on '{self._topic}'"
-            return Status(Level.WARN, message)
+            return Status(Level.WARN, message, is_waiting=not self._is_time_still)
         supervisor = self._supervisor
         activity, cycle = supervisor.activity, supervisor.cycle
         level = _LEVELS.get(activity, Level.OK)
         silent_imu = self._estimator.imu_problem
         missing = '' if silent_imu in f'{supervisor.reason}; {supervisor.limit}' else silent_imu
-        notes = [note for note in (supervisor.limit, missing, old_correction) if note]
-        return Status(
-            max(level, Level.WARN) if notes else level,
-            '; '.join([f'{activity.value}: {supervisor.reason}', *notes]),
+        status = Status(
+            level,
+            f'{activity.value}: {supervisor.reason}',
             {
                 'activity': activity.value,
                 'gait': supervisor.gait.name,
@@ -109,4 +108,6 @@ class GaitStatus:
                 'least_margin': '' if cycle is None else f'{cycle.least_margin:.4f}',
                 'limit': supervisor.limit,
             },
+            is_waiting=activity is Activity.WAITING,
         )
+        return status.with_notes(supervisor.limit, missing, *notes)

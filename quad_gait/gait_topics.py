@@ -24,6 +24,7 @@ from quad_common.errors import QuadError
 from quad_common.plan import Plan
 from quad_common.ros.ros_node import QuadNode
 from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.parameters import GaitParameters
 from quad_gait.ros_conversions import (
     foothold_markers,
     leg_odometry_message,
@@ -50,13 +51,17 @@ class GaitTopics:
         The node.
     supervisor : Supervisor
         What decides.
-    is_uneven : bool
-        Whether the ground is.
+    parameters : GaitParameters
+        Its parameters.
     """
 
-    def __init__(self, node: QuadNode[Any], supervisor: Supervisor, is_uneven: bool) -> None:
+    def __init__(
+        self, node: QuadNode[Any], supervisor: Supervisor, parameters: GaitParameters
+    ) -> None:
+        self._node = node
         self._supervisor = supervisor
-        self._is_uneven = is_uneven
+        self._is_uneven = parameters.is_uneven
+        self._is_stamped = parameters.stamped_cmd_vel
         self._received = Path()
         self._followed: Plan | None = None
         self._last_footholds: NDArray[np.float64] | None = None
@@ -70,6 +75,18 @@ class GaitTopics:
         self._heartbeats = node.create_publisher(Header, 'gait/heartbeat', 10)
         self._last_heartbeat = -math.inf
         self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
+
+    def cmd_vel_problem(self) -> str:
+        """Say that steering is published as the type that is not subscribed to; empty if not."""
+        other = 'Twist' if self._is_stamped else 'TwistStamped'
+        publishers = self._node.get_publishers_info_by_topic('cmd_vel')
+        if not any(info.topic_type == f'geometry_msgs/msg/{other}' for info in publishers):
+            return ''
+        is_stamped, wanted = ('true', 'false') if self._is_stamped else ('false', 'true')
+        return (
+            f'cmd_vel is published as geometry_msgs/{other} and stamped_cmd_vel is {is_stamped}: '
+            f'that steering is not received; set it to {wanted}'
+        )
 
     def publish_decision(
         self, trajectory: JointTrajectory | None, state: RobotState, frame: str, stamp: Time

@@ -119,19 +119,43 @@ class GaitParameters:
         lower=0.0,
     )
     position_tolerance: float = parameter(
-        0.02, 'The robot is at a turning point or the goal when it is this near.', 'm', 0.005, 1.0
+        0.02,
+        'The robot is at a turning point or the goal when it is this near.',
+        'm',
+        lower=0.005,
+        upper=1.0,
+        is_dynamic=True,
     )
     heading_tolerance: float = parameter(
-        0.035, "The robot has the goal's heading when it is this near.", 'rad', 0.005, 1.0
+        0.035,
+        "The robot has the goal's heading when it is this near.",
+        'rad',
+        lower=0.005,
+        upper=1.0,
+        is_dynamic=True,
     )
     path_tolerance: float = parameter(
-        0.5, 'Farther from its plan the robot stops and waits for a new one.', 'm', lower=0.05
+        0.5,
+        'Farther from its plan the robot stops and waits for a new one.',
+        'm',
+        lower=0.05,
+        is_dynamic=True,
     )
     corner_deviation: float = parameter(
-        0.1, "How far an arc may pass inside a turning point, with turning 'arc'.", 'm', 0.001, 10.0
+        0.1,
+        "How far an arc may pass inside a turning point, with turning 'arc'.",
+        'm',
+        lower=0.001,
+        upper=10.0,
+        is_dynamic=True,
     )
     corner_radius: float = parameter(
-        1.0, "Largest radius of a rounded corner, with turning 'arc'.", 'm', 0.01, 100.0
+        1.0,
+        "Largest radius of a rounded corner, with turning 'arc'.",
+        'm',
+        lower=0.01,
+        upper=100.0,
+        is_dynamic=True,
     )
     odom_timeout: float = parameter(1.0, 'Older odometry is said to be missing.', 's', lower=0.05)
     joint_timeout: float = parameter(

@@ -162,7 +162,7 @@ class CameraSession:
             message = str(sighting.goal_problem)
         else:
             return Status(Level.OK, 'the map, and the robot on it, are seen')
-        return Status(Level.WARN, message)
+        return Status(Level.WARN, message, is_waiting=self.tracker is None or sighting is None)
 
 
 def _camera_place(p: CeilingCameraParameters) -> CameraModel:

@@ -49,7 +49,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
         """Report what is seen, or what is missing."""
         clock_problem = self.clock_problem()
         if clock_problem is not None:
-            self.report(STALE, clock_problem)
+            self.report(STALE, clock_problem, is_waiting=True)
         else:
             now = self.get_clock().now().nanoseconds * 1e-9
             self.report_status(self._session.status(now))

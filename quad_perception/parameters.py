@@ -27,6 +27,7 @@ class CeilingCameraParameters:
         [],
         'x and y of the lower left and the upper right corner; empty: what the camera sees.',
         'm',
+        length=4,
     )
     obstacle_color: list[float] = color_parameter('obstacle_color')
     front_color: list[float] = color_parameter('front_color')

@@ -29,24 +29,33 @@ class PlannerParameters:
         is_dynamic=True,
     )
     any_angle: bool = parameter(
-        False, "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight."
+        False,
+        "Whether paths of 'shortest' and 'quickest' may have any direction, not only eight.",
+        is_dynamic=True,
     )
     fewest_turns: bool = parameter(
         False,
         "Whether 'shortest' proves that no path over cells as short turns less; it takes longer.",
+        is_dynamic=True,
     )
-    gait: str = parameter('crawl', "The gait that walks the plan: 'quickest' counts its cycles.")
+    gait: str = parameter(
+        'crawl',
+        "The gait that walks the plan: 'quickest' counts its cycles.",
+        is_dynamic=True,
+    )
     potential: str = parameter(
         'either',
         "What 'potential' descends: the paper's functions, a navigation function, which has no "
         "local minima, or that where the paper's descent sticks.",
         choices=('paper', 'navigation', 'either'),
+        is_dynamic=True,
     )
     influence: float = parameter(
         1.5,
         "Farther from the safety boundary obstacles do not change a path of 'potential', Q* (S1).",
         'm',
         lower=0.01,
+        is_dynamic=True,
     )
     path_deviation: float = parameter(
         0.05,
@@ -54,9 +63,16 @@ class PlannerParameters:
         'm',
         lower=0.0,
         upper=1.0,
+        is_dynamic=True,
     )
     safety_distance: float = parameter(
-        0.12, "Kept free around the circle that holds the robot's feet.", 'm', lower=0.0, upper=10.0
+        0.12,
+        "Kept free around the circle that holds the robot's feet. When it changes, the way to the "
+        'goal is planned again.',
+        'm',
+        lower=0.0,
+        upper=10.0,
+        is_dynamic=True,
     )
     start_tolerance: float = parameter(
         -1.0,
@@ -65,11 +81,21 @@ class PlannerParameters:
         'm',
         lower=-1.0,
         upper=10.0,
+        is_dynamic=True,
     )
     occupied_threshold: int = parameter(
-        65, 'Cells of at least this occupancy are obstacles.', '%', lower=1, upper=100
+        65,
+        'Cells of at least this occupancy are obstacles.',
+        '%',
+        lower=1,
+        upper=100,
+        is_dynamic=True,
     )
-    unknown_is_free: bool = parameter(False, 'Whether paths may lead through unknown cells.')
+    unknown_is_free: bool = parameter(
+        False,
+        'Whether paths may lead through unknown cells.',
+        is_dynamic=True,
+    )
     step_height: float = parameter(
         0.0,
         "Steps of the height map that are higher are walked around; 0: the robot's own height.",
@@ -97,6 +123,7 @@ class PlannerParameters:
         "For 'shortest' and the navigation function of 'potential'.",
         lower=1.0,
         upper=15.0,
+        is_dynamic=True,
     )
     clearance_cost: float = parameter(
         1.0,
@@ -104,6 +131,7 @@ class PlannerParameters:
         "For 'shortest' and the navigation function of 'potential'.",
         lower=1.0,
         upper=15.0,
+        is_dynamic=True,
     )
     clearance_cost_distance: float = parameter(
         0.5,
@@ -111,18 +139,35 @@ class PlannerParameters:
         'm',
         lower=0.01,
         upper=100.0,
+        is_dynamic=True,
     )
     replan_distance: float = parameter(
-        0.3, 'The path is planned again when the robot has left it by more.', 'm', lower=0.05
+        0.3,
+        'The path is planned again when the robot has left it by more.',
+        'm',
+        lower=0.05,
+        is_dynamic=True,
     )
     planning_timeout: float = parameter(
-        5.0, 'A search that takes longer is given up.', 's', lower=0.01
+        5.0,
+        'A search that takes longer is given up.',
+        's',
+        lower=0.01,
+        is_dynamic=True,
     )
     largest_map: int = parameter(
-        2**26, 'Maps with more cells are refused: 2^26 are 8192 x 8192.', lower=1, upper=MAX_CELLS
+        2**26,
+        'Maps with more cells are refused: 2^26 are 8192 x 8192.',
+        lower=1,
+        upper=MAX_CELLS,
+        is_dynamic=True,
     )
     odom_timeout: float = parameter(
-        1.0, 'No plan is made from a pose that is older: it waits for the next one.', 's', 0.05
+        1.0,
+        'No plan is made from a pose that is older: it waits for the next one.',
+        's',
+        0.05,
+        is_dynamic=True,
     )
     correction_time_constant: float = parameter(
         3.0,

@@ -84,15 +84,15 @@ class PlannerNode(QuadNode[PlannerParameters]):
         """Report what the planner does, or what it waits for."""
         clock_problem, old_correction = self.clock_problem(), self._corrections.problem()
         if clock_problem is not None:
-            self.report(STALE, clock_problem)
+            self.report(STALE, clock_problem, is_waiting=True)
         else:
             status = session_status(self._session, self.parameters, self._pace, old_correction)
             self.report_status(status)
 
     def take_parameters(self, parameters: PlannerParameters) -> None:
-        """Change the planning method."""
+        """Plan by other parameters."""
         self._pace = planner_setup.change_planner(
-            self._session, parameters, self._requests, time.monotonic
+            self._session, self.parameters, parameters, self._requests, time.monotonic
         )
 
     def _on_map(self, message: OccupancyGrid) -> None:

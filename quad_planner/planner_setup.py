@@ -71,12 +71,16 @@ def session_from_parameters(
         steps_over_low=p.low_obstacles == 'step_over',
         warn=output.warn,
     )
-    options = SessionOptions(p.replan_distance, p.odom_timeout)
-    return PlanningSession(planning_map, requests, output, options)
+    return PlanningSession(planning_map, requests, output, _session_options(p))
+
+
+def _session_options(parameters: PlannerParameters) -> SessionOptions:
+    return SessionOptions(parameters.replan_distance, parameters.odom_timeout)
 
 
 def change_planner(
     session: PlanningSession,
+    before: PlannerParameters,
     parameters: PlannerParameters,
     requests: Requests,
     clock: Callable[[], float],
@@ -84,10 +88,15 @@ def change_planner(
     """
     Have a session plan by other parameters, from its next plan on.
 
+    That is at once where other cells are free than before: a plan in force may lead over those
+    that are not any more.
+
     Parameters
     ----------
     session : PlanningSession
         The session; it keeps its map, its goal and its plan.
+    before : PlannerParameters
+        The parameters up to now.
     parameters : PlannerParameters
         The new parameters.
     requests : Requests
@@ -107,9 +116,21 @@ def change_planner(
     """
     pace = pace_from_parameters(parameters)
     robot = load_robot(parameters.robot)
-    session.map.use(planner_from_parameters(parameters, robot, clock, requests.is_superseded))
+    planner = planner_from_parameters(parameters, robot, clock, requests.is_superseded)
+    session.map.use(planner, parameters.occupied_threshold)
+    session.options = _session_options(parameters)
     session.warm_up(clock)
+    if session.map.is_ready and _frees_other_cells(before, parameters):
+        session.plan_on_new_map()
     return pace
+
+
+def _frees_other_cells(a: PlannerParameters, b: PlannerParameters) -> bool:
+    return (a.safety_distance, a.occupied_threshold, a.unknown_is_free) != (
+        b.safety_distance,
+        b.occupied_threshold,
+        b.unknown_is_free,
+    )
 
 
 def planner_for(

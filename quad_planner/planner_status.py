@@ -39,7 +39,7 @@ def session_status(
     """
     topic, goal = parameters.odom_topic, session.pending_goal
     if not session.map.is_ready and session.problem is None:
-        return Status(Level.WARN, "no map: waiting for one on 'map'")
+        return Status(Level.WARN, "no map: waiting for one on 'map'", is_waiting=True)
     if session.is_busy and goal is None:
         return Status(
             Level.OK, 'getting the searches ready: once after an installation they compile'
@@ -49,7 +49,7 @@ def session_status(
     if session.problem is not None:
         return session.problem
     if not session.has_pose:
-        return Status(Level.WARN, f"no odometry: waiting for it on '{topic}'")
+        return Status(Level.WARN, f"no odometry: waiting for it on '{topic}'", is_waiting=True)
     if session.silence:
         return Status(
             Level.WARN,

@@ -25,6 +25,11 @@ class SimParameters:
     publish_tf: bool = parameter(
         True, 'Publish transforms; false: whoever finds out where the robot is does it.'
     )
+    publish_clock: bool = parameter(
+        True,
+        'Publish simulated time on /clock; false: another simulator in this ROS domain does. Nodes '
+        'that belong to this one then need use_sim_time false.',
+    )
     room_seed: int = parameter(
         -1, 'Of a room of obstacles at random, in place of a map; -1: none.', lower=-1
     )

@@ -87,7 +87,7 @@ class SimNode(QuadNode[SimParameters]):
 
     def update_status(self) -> None:
         """Report how the simulation goes."""
-        self.report_status(self._session.status())
+        self.report_status(self._session.status().with_notes(self._topics.clock_problem()))
 
     def destroy_node(self) -> None:
         """Release the simulator."""

@@ -65,7 +65,8 @@ class SimTopics:
         self._world = session.scenery.world
         self._joint_names = session.robot.joint_names
         sensor = qos_profile_sensor_data
-        self._clock = node.create_publisher(Clock, '/clock', _CLOCK)
+        self._node = node
+        self._clock = node.create_publisher(Clock, '/clock', _CLOCK) if p.publish_clock else None
         self._odometry = node.create_publisher(Odometry, 'odom', sensor)
         self._truth = node.create_publisher(Odometry, 'odom/truth', sensor)
         self._corrections = node.create_publisher(TransformStamped, 'map_to_odom', 10)
@@ -98,8 +99,19 @@ class SimTopics:
         self._transforms.publish_static(*fixed)
 
     def publish_clock(self, time: float) -> None:
-        """Publish simulated time [s]."""
-        self._clock.publish(Clock(clock=time_from_seconds(time)))
+        """Publish simulated time [s], unless another simulator does."""
+        if self._clock is not None:
+            self._clock.publish(Clock(clock=time_from_seconds(time)))
+
+    def clock_problem(self) -> str:
+        """Say that somebody else publishes another time; empty if nobody does."""
+        publishers = self._node.count_publishers('/clock')
+        if self._clock is None or publishers < 2:
+            return ''
+        return (
+            f'/clock has {publishers} publishers, and time leaps between theirs: give each '
+            'simulation a ROS_DOMAIN_ID of its own, or set publish_clock:=false for all but one'
+        )
 
     def publish_picture(self, time: float, take: Callable[[], Picture]) -> None:
         """Publish what the camera sees at a time [s]; without a subscriber none is taken."""

@@ -73,11 +73,11 @@ class ViewerNode(QuadNode[ViewerParameters]):
         silent = [robot.name or 'the robot' for robot in shown if not robot.has_robot(now)]
         values = {'pages': self._page.readers, 'robots': len(shown), 'address': self._page.address}
         if not shown:
-            self.report(WARN, 'no robot: waiting for joint_states of one', **values)
+            self.report(WARN, 'no robot: waiting for joint_states of one', True, **values)
         elif silent:
-            self.report(WARN, f'no odometry of {", ".join(silent)}: waiting for it', **values)
+            self.report(WARN, f'no odometry of {", ".join(silent)}: waiting for it', True, **values)
         else:
-            self.report(OK, f'showing the robot at {self._page.address}', **values)
+            self.report(OK, f'showing the robot at {self._page.address}', False, **values)
 
     def destroy_node(self) -> None:
         """Close the page."""

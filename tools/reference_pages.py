@@ -8,12 +8,11 @@ and the parameter tables themselves, and so are the same under every version of 
 from __future__ import annotations
 
 import argparse
-import importlib
 import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from quad_cli.main import COMMANDS
+from quad_cli.main import COMMANDS, command_module
 from quad_cli.parameters import TABLES
 from quad_common.parameters import Parameter, parameters_of, valid_range, yaml_from_parameters
 from quad_common.planar_pose import Pose2D
@@ -54,7 +53,7 @@ def commands_page() -> str:
     parts = [_COMMANDS, '\n'.join(['| command | what it does |', '| --- | --- |'])]
     parts[-1] += ''.join(f'\n| [{name}](#{name}) | {does} |' for name, does in COMMANDS.items())
     for name, does in COMMANDS.items():
-        module = importlib.import_module(f'quad_cli.{name}')
+        module = command_module(name)
         parser = argparse.ArgumentParser(prog=f'quadwalk {name}')
         module.add_arguments(parser)
         parts.append(f'\n## {name}\n\n{does[0].upper()}{does[1:]}.')

@@ -59,6 +59,8 @@ from quad_common.errors.parameters import MissingKey as MissingKey
 from quad_common.errors.parameters import NumbersInvalid as NumbersInvalid
 from quad_common.errors.parameters import OutOfRange as OutOfRange
 from quad_common.errors.parameters import ParameterError as ParameterError
+from quad_common.errors.parameters import ParameterFixed as ParameterFixed
+from quad_common.errors.parameters import ParameterUnknown as ParameterUnknown
 from quad_common.errors.parameters import ThresholdsCrossed as ThresholdsCrossed
 from quad_common.errors.parameters import UnknownKey as UnknownKey
 from quad_common.errors.perception import CameraEntryInvalid as CameraEntryInvalid

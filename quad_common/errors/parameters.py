@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from quad_common.errors.base import QuadError
-from quad_common.errors.quoting import shown
+from quad_common.errors.quoting import quoted, shown
 
 
 class ParameterError(QuadError, ValueError):
@@ -175,3 +175,34 @@ class NumbersInvalid(QuadError):
     def sentence(self) -> str:
         """Say what the list must hold."""
         return f"'{self.key}' is {shown(self.value)}; it must hold {self.count} finite numbers"
+
+
+@dataclass(eq=False, repr=False)
+class ParameterFixed(QuadError):
+    """A parameter was to change that is taken at the start of its node only."""
+
+    name: str
+    """Name of the parameter."""
+    value: object
+    """Value that it has, and keeps."""
+
+    def sentence(self) -> str:
+        """Say that a restart is needed."""
+        return (
+            f"'{self.name}' is {shown(self.value)}, which is fixed while the node runs: "
+            f'restart it to change that'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class ParameterUnknown(QuadError):
+    """A parameter was to be set that the node does not have."""
+
+    name: str
+    """Name that was given."""
+
+    def sentence(self) -> str:
+        """Say how to find those that there are."""
+        return (
+            f"{quoted(self.name)} is no parameter of this node; 'ros2 param list' says which it has"
+        )

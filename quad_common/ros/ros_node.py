@@ -10,22 +10,18 @@ from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.parameter import Parameter as RosParameter
 
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped
-from quad_common.parameters import Parameter, checked_parameters, parameters_of, valid_range
+from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import give_back_spare_memory
 from quad_common.ros.guarded_node import GuardedNode
-from quad_common.status import Status
+from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
+from quad_common.status import Level, Status
 
 Table = TypeVar('Table')
 
@@ -34,10 +30,11 @@ WARN = DiagnosticStatus.WARN
 ERROR = DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE
 
-_NO_LIMIT = 1e308
-
 _OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 """Parameters that rclpy itself declares."""
+
+_GRACE = 5.0
+"""Time in which nodes that start together find one another [s]; nothing is missing yet."""
 
 _SAME_LOG_AGAIN = 10.0
 """The same sentence is logged again only after so long [s]."""
@@ -74,7 +71,10 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._status = (OK, 'starting')
         self._values: dict[str, object] = {}
         self._said: tuple[bytes, str] | None = None
+        self._subject: tuple[bytes, str] | None = None
         self._logged_at: dict[str, float] = {}
+        self._began = time.monotonic()
+        self._has_unlogged_warning = False
         self._last_refusal: dict[str, object] = {}
         self._caught = 0
         self._clock_seen = self.get_clock().now().nanoseconds
@@ -82,12 +82,14 @@ class QuadNode(GuardedNode, Generic[Table]):
         # On the wall clock: it must speak up just when simulated time stands still.
         self.create_timer(1.0, self._on_second, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def report(self, level: bytes, message: str, **values: object) -> None:
+    def report(
+        self, level: bytes, message: str, is_waiting: bool = False, **values: object
+    ) -> None:
         """
         Say on ``diagnostics`` what the node does, or why it does not.
 
         It is published at once when level or message change, and every second; changes
-        are logged too.
+        of more than figures are logged too.
 
         Parameters
         ----------
@@ -95,6 +97,8 @@ class QuadNode(GuardedNode, Generic[Table]):
             OK, WARN, ERROR or STALE.
         message : str
             One sentence; of one that is too long, beginning and end are said.
+        is_waiting : bool
+            Whether it waits for other nodes: while nodes start, that is no warning in the log.
         **values
             Numbers that go with it.
         """
@@ -103,15 +107,19 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._values = values
         if self._said != self._status:
             self._said = self._status
-            self._log(level, message)
             self._publish_status(level, message)
+            subject = level, Status(Level(level[0]), message).subject
+            if self._subject != subject:
+                self._subject = subject
+                self._log(level, message, subject[1], is_waiting)
 
     def report_status(self, status: Status | QuadError) -> None:
         """Report a status of the core, or the error that is its status."""
         if isinstance(status, QuadError):
             self.report_error(status)
         else:
-            self.report(bytes([status.level]), status.message, **status.values)
+            level = bytes([status.level])
+            self.report(level, status.message, is_waiting=status.is_waiting, **status.values)
 
     def update_status(self) -> None:
         """Report what is going on; called every second. Nodes override it."""
@@ -161,19 +169,24 @@ class QuadNode(GuardedNode, Generic[Table]):
             give_back_spare_memory()
         self.update_status()
         self._publish_status(*self._status)
+        if self._has_unlogged_warning and time.monotonic() - self._began >= _GRACE:
+            self._has_unlogged_warning = False
+            self.get_logger().warning(self._status[1])
 
-    def _log(self, level: bytes, message: str) -> None:
-        """Log a message, unless it was logged a moment ago: bad input may come in streams."""
+    def _log(self, level: bytes, message: str, subject: str, is_waiting: bool) -> None:
+        """Log a message, unless its like was a moment ago: bad input may come in streams."""
         now = time.monotonic()
-        if now - self._logged_at.get(message, -math.inf) < _SAME_LOG_AGAIN:
+        key = f'{level[0]} {subject}'
+        if now - self._logged_at.get(key, -math.inf) < _SAME_LOG_AGAIN:
             return
         self._logged_at = {m: t for m, t in self._logged_at.items() if now - t < _SAME_LOG_AGAIN}
         if len(self._logged_at) >= _LOGGED_SENTENCES:
             return
-        self._logged_at[message] = now
+        self._logged_at[key] = now
+        self._has_unlogged_warning = is_waiting and now - self._began < _GRACE
         if level == ERROR:
             self.get_logger().error(message)
-        elif level == OK:
+        elif level == OK or self._has_unlogged_warning:
             self.get_logger().info(message)
         else:
             self.get_logger().warning(message)
@@ -198,7 +211,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         with self.handle:
             given = dict(self.handle.get_parameters(RosParameter))
         given.update({parameter.name: parameter for parameter in overrides})
-        return {name: _plain(parameter.value) for name, parameter in given.items()}
+        return {name: plain_value(parameter) for name, parameter in given.items()}
 
     def _declare(self, table: type[Table], given: dict[str, object]) -> Table:
         """Declare the parameters with checked values, so that refusals are our sentences."""
@@ -215,19 +228,46 @@ class QuadNode(GuardedNode, Generic[Table]):
             self.declare_parameter(
                 parameter.name,
                 getattr(checked, parameter.name),
-                _descriptor(parameter),
+                descriptor(parameter),
                 ignore_override=True,
             )
         if any(parameter.is_dynamic for parameter in declared):
             self.add_on_set_parameters_callback(self._on_set_parameters)
         return checked
 
+    def set_parameters_atomically(self, parameter_list: list[RosParameter]) -> SetParametersResult:
+        """
+        Set parameters; see rclpy's Node, whose services for parameters call it.
+
+        What has its value already needs no change and is never refused, an integer is taken for
+        a float, and a refusal says what would be valid.
+
+        Parameters
+        ----------
+        parameter_list : list of rclpy.parameter.Parameter
+            As rclpy's.
+
+        Returns
+        -------
+        rcl_interfaces.msg.SetParametersResult
+            As rclpy's.
+        """
+        table = {parameter.name: parameter for parameter in parameters_of(type(self.parameters))}
+        declared = [p.name for p in parameter_list if self.has_parameter(p.name)]
+        present = {name: self.get_parameter(name) for name in declared}
+        try:
+            changes = real_changes(parameter_list, table, present)
+        except QuadError as error:
+            return SetParametersResult(successful=False, reason=clipped(str(error)))
+        if parameter_list and not changes:
+            return SetParametersResult(successful=True)
+        return super().set_parameters_atomically(changes)
+
     def _on_set_parameters(self, changes: list[RosParameter]) -> SetParametersResult:
         """Check a change of parameters as a whole, and hand it to the node."""
-        table = type(self.parameters)
-        known = {parameter.name: parameter for parameter in parameters_of(table)}
+        known = {parameter.name: parameter for parameter in parameters_of(type(self.parameters))}
         try:
-            new = {c.name: known[c.name].check(_plain(c.value)) for c in changes if c.name in known}
+            new = {c.name: known[c.name].check(plain_value(c)) for c in changes if c.name in known}
             if new:
                 changed = replace(self.parameters, **new)  # type: ignore[type-var]
                 self.take_parameters(changed)
@@ -235,27 +275,3 @@ class QuadNode(GuardedNode, Generic[Table]):
         except QuadError as error:
             return SetParametersResult(successful=False, reason=clipped(str(error)))
         return SetParametersResult(successful=True)
-
-
-def _plain(value: Any) -> object:
-    return list(value) if hasattr(value, '__len__') and not isinstance(value, str) else value
-
-
-def _descriptor(parameter: Parameter) -> ParameterDescriptor:
-    described = ParameterDescriptor(
-        description=parameter.description + (f' [{parameter.unit}]' if parameter.unit else ''),
-        additional_constraints=valid_range(parameter),
-        read_only=not parameter.is_dynamic,
-    )
-    if isinstance(parameter.default, (bool, str, list)):
-        return described
-    low = -_NO_LIMIT if parameter.lower is None else parameter.lower
-    high = _NO_LIMIT if parameter.upper is None else parameter.upper
-    if isinstance(parameter.default, int):
-        low, high = max(low, -(2**63)), min(high, 2**63 - 1)
-        described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
-    else:
-        described.floating_point_range = [
-            FloatingPointRange(from_value=float(low), to_value=float(high), step=0.0)
-        ]
-    return described

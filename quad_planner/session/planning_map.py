@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from quad_common.errors import InvalidMessage, WrongFrame
+from quad_common.errors import InvalidMessage, QuadError, WrongFrame
 from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
@@ -93,10 +93,29 @@ class PlanningMap:
             self.pose_on_map(goal_frame or name, end, 'goal'),
         )
 
-    def use(self, planner: Planner[Any]) -> None:
-        """Plan with another planner on the map that is known; QuadError if it cannot be used."""
-        if self._grid is not None:
-            planner.set_map(self._combined(self._grid, self._ground))
+    def use(self, planner: Planner[Any], occupied_threshold: int) -> None:
+        """
+        Plan with another planner on the map that is known.
+
+        Parameters
+        ----------
+        planner : Planner
+            The planning method.
+        occupied_threshold : int
+            Least occupancy of an obstacle [%].
+
+        Raises
+        ------
+        QuadError
+            If the map cannot be planned on with it; all stays as it was.
+        """
+        threshold, self._occupied_threshold = self._occupied_threshold, occupied_threshold
+        try:
+            if self._grid is not None:
+                planner.set_map(self._combined(self._grid, self._ground))
+        except QuadError:
+            self._occupied_threshold = threshold
+            raise
         self.planner = planner
 
     def warm_up(self, clock: Callable[[], float]) -> float:

@@ -82,9 +82,10 @@ class PlanningSession:
     ) -> None:
         self.map = planning_map
         """Map that is planned on."""
+        self.options = options
+        """Conditions under which it plans."""
         self._requests = requests
         self._output = output
-        self._options = options
         self._pose: Pose2D | None = None
         self._age = PoseAge()
         self._checked_at = 0.0
@@ -123,7 +124,7 @@ class PlanningSession:
     def silence(self) -> float:
         """Time since the last pose [s]; 0 as long as it is recent enough to plan from."""
         seconds = self._age.seconds
-        return seconds if self.has_pose and seconds > self._options.odom_timeout else 0.0
+        return seconds if self.has_pose and seconds > self.options.odom_timeout else 0.0
 
     @property
     def has_ended(self) -> bool:
@@ -147,16 +148,17 @@ class PlanningSession:
             If it cannot be planned on, or a height map that waited for it does not go with it.
         """
         if self.map.take_grid(grid, frame):
-            self._plan_on_new_map()
+            self.plan_on_new_map()
         if self.map.take_waiting_heights():
-            self._plan_on_new_map()
+            self.plan_on_new_map()
 
     def take_heights(self, heights: HeightMap, frame: str) -> None:
         """Plan over this ground from now on; see :meth:`PlanningMap.take_heights`."""
         if self.map.take_heights(heights, frame):
-            self._plan_on_new_map()
+            self.plan_on_new_map()
 
-    def _plan_on_new_map(self) -> None:
+    def plan_on_new_map(self) -> None:
+        """Show the map, and plan on it to the goal in force."""
         self.problem = None
         assert self.map.planner.prepared is not None
         self._output.show_map(self.map.planner.prepared)
@@ -215,7 +217,7 @@ class PlanningSession:
 
     def _look_where_it_is(self, pose: Pose2D) -> None:
         """Plan again for a robot that has left its path, if it is still to get to its goal."""
-        farthest = self._options.replan_distance
+        farthest = self.options.replan_distance
         if self.plan is None:
             # Its plan was taken back, for the map left no path: until then the robot stands.
             if self._void_at is not None and pose.distance_to(self._void_at) > farthest:
@@ -252,11 +254,9 @@ class PlanningSession:
         plan : Plan or None
             None: the plan of that stamp has ended.
         """
-        if plan is None:
-            if stamp in self._stamps_to_goal:
-                self._end_goal()
-            return
-        if stamp in self._stamps:
+        if plan is None and stamp in self._stamps_to_goal:
+            self._end_goal()
+        if plan is None or stamp in self._stamps:
             return
         if self._is_new:
             self._is_new = False

@@ -30,6 +30,7 @@ class Sample:
     name: str = parameter('lf', 'Any text.')
     mode: str = parameter('walk', 'A mode.', choices=('walk', 'stand'))
     pose: list[float] = parameter([1.0, 2.0, 3.0], 'A pose.', 'm')  # noqa: RUF009
+    bounds: list[float] = parameter([], 'Bounds, if any.', 'm', length=4)  # noqa: RUF009
 
 
 def checked(**values):
@@ -60,6 +61,8 @@ def test_without_values_every_parameter_has_its_default():
         ('name', ''),
         ('mode', 'stand'),
         ('pose', [-1.0, 0.0, 1e3]),
+        ('bounds', []),
+        ('bounds', [0.0, 0.0, 8.0, 6.0]),
     ],
 )
 def test_a_valid_value_is_taken_as_it_is_and_the_rest_stays(name, value):
@@ -114,6 +117,7 @@ def test_a_list_may_be_any_sequence_of_numbers():
         ('pose', [1.0, 2.0, None], '3 finite numbers'),
         ('pose', [1.0, 2.0, True], '3 finite numbers'),
         ('pose', '123', '3 finite numbers'),
+        ('bounds', [0.0, 0.0], '4 finite numbers, or none'),
     ],
 )
 def test_a_value_that_is_not_valid_is_told_with_what_would_be(name, value, valid):
@@ -124,7 +128,8 @@ def test_a_value_that_is_not_valid_is_told_with_what_would_be(name, value, valid
 
 def test_a_parameter_that_does_not_exist_is_refused_with_those_that_do():
     assert refusal(velocity=1.0).endswith(
-        'it must be left out; parameters are flag, count, speed, depth, free, name, mode, pose'
+        'it must be left out; '
+        'parameters are flag, count, speed, depth, free, name, mode, pose, bounds'
     )
 
 
@@ -144,6 +149,7 @@ def test_the_range_is_said_in_a_few_words():
         'name': '',
         'mode': 'walk, stand',
         'pose': '3 numbers',
+        'bounds': '4 numbers, or none',
     }
 
 

@@ -82,8 +82,8 @@ class Robot:
         estimator = self.supervisor.estimator
         self.status = GaitStatus(self.supervisor, estimator, GaitParameters(), clock)
 
-    def said(self, clock_problem=None, old_correction=''):
-        return self.status.status(clock_problem, old_correction)
+    def said(self, clock_problem=None, *notes):
+        return self.status.status(clock_problem, *notes)
 
 
 @pytest.fixture
@@ -120,7 +120,8 @@ def test_what_the_robot_does_is_said_with_its_level_and_values(robot):
 def test_notes_make_a_warning(robot):
     robot.status.take_odometry(is_new=True)
     robot.supervisor.update(measurement(ROBOT, 1.0))
-    status = robot.said(old_correction='the last correction is 9 s old')
+    assert robot.said(None, '', '').level is Level.OK
+    status = robot.said(None, 'the last correction is 9 s old', '')
     assert status.level is Level.WARN
     assert status.message.endswith('; the last correction is 9 s old')
 

@@ -3,11 +3,12 @@ A planner as the node's parameters say: how near to a wall a walk may begin.
 """
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from quad_common.errors import ParameterError, StartOccupied
+from quad_common.errors import GoalOccupied, ParameterError, StartOccupied
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -81,14 +82,13 @@ class Noted:
 
 def test_another_method_counts_from_the_next_plan_on_and_keeps_map_and_plan():
     output, requests, robot = Noted(), ImmediateRequest(), load_robot('titan_viii')
-    session = session_from_parameters(
-        PlannerParameters(method='mesh'), robot, MapFrame(), requests, output
-    )
+    mesh_parameters = PlannerParameters(method='mesh')
+    session = session_from_parameters(mesh_parameters, robot, MapFrame(), requests, output)
     session.take_grid(walled_room(), 'map')
     session.take_pose(0.0, Pose2D(1.3, 1.7, 0.0))
     session.give_goal('map', Pose2D(2.9, 2.3, 0.0))
     shortest = PlannerParameters(method='shortest', any_angle=True)
-    change_planner(session, shortest, requests, time.monotonic)
+    change_planner(session, mesh_parameters, shortest, requests, time.monotonic)
     assert len(output.plans) == 1
     session.give_goal('map', Pose2D(2.9, 2.3, 0.0))
     mesh, straight = output.plans
@@ -103,5 +103,45 @@ def test_a_method_that_cannot_be_had_leaves_the_planner_as_it_is(tmp_path):
     planner = session.map.planner
     unknown = PlannerParameters(method='quickest', gait=str(tmp_path / 'unknown.yaml'))
     with pytest.raises(ParameterError):
-        change_planner(session, unknown, requests, time.monotonic)
+        change_planner(session, PlannerParameters(), unknown, requests, time.monotonic)
     assert session.map.planner is planner
+
+
+def session_on_its_way(parameters):
+    """Return a session whose robot walks past the wall, with what it published."""
+    output, requests, robot = Noted(), ImmediateRequest(), load_robot('titan_viii')
+    session = session_from_parameters(parameters, robot, MapFrame(), requests, output)
+    session.take_grid(walled_room(), 'map')
+    session.take_pose(0.0, Pose2D(1.3, 1.7, 0.0))
+    session.give_goal('map', Pose2D(2.9, 1.7, 0.0))
+    return session, output, requests
+
+
+@pytest.mark.parametrize('change', [{'safety_distance': 0.2}, {'occupied_threshold': 50}])
+def test_where_other_cells_are_free_than_before_the_plan_in_force_is_made_again(change):
+    before = PlannerParameters()
+    session, output, requests = session_on_its_way(before)
+    change_planner(session, before, replace(before, **change), requests, time.monotonic)
+    assert len(output.plans) == 2
+    assert output.plans[-1].poses[-1] == Pose2D(2.9, 1.7, 0.0)
+
+
+def test_a_plan_that_a_larger_safety_distance_forbids_is_taken_back():
+    before = PlannerParameters()
+    session, output, requests = session_on_its_way(before)
+    wide = replace(before, safety_distance=1.0)
+    change_planner(session, before, wide, requests, time.monotonic)
+    assert output.plans[-1] is None
+    assert isinstance(session.problem, GoalOccupied)
+
+
+def test_the_conditions_of_planning_again_may_change_on_the_way():
+    before = PlannerParameters()
+    session, output, requests = session_on_its_way(before)
+    patient = replace(before, replan_distance=2.0)
+    change_planner(session, before, patient, requests, time.monotonic)
+    session.take_pose(1.0, Pose2D(1.8, 2.6, 0.0))
+    assert len(output.plans) == 1
+    change_planner(session, patient, before, requests, time.monotonic)
+    session.take_pose(2.0, Pose2D(1.8, 2.6, 0.0))
+    assert len(output.plans) == 2

@@ -17,9 +17,9 @@ MOST_MODULES = 16
 """In one folder, without ``__init__``."""
 
 SHELLS = {
-    'ros_node', 'run_node', 'map_frame_listener', 'transform_publisher', 'bullet_simulator',
-    'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window', 'composed_nodes',
-    'mjcf', 'mjcf_shapes',
+    'ros_node', 'node_parameters', 'run_node', 'map_frame_listener', 'transform_publisher',
+    'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window',
+    'composed_nodes', 'mjcf', 'mjcf_shapes',
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 

@@ -18,6 +18,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -298,3 +299,88 @@ def test_a_launch_file_declares_its_arguments(name):
         if isinstance(entity, launch.actions.DeclareLaunchArgument)
     ]
     assert {'robot', 'namespace', 'use_sim_time', 'config_directory'} <= set(arguments)
+
+
+def launch_file(name: str) -> dict[str, Any]:
+    """Run a launch file; skip where launch_ros is not installed."""
+    pytest.importorskip('launch_ros')
+    return runpy.run_path(str(ROOT / 'launch' / f'{name}.launch.py'))
+
+
+def context_of(**arguments: object) -> Any:
+    """Return a launch that was given these arguments."""
+    launch = pytest.importorskip('launch')
+    context = launch.LaunchContext()
+    context.launch_configurations.update(
+        {'namespace': '', **{name: str(value) for name, value in arguments.items()}}
+    )
+    return context
+
+
+def test_all_arguments_of_what_a_launch_file_includes_are_shown():
+    camera = launch_file('camera')['generate_launch_description']()
+    shown = {argument.name for argument in camera.get_launch_arguments()}
+    # Of the simulator, of the planner and the gait, and of what is shown.
+    assert {'start_pose', 'backend', 'publish_clock'} <= shown
+    assert {'method', 'gait', 'turning', 'respawn', 'rviz', 'robot_state_publisher'} <= shown
+
+
+@pytest.mark.parametrize(('wanted', 'is_there'), [('auto', True), ('auto', False), ('false', True)])
+def test_the_frames_of_the_legs_are_published_where_they_can_be(wanted, is_there):
+    start = launch_file('robot')['start_state_publisher']
+    start.__globals__['is_installed'] = lambda package: is_there
+    context = context_of(robot_state_publisher=wanted, robot='', config_directory=ROOT / 'config')
+    started = [type(entity).__name__ for entity in start(context, True)]
+    expected = {('auto', True): ['Node'], ('auto', False): ['LogInfo'], ('false', True): []}
+    assert started == expected[wanted, is_there]
+
+
+def test_what_is_asked_for_and_not_installed_is_refused():
+    robot = launch_file('robot')
+    robot['start_rviz'].__globals__['is_installed'] = lambda package: False
+    with pytest.raises(ValueError, match='rviz2 is not installed'):
+        robot['start_rviz'](True)
+    with pytest.raises(ValueError, match='robot_state_publisher is not installed'):
+        robot['start_state_publisher'](context_of(robot_state_publisher='true'), True)
+
+
+def rviz_topics() -> dict[str, dict[str, str]]:
+    """Topics of RViz's configuration, with their settings."""
+    text = (ROOT / 'config' / 'quadwalk.rviz').read_text(encoding='utf-8')
+    manager = yaml.safe_load(text)['Visualization Manager']
+    assert manager['Global Options']['Fixed Frame'] == 'map'
+    found = {}
+    for part in (*manager['Displays'], *manager['Tools']):
+        topic = part.get('Topic') or part.get('Description Topic')
+        if topic:
+            found[topic['Value'].lstrip('/')] = topic
+    return found
+
+
+def test_rviz_shows_topics_that_exist_as_they_are_published():
+    topics = rviz_topics()
+    assert {'map', 'plan', 'robot_description', 'footholds', 'odom', 'goal_pose'} <= set(topics)
+    for name, topic in topics.items():
+        page = (ROOT / 'msg_docs' / f'{name}.md').read_text(encoding='utf-8')
+        [quality] = [line.lower() for line in page.splitlines() if line.startswith('| QoS |')]
+        assert topic['Reliability Policy'].lower() in quality, name
+        assert topic['Durability Policy'].lower() in quality, name
+
+
+def test_rviz_is_brought_into_a_namespace_with_all_its_topics():
+    tree = ast.parse((ROOT / 'launch' / 'robot.launch.py').read_text(encoding='utf-8'))
+    [names] = [
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == 'RVIZ_TOPICS'
+    ]
+    assert set(names) == {*rviz_topics(), 'tf', 'tf_static'}
+
+
+def test_foxgloves_layout_shows_topics_that_exist():
+    text = (ROOT / 'config' / 'foxglove_layout.json').read_text(encoding='utf-8')
+    layout = json.loads(text)
+    shown = set(layout['configById']['3D!room']['topics']) | {'/goal_pose', '/robot_description'}
+    assert all((ROOT / 'msg_docs' / f'{name[1:]}.md').is_file() for name in shown)
+    panels = set(layout['configById'])
+    assert {name for name in panels if f'"{name}"' in json.dumps(layout['layout'])} == panels

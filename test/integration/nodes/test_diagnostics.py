@@ -11,8 +11,10 @@ import pytest
 pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Twist, TwistStamped
 from harness import OK, STALE, WARN, Bench
 from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from quad_common.maps.occupancy_grid import OccupancyGrid
@@ -103,3 +105,57 @@ def test_a_paused_clock_is_stale_until_it_goes_on(bench: Bench):
     bench.wait_for_status('planner_node', 'ready', level=OK)
     bench.wait_for_status('gait_node', 'standing', level=OK)
     assert bench.time > paused_at
+
+
+def test_a_second_clock_is_noticed_and_said_until_it_is_gone(bench: Bench):
+    bench.start('sim_node', map_file='none')
+    bench.wait_for_status('sim_node', 'running', level=OK)
+    other = bench.node.create_publisher(Clock, '/clock', 1)
+    said = bench.wait_for_status('sim_node', 'running; /clock has 2 publishers', level=WARN)
+    assert 'ROS_DOMAIN_ID' in said.message
+    assert 'publish_clock:=false' in said.message
+    bench.node.destroy_publisher(other)
+    bench.wait_until('it runs alone', lambda: bench.statuses['sim_node'].message == 'running')
+
+
+def test_a_simulator_without_a_clock_leaves_it_to_others(bench: Bench):
+    other = bench.node.create_publisher(Clock, '/clock', 1)
+    bench.start('sim_node', map_file='none', publish_clock=False)
+    bench.wait_until('it simulates', lambda: bench.elapsed > 2.0)
+    assert bench.node.count_publishers('/clock') == 1
+    assert bench.wait_for_status('sim_node', 'running').message == 'running'
+    bench.node.destroy_publisher(other)
+
+
+@pytest.mark.parametrize(
+    ('is_stamped', 'other', 'wanted'), [(False, TwistStamped, 'true'), (True, Twist, 'false')]
+)
+def test_steering_of_the_type_that_is_not_received_is_said(bench: Bench, is_stamped, other, wanted):
+    bench.start('sim_node', map_file='none')
+    bench.start('gait_node', stamped_cmd_vel=is_stamped)
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+    publisher = bench.node.create_publisher(other, 'cmd_vel', 10)
+    said = bench.wait_for_status('gait_node', 'cmd_vel is published as', level=WARN).message
+    assert said.endswith(
+        f'cmd_vel is published as geometry_msgs/{other.__name__} and stamped_cmd_vel is '
+        f'{str(is_stamped).lower()}: that steering is not received; set it to {wanted}'
+    )
+    bench.wait_until('some seconds', lambda: bench.elapsed > 4.0)
+    log = bench.processes['gait_node'].log_tail(1000)
+    assert log.count('that steering is not received') <= 2
+    bench.node.destroy_publisher(publisher)
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+
+
+def test_what_is_missing_at_the_start_is_a_warning_in_the_log_when_it_stays_missing(bench: Bench):
+    bench.start('gait_node', use_sim_time=False)
+    bench.wait_for_status('gait_node', 'no odometry', level=WARN)
+    process = bench.processes['gait_node']
+
+    def logged(level: str) -> int:
+        lines = process.log_tail(1000).splitlines()
+        return sum(f'[{level}]' in line and 'no odometry' in line for line in lines)
+
+    bench.wait_until('it is said', lambda: logged('INFO') == 1)
+    assert logged('WARN') == 0
+    bench.wait_until('the warning', lambda: logged('WARN') == 1)
