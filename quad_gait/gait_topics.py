@@ -41,6 +41,11 @@ _HEARTBEAT = 0.1
 """Time between two heartbeats, in the time of the measurements [s]."""
 
 
+_POLYGON_PERIOD = 0.1
+"""Time between two support polygons of the same feet [s]: they stand, and to find their polygon
+takes half as long as a decision."""
+
+
 class GaitTopics:
     """
     The publishers of the gait, and what becomes of its supervisor's decisions.
@@ -73,7 +78,8 @@ class GaitTopics:
         self._leg_odometry = node.create_publisher(Odometry, 'odom/legs', qos_profile_sensor_data)
         self._followed_plans = node.create_publisher(Path, 'plan/followed', _LATCHED)
         self._heartbeats = node.create_publisher(Header, 'gait/heartbeat', 10)
-        self._last_heartbeat = -math.inf
+        self._last_heartbeat = self._last_polygon = -math.inf
+        self._polygon_contacts = b''
         self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
 
     def cmd_vel_problem(self) -> str:
@@ -148,12 +154,21 @@ class GaitTopics:
             self._margins.publish(Float64(data=margin))
         if math.isfinite(measured):
             self._measured_margins.publish(Float64(data=measured))
-        if self._polygons.get_subscription_count() > 0:
+        if self._polygons.get_subscription_count() > 0 and self._is_polygon_due(state, in_contact):
             if self._is_uneven:
                 polygon = state.support_polygon(in_contact)
             else:
                 polygon = planned.polygon_at(state.time, state.pose)
             self._polygons.publish(polygon_message(polygon, frame, stamp))
+
+    def _is_polygon_due(self, state: RobotState, in_contact: NDArray[np.bool_]) -> bool:
+        """Return whether other feet stand, or the last polygon was published some time ago."""
+        contacts = in_contact.tobytes()
+        is_due = not 0.0 <= state.time - self._last_polygon < _POLYGON_PERIOD
+        if not is_due and contacts == self._polygon_contacts:
+            return False
+        self._last_polygon, self._polygon_contacts = state.time, contacts
+        return True
 
 
 class GaitServices:
