@@ -1,0 +1,67 @@
+"""
+What the gait publishes, and how often.
+"""
+
+from types import SimpleNamespace
+from unittest import mock
+
+import numpy as np
+import pytest
+
+pytest.importorskip('geometry_msgs')
+
+from builtin_interfaces.msg import Time
+
+from quad_common.planar_pose import Pose2D
+from quad_gait.gait_topics import GaitTopics
+from quad_gait.parameters import GaitParameters
+
+CORNERS = np.array([[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1]])
+
+
+class Node:
+    """A node whose publishers keep what they are given."""
+
+    def __init__(self, readers=1):
+        self.published = {}
+        self._readers = readers
+
+    def create_publisher(self, kind, topic, qos):
+        kept = self.published.setdefault(topic, [])
+        return SimpleNamespace(publish=kept.append, get_subscription_count=lambda: self._readers)
+
+
+def published_polygons(contacts, readers=1):
+    """Publish at 50 Hz which feet stand; return the polygons."""
+    supervisor = mock.Mock()
+    supervisor.support.margin_at.return_value = 0.05
+    supervisor.support.polygon_at.return_value = CORNERS
+    node = Node(readers)
+    topics = GaitTopics(node, supervisor, GaitParameters())
+    for k, standing in enumerate(contacts):
+        supervisor.in_contact_at.return_value = np.array(standing)
+        state = mock.Mock(time=0.02 * k, pose=Pose2D(0.0, 0.0, 0.0))
+        state.stability_margin.return_value = 0.04
+        topics.publish_decision(None, state, 'odom', Time())
+    return node.published
+
+
+ALL, THREE = (True, True, True, True), (True, False, True, True)
+
+
+def test_margins_come_with_every_measurement():
+    assert len(published_polygons([ALL] * 50)['stability_margin']) == 50
+
+
+def test_the_polygon_of_the_same_feet_comes_ten_times_a_second():
+    polygons = published_polygons([ALL] * 50)['support_polygon']
+    assert len(polygons) == pytest.approx(10, abs=1)
+    assert len(polygons[0].polygon.points) == len(CORNERS)
+
+
+def test_the_polygon_of_other_feet_comes_at_once():
+    assert len(published_polygons([ALL, THREE, ALL, THREE])['support_polygon']) == 4
+
+
+def test_without_a_reader_there_is_none():
+    assert published_polygons([ALL] * 20, readers=0)['support_polygon'] == []
