@@ -58,12 +58,12 @@ def _record(arguments: argparse.Namespace) -> int:
     console = Console()
     with Recorder(arguments.output, arguments.namespace, arguments.everything) as recorder:
         console.print(f'recording to {arguments.output}; Ctrl-C ends', highlight=False)
+        counts = recorder.recording.counts
         end = None if arguments.duration is None else time.monotonic() + arguments.duration
         try:
             with console.status('') as status:
                 while end is None or time.monotonic() < end:
                     recorder.listen(_LOOK_PERIOD)
-                    counts = recorder.recording.counts
                     status.update(f'{sum(counts.values())} messages of {len(counts)} topics')
         except Interrupted:
             # That is how it ends.

@@ -84,6 +84,8 @@ def _film(arguments: argparse.Namespace) -> int:
 
     if not 64 <= arguments.width <= 4096:
         raise ParameterError('--width', arguments.width, 'a whole number from 64 to 4096')
+    if arguments.first > arguments.last:
+        raise ParameterError('--first', arguments.first, f'at most --last, {arguments.last:g}')
     folder = user_path(arguments.recording, 'recording')
     messages = RecordedMessages(folder, arguments.namespace)
     name = arguments.robot or str(facts_of(folder).get('robot', ''))

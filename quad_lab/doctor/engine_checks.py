@@ -11,7 +11,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from quad_common.errors import QuadError
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.doctor.finding import Finding, State, good, missing, wrong
 from quad_sim.engines.registry import AUTO, ENGINES, make_simulator, resolved
@@ -59,7 +58,8 @@ def _engine(name: str) -> Iterator[Finding]:
             simulator.step(robot.initial_joint_angles.reshape(-1), np.zeros(12))
         spent = (time.perf_counter() - began) / _STEPS
         simulator.close()
-    except (QuadError, ImportError) as error:
+    # Whatever is wrong with an engine's libraries is what is to be told.
+    except Exception as error:
         yield wrong(package, str(error), f'pip install --force-reinstall {package}')
         return
     yield good(

@@ -55,7 +55,15 @@ def check_python() -> Iterator[Finding]:
         if importlib.util.find_spec(name) is None:
             yield missing(name, f'absent: no {purpose}', f"pip install 'quadwalk[{extra}]'")
         else:
-            yield good(name, f'{importlib.metadata.version(name)}: {purpose}')
+            yield good(name, f'{_version(name)}: {purpose}')
+
+
+def _version(name: str) -> str:
+    """Return a package's version; of one that the system brings it may not be known."""
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return 'of the system'
 
 
 def check_files() -> Iterator[Finding]:

@@ -13,6 +13,7 @@ import uuid
 from collections.abc import Iterator
 
 from quad_common.errors import QuadError
+from quad_common.errors.quoting import quoted
 from quad_lab.doctor.finding import Finding, good, missing, wrong
 
 _PACKAGES = (
@@ -27,6 +28,9 @@ _PATIENCE = 15.0
 """Time in which another process must have been found [s]."""
 
 _MESSAGES = 50
+
+_LAST_DOMAIN = 232
+"""Last one for which there are ports."""
 
 
 def check_ros() -> Iterator[Finding]:
@@ -47,6 +51,12 @@ def check_ros() -> Iterator[Finding]:
     except (ImportError, QuadError) as error:
         yield wrong('rclpy', str(error), 'see docs/troubleshooting.md')
         return
+    domain = os.environ.get('ROS_DOMAIN_ID') or '0'
+    if not (domain.isdecimal() and int(domain) <= _LAST_DOMAIN):
+        # Beyond it Fast DDS ends the process.
+        said = f'ROS_DOMAIN_ID is {quoted(domain)}; valid is a number from 0 to {_LAST_DOMAIN}'
+        yield wrong('network', said, 'unset ROS_DOMAIN_ID')
+        return
     distribution = os.environ.get('ROS_DISTRO', 'from PyPI')
     middleware = os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp')
     yield good('rclpy', f'{distribution}, {middleware}')
@@ -59,6 +69,15 @@ def check_ros() -> Iterator[Finding]:
     yield _round_trip()
 
 
+def _end(echo: subprocess.Popen[bytes]) -> None:
+    """Let the other process end, as it does when nobody holds the other end of its stdin."""
+    try:
+        echo.communicate(timeout=_PATIENCE)
+    except subprocess.TimeoutExpired:
+        echo.kill()
+        echo.communicate()
+
+
 def _round_trip() -> Finding:
     """Send messages to another process, which sends them back."""
     from quad_lab.doctor.echo import Caller
@@ -66,7 +85,7 @@ def _round_trip() -> Finding:
     # Another doctor may be at work on the same network.
     trip = f'trip_{uuid.uuid4().hex}'
     command = [sys.executable, '-m', 'quad_lab.doctor.echo', trip]
-    echo = subprocess.Popen(command, stdin=subprocess.PIPE)
+    echo = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL)
     mend = 'allow UDP and multicast on the loopback; see docs/network.md'
     try:
         began = time.monotonic()
@@ -76,9 +95,11 @@ def _round_trip() -> Finding:
                 return wrong('round trip', said, mend)
             found = time.monotonic() - began
             times = caller.call(_MESSAGES)
+    # A domain that is none, a profile that cannot be read: the middleware's own kinds of errors.
+    except Exception as error:
+        return wrong('round trip', str(error), 'see docs/network.md, and ROS_DOMAIN_ID')
     finally:
-        # It ends when nobody holds the other end.
-        echo.communicate()
+        _end(echo)
     if len(times) < _MESSAGES:
         said = f'{len(times)} of {_MESSAGES} messages came back from another process'
         return wrong('round trip', said, mend)

@@ -185,7 +185,8 @@ class _FilmedRobot:
     def _on_joints(self, message: JointState) -> None:
         measured = dict(zip(message.name, message.position))
         for index, name in enumerate(self._robot.joint_names):
-            self._angles[index] = measured.get(name, self._angles[index])
+            if math.isfinite(angle := measured.get(name, math.nan)):
+                self._angles[index] = angle
 
 
 def _write_mp4(path: Path, pictures: Iterable[Picture], options: FilmOptions) -> None:

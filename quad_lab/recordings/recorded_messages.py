@@ -9,10 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from rclpy.serialization import deserialize_message
-
 from quad_common.errors import QuadError
 from quad_lab.recordings.recording_reader import open_recording
+from quad_lab.recordings.subscription import message_of
 
 _STEP = 0.2
 """Time in which of what comes often one message is handed on, where much time passes [s]."""
@@ -124,7 +123,7 @@ class _Topic:
         problems = []
         for index in range(first, end):
             try:
-                self._callback(deserialize_message(self._data[index], self._kind))
+                self._callback(message_of(self._data[index], self._kind))
             except QuadError as error:
                 problems.append(error)
         return problems

@@ -12,19 +12,16 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from quad_common.errors import QuadError
 from quad_common.ros.run_node import make_executor
 from quad_common.ros.transport import leave_shared_memory
-from quad_lab.recordings.recorded_topics import CLOCK, RECORDED, Delivery, RecordedTopic
+from quad_lab.recordings.recorded_topics import CLOCK, RECORDED, RecordedTopic
 from quad_lab.recordings.robot_recording import RobotRecording
+from quad_lab.recordings.subscription import subscription_quality
 
 _DISCOVERY = 1.5
 """Time in which what runs is found [s]."""
-
-_DEPTH = 2000
-"""Messages of a topic that wait while the file is written."""
 
 _PUBLISHER_OF_LINKS = 'robot_state_publisher'
 
@@ -43,17 +40,6 @@ class NothingToRecord(QuadError):
             f'there is nothing to record: nobody publishes odom, joint_states or map {where}; '
             'start the nodes first, in the same ROS_DOMAIN_ID, or give --namespace'
         )
-
-
-def subscription_quality(topic: RecordedTopic) -> QoSProfile:
-    """Return how a topic is subscribed to by whoever records it: nothing may be lost."""
-    is_sensor = topic.delivery is Delivery.SENSOR or topic.is_frequent
-    is_latched = topic.delivery is Delivery.LATCHED
-    return QoSProfile(
-        depth=_DEPTH if not is_latched else topic.depth,
-        reliability=ReliabilityPolicy.BEST_EFFORT if is_sensor else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 class Recorder:
@@ -86,17 +72,20 @@ class Recorder:
         self._executor.add_node(self._node)
         topics = [topic for topic in RECORDED if everything or not topic.is_on_demand]
         names = {topic: topic.in_namespace(namespace) for topic in topics}
-        found = self._discover(set(names.values()))
-        if found <= {CLOCK.name}:
+        try:
+            found = self._discover(set(names.values()))
+            if found <= {CLOCK.name}:
+                raise NothingToRecord(namespace)
+            self.recording = RobotRecording(
+                folder,
+                namespace,
+                is_simulated=names[CLOCK] in found,
+                has_links=_PUBLISHER_OF_LINKS in self._node.get_node_names(),
+            )
+            """What is recorded."""
+        except BaseException:
             self._close()
-            raise NothingToRecord(namespace)
-        self.recording = RobotRecording(
-            folder,
-            namespace,
-            is_simulated=names[CLOCK] in found,
-            has_links=_PUBLISHER_OF_LINKS in self._node.get_node_names(),
-        )
-        """What is recorded."""
+            raise
         self._names = names
 
     def __enter__(self) -> Recorder:

@@ -14,6 +14,7 @@ from typing import Any
 from quad_common.errors import MissingOptionalDependency, QuadError
 from quad_common.files.bounded_file import is_file
 from quad_common.files.yaml_document import read_yaml
+from quad_lab.recordings.recorded_topics import CLOCK, RECORDED
 from quad_lab.recordings.recording import FACTS
 
 try:
@@ -56,7 +57,8 @@ def open_recording(folder: Path, namespace: str = '') -> Iterator[Iterator[Messa
     Yields
     ------
     iterator of tuple
-        Messages of the robot in their order, topics named relative to its namespace.
+        Messages of the robot in their order, of the topics and types of
+        :data:`~quad_lab.recordings.recorded_topics.RECORDED`.
 
     Raises
     ------
@@ -65,20 +67,29 @@ def open_recording(folder: Path, namespace: str = '') -> Iterator[Iterator[Messa
     """
     if not is_file(folder / _METADATA):
         raise RecordingUnusable(folder, f'is no recording: it has no {_METADATA}')
-    prefix = f'/{namespace}/' if namespace else '/'
     try:
         with Reader(folder) as reader:
-            connections = [c for c in reader.connections if c.topic.startswith(prefix)]
-            if not any(connection.msgcount for connection in connections):
-                raise RecordingUnusable(folder, f'holds nothing below {prefix}')
+            # Others' bags hold pictures too: what is not looked at is not read.
+            names = {topic.in_namespace(namespace): topic for topic in RECORDED}
+            connections = [
+                connection
+                for connection in reader.connections
+                if connection.topic in names and connection.msgtype == names[connection.topic].kind
+            ]
+            if not any(c.msgcount for c in connections if c.topic != CLOCK.name):
+                raise RecordingUnusable(folder, f'holds nothing of a robot {_below(namespace)}')
             yield (
-                (connection.topic.removeprefix(prefix), time * 1e-9, bytes(data))
+                (names[connection.topic].name, time * 1e-9, bytes(data))
                 for connection, time, data in reader.messages(connections)
             )
     # The reader raises whatever its parts meet in a file that is damaged.
     except (ReaderError, OSError, ValueError, LookupError, AssertionError, TypeError) as error:
         reason = str(error) or type(error).__name__
         raise RecordingUnusable(folder, f'the recording cannot be read: {reason}') from error
+
+
+def _below(namespace: str) -> str:
+    return f'below /{namespace}' if namespace else 'without a namespace'
 
 
 def facts_of(folder: Path) -> dict[str, Any]:

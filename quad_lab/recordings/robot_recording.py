@@ -91,12 +91,13 @@ class RobotRecording:
             self._write(topic, data)
         if self._first_odometry is not None and not self._has_body and not self._is_corrected:
             odometry, received = self._first_odometry
-            self._recording.write(FIXED_TRANSFORMS, map_transform('map', odometry), received)
+            with contextlib.suppress(InvalidMessage):
+                self._recording.write(FIXED_TRANSFORMS, map_transform('map', odometry), received)
         self._recording.__exit__(kind, error, trace)
 
     def take(self, topic: RecordedTopic, data: bytes) -> None:
         """Record a message (CDR)."""
-        if topic is CLOCK and self._is_simulated:
+        if topic is CLOCK and self._is_simulated and len(data) >= 4 + _CLOCK.size:
             seconds, nanoseconds = _CLOCK.unpack_from(data, 4)
             self._time = seconds + 1e-9 * nanoseconds
         if self._time is None:
@@ -122,19 +123,17 @@ class RobotRecording:
     def _add_transforms(self, topic: RecordedTopic, data: bytes, now: float) -> None:
         """Record what follows from a message for those who draw the robot."""
         self._is_corrected |= topic is CORRECTIONS
-        if topic is ODOMETRY:
-            self._first_odometry = self._first_odometry or (data, now)
-            added = self._transforms.of_body(data)
-        elif topic is JOINT_STATES:
-            added = self._transforms.of_joints(data)
-        elif topic is DESCRIPTION:
-            # One that is no URDF is recorded as it is: whoever plays it will say so.
-            with contextlib.suppress(InvalidMessage):
+        # What is no message, or no URDF, is recorded as it is: whoever plays it will say so.
+        with contextlib.suppress(InvalidMessage):
+            if topic is ODOMETRY:
+                self._first_odometry = self._first_odometry or (data, now)
+                self._write_transforms(TRANSFORMS, self._transforms.of_body(data), now)
+            elif topic is JOINT_STATES:
+                self._write_transforms(TRANSFORMS, self._transforms.of_joints(data), now)
+            elif topic is DESCRIPTION:
                 fixed = self._transforms.of_description(data)
-                if fixed is not None:
-                    self._recording.write(FIXED_TRANSFORMS, fixed, now)
-            return
-        else:
-            return
-        if added is not None:
-            self._recording.write(TRANSFORMS, added, now)
+                self._write_transforms(FIXED_TRANSFORMS, fixed, now)
+
+    def _write_transforms(self, topic: RecordedTopic, data: bytes | None, now: float) -> None:
+        if data is not None:
+            self._recording.write(topic, data, now)

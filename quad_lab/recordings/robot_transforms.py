@@ -13,11 +13,11 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from nav_msgs.msg import Odometry
-from rclpy.serialization import deserialize_message
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
+from quad_lab.recordings.subscription import message_of
 from quad_view.scene.robot_model import RobotModel, model_from_urdf
 
 _PERIOD = 0.04
@@ -25,6 +25,8 @@ _PERIOD = 0.04
 
 _STAMP = struct.Struct('<iI')
 """Seconds and nanoseconds with which a message with a header begins."""
+
+_HEADER = 4 + _STAMP.size
 
 _TYPES = get_typestore(Stores.ROS2_JAZZY)
 # They need no package of ROS: tf2_msgs is not there for everybody.
@@ -86,7 +88,7 @@ class RobotTransforms:
         """
         if self._has_links:
             return None
-        self._model = model = model_from_urdf(deserialize_message(data, String).data)
+        self._model = model = model_from_urdf(message_of(data, String).data)
         self._moving = [k for k, name in enumerate(model.joint_names) if name]
         below = [k for k, link in enumerate(model.links) if link.parent >= 0]
         still = [k for k in below if k not in self._moving]
@@ -103,8 +105,10 @@ class RobotTransforms:
         """
         if self._model is None or not self._is_due('links', data):
             return None
-        message = deserialize_message(data, JointState)
+        message = message_of(data, JointState)
         positions = dict(zip(message.name, message.position))
+        if not all(map(math.isfinite, positions.values())):
+            return None
         return _message(_stamp(data), self._links(self._moving, positions))
 
     def of_body(self, data: bytes) -> bytes | None:
@@ -118,11 +122,12 @@ class RobotTransforms:
         """
         if self._has_body or not self._is_due('body', data):
             return None
-        message = deserialize_message(data, Odometry)
+        message = message_of(data, Odometry)
         p, q = message.pose.pose.position, message.pose.pose.orientation
-        place = _Place(
-            message.header.frame_id, message.child_frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
-        )
+        numbers = (p.x, p.y, p.z), (q.x, q.y, q.z, q.w)
+        if not all(math.isfinite(number) for part in numbers for number in part):
+            return None
+        place = _Place(message.header.frame_id, message.child_frame_id, *numbers)
         return _message(_stamp(data), [place])
 
     def _links(self, links: list[int], positions: dict[str, float]) -> list[_Place]:
@@ -141,6 +146,8 @@ class RobotTransforms:
 
     def _is_due(self, what: str, data: bytes) -> bool:
         """Return whether the last transforms are some time ago, or the clock was set back."""
+        if len(data) < _HEADER:
+            return False
         seconds, nanoseconds = _STAMP.unpack_from(data, 4)
         time = seconds + 1e-9 * nanoseconds
         if 0.0 <= time - self._last[what] < _PERIOD - 1e-6:
@@ -151,7 +158,7 @@ class RobotTransforms:
 
 def map_transform(map_frame: str, odometry: bytes) -> bytes:
     """Make a TFMessage (CDR) in which odometry's frame coincides with the map's."""
-    frame = deserialize_message(odometry, Odometry).header.frame_id
+    frame = message_of(odometry, Odometry).header.frame_id
     at_origin = _Place(map_frame, frame, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     return _message(_stamp(odometry), [at_origin])
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from rclpy.serialization import deserialize_message
 
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_from_message
@@ -20,6 +19,7 @@ from quad_lab.recordings.recording_reader import (
     facts_of,
     open_recording,
 )
+from quad_lab.recordings.subscription import message_of
 from quad_lab.topic_walk.walk_notes import WalkNotes
 from quad_lab.topic_walk.walk_record import WalkRecord
 
@@ -75,7 +75,7 @@ def _walks(messages: list[Message]) -> list[WalkRecord]:
     walks: list[WalkRecord] = []
     for name, _, data in messages:
         if name == goal_topic.name:
-            goal = pose_from_message(deserialize_message(data, PoseStamped).pose)
+            goal = pose_from_message(message_of(data, PoseStamped).pose)
             notes.note_poses()
             notes = notes.for_goal(goal) if walks else notes
             notes.record.goal = goal

@@ -20,7 +20,6 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
 from quad_lab.closed_loop.guided_end import GuidedEnd
-from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk_observer import WalkObserver
@@ -28,6 +27,7 @@ from quad_lab.topic_walk.walk_record import WalkRecord
 from quad_sim.engines.registry import AUTO
 
 if TYPE_CHECKING:
+    from quad_lab.recordings.robot_recording import RobotRecording
     from quad_lab.topic_walk.composed_nodes import ComposedNodes
 
 START_TIMEOUT = 90.0
@@ -150,6 +150,9 @@ def walk(
             on_page(start_viewer(stack.enter_context(NodeProcesses()), options.page))
         recording = None
         if options.recording is not None:
+            # It needs a package that is not everywhere.
+            from quad_lab.recordings.robot_recording import RobotRecording
+
             recording = stack.enter_context(RobotRecording(options.recording))
         observer = stack.enter_context(_observer(options, nodes, recording))
         listen = observer.listen

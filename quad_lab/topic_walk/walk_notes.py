@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry, Path
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
@@ -23,6 +22,7 @@ from quad_common.ros.pose_conversions import (
     seconds_from_time,
 )
 from quad_gait.behaviours.activity import Activity
+from quad_lab.recordings.subscription import message_of
 from quad_lab.topic_walk.walk_record import WalkRecord
 
 
@@ -115,7 +115,7 @@ class WalkNotes:
                 self._unread.append((data, len(self.record.plans)))
         elif topic in self._notes:
             kind, note = self._notes[topic]
-            note(deserialize_message(data, kind))
+            note(message_of(data, kind))
 
     def _on_plan(self, message: Path) -> None:
         plan = plan_from_message(message)
@@ -160,5 +160,5 @@ class WalkNotes:
 
 def _time_and_pose(data: bytes) -> tuple[float, Pose2D]:
     """Read time [s] and pose of an odometry."""
-    message = deserialize_message(data, Odometry)
+    message = message_of(data, Odometry)
     return seconds_from_time(message.header.stamp), pose_from_message(message.pose.pose)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import time
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from geometry_msgs.msg import PoseStamped
@@ -18,10 +18,13 @@ from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.run_node import make_executor
 from quad_gait.behaviours.activity import Activity
 from quad_lab.recordings.recorded_topics import GOAL, GOAL_MARKER, RECORDED, RecordedTopic
-from quad_lab.recordings.recorder import subscription_quality
-from quad_lab.recordings.robot_recording import RobotRecording
+from quad_lab.recordings.subscription import subscription_quality
 from quad_lab.topic_walk.walk_notes import WalkNotes
 from quad_lab.topic_walk.walk_record import WalkRecord
+
+if TYPE_CHECKING:
+    # It needs a package that is not everywhere.
+    from quad_lab.recordings.robot_recording import RobotRecording
 
 
 class WalkObserver:

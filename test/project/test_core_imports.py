@@ -31,6 +31,7 @@ ROS_COMMANDS = {
     'quad_lab.topic_walk.walk_notes',
     'quad_lab.topic_walk.recorded_walk',
     'quad_lab.recordings.recorder',
+    'quad_lab.recordings.subscription',
     'quad_lab.recordings.recorded_messages',
     'quad_lab.recordings.replay',
     'quad_lab.recordings.film',

@@ -161,6 +161,25 @@ def test_a_process_that_is_not_found_is_named(own_domain, monkeypatch):
 
 
 @needs_ros
+@pytest.mark.parametrize('domain', ['abc', '9999', '-1'])
+def test_a_domain_that_is_none_is_named(monkeypatch, domain):
+    monkeypatch.setenv('ROS_DOMAIN_ID', domain)
+    finding = found(check_ros, 'network')
+    assert finding.state is State.WRONG
+    assert domain in finding.said
+
+
+@needs_ros
+def test_a_middleware_that_does_not_start_is_named(monkeypatch):
+    monkeypatch.setattr('rclpy.init', raising)
+    assert found(check_ros, 'round trip').said == 'no middleware'
+
+
+def raising(*arguments, **options):
+    raise RuntimeError('no middleware')
+
+
+@needs_ros
 def test_security_that_cannot_be_had_is_named(monkeypatch):
     monkeypatch.setenv('ROS_SECURITY_ENABLE', 'yes')
     finding = found(check_ros, 'rclpy')

@@ -114,6 +114,7 @@ def test_part_of_it_faster(folder):
         (['--film', 'walk.gif', '--width', '1'], 'from 64 to 4096'),
         (['--film', 'walk.gif', '--robot', 'nobody'], 'no robot'),
         (['--film', 'walk.gif', '--speed', '0'], 'speed'),
+        (['--film', 'walk.gif', '--first', '3', '--last', '1'], 'at most --last'),
     ],
 )
 def test_what_cannot_be_filmed_is_said(folder, arguments, problem, capfd, monkeypatch):

@@ -177,3 +177,24 @@ def test_a_description_that_is_none_is_recorded_all_the_same(tmp_path):
         recording.take(JOINT_STATES, joints(0.0))
     names = [topic for topic, _, _ in messages(tmp_path / 'bag')]
     assert names == ['/robot_description', '/joint_states']
+
+
+@pytest.mark.parametrize('topic', [CLOCK, ODOMETRY, JOINT_STATES, DESCRIPTION])
+@pytest.mark.parametrize('data', [b'', b'\x00\x01\x00\x00', bytes(11), b'\xff' * 40])
+def test_bytes_that_are_no_message_end_nothing(tmp_path, topic, data):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+        recording.take(topic, data)
+        recording.take(JOINT_STATES, joints(5.0))
+    with Reader(tmp_path / 'bag') as reader:
+        assert sum(connection.msgcount for connection in reader.connections) >= 4
+
+
+@pytest.mark.parametrize('number', [math.nan, math.inf])
+def test_no_transform_is_made_of_numbers_that_are_none(tmp_path, number):
+    with RobotRecording(tmp_path / 'bag') as recording:
+        recording.take(CLOCK, clock(1.0))
+        recording.take(DESCRIPTION, DESCRIBED)
+        recording.take(JOINT_STATES, joints(1.0, np.full((4, 3), number)))
+        recording.take(ODOMETRY, odometry(1.0, x=number))
+    assert not any(topic == '/tf' for topic, _, _ in messages(tmp_path / 'bag'))

@@ -4,8 +4,11 @@ A recording of a walk alone has the figures that the walk had.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -16,6 +19,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
+from std_msgs.msg import String
 
 from quad_cli.main import main
 from quad_common.errors import QuadError
@@ -83,8 +87,38 @@ def test_each_goal_is_a_walk_of_its_own(tmp_path):
     assert first.position_error == pytest.approx(0.0)
     assert second.walking_time == pytest.approx(2.0)
     assert second.walked_distance == pytest.approx(0.2)
-    with pytest.raises(QuadError, match='holds no goal, and so no walk'):
+    with pytest.raises(QuadError, match='holds nothing of a robot without a namespace'):
         read_walks(tmp_path / 'bag')
+
+
+def test_messages_that_are_none_are_said(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        recording.take(GOAL, b'\x00\x01\x00')
+        recording.take(ODOMETRY, b'')
+    with pytest.raises(QuadError, match='its bytes are no PoseStamped'):
+        read_walks(tmp_path / 'bag')
+
+
+def test_topics_of_another_type_are_left_out(tmp_path):
+    other = dataclasses.replace(ODOMETRY, kind='std_msgs/msg/String')
+    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+        recording.take(GOAL, serialize_message(PoseStamped(pose=pose_message(Pose2D(0, 0, 0)))))
+        recording.take(other, serialize_message(String(data='no odometry')))
+    (walked,) = read_walks(tmp_path / 'bag').walks
+    assert walked.poses == []
+
+
+def test_without_the_package_that_writes_them_walks_are_walked(tmp_path):
+    code = (
+        "import sys; sys.modules['rosbags'] = None\n"
+        'from quad_lab.topic_walk.walk import walk\n'
+        'from quad_lab.topic_walk.walk_observer import WalkObserver\n'
+        'from quad_cli.output import progress\n'
+        'from quad_lab.recordings.recording import can_record\n'
+        'assert not can_record()'
+    )
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def without_metadata(folder):
