@@ -31,7 +31,7 @@ _POSITION_GAIN = 0.3
 
 _ANCHOR_GAIN = 0.05
 """Fraction of a contact's creep that is taken back in one step. An anchor is a spring beside the
-friction that damps it; with 0.3 it rocks a trotting body, cuhk on the spot by over a degree."""
+friction that damps it; with 0.3 it rocks a trotting body, cuhk on the spot by half a degree."""
 
 _LONGEST_CREEP = 6e-4
 """Creep, times the coefficient of friction, from which on a contact slips [m]: its anchor follows,
