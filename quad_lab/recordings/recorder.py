@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,10 @@ from typing import Any
 import rclpy
 
 from quad_common.errors import QuadError
-from quad_common.ros.run_node import make_executor
 from quad_common.ros.transport import leave_shared_memory
-from quad_lab.recordings.recorded_topics import CLOCK, RECORDED, RecordedTopic
+from quad_lab.recordings.recorded_topics import CLOCK, RECORDED
 from quad_lab.recordings.robot_recording import RobotRecording
-from quad_lab.recordings.subscription import subscription_quality
+from quad_lab.recordings.topic_listener import TopicListener
 
 _DISCOVERY = 1.5
 """Time in which what runs is found [s]."""
@@ -68,8 +66,6 @@ class Recorder:
         self._node = rclpy.create_node(
             'quadwalk_recorder', context=self._context, start_parameter_services=False
         )
-        self._executor = make_executor(self._context)
-        self._executor.add_node(self._node)
         topics = [topic for topic in RECORDED if everything or not topic.is_on_demand]
         names = {topic: topic.in_namespace(namespace) for topic in topics}
         try:
@@ -86,39 +82,29 @@ class Recorder:
         except BaseException:
             self._close()
             raise
-        self._names = names
+        self._listener = TopicListener(self._node, names.items(), self.recording.take)
 
     def __enter__(self) -> Recorder:
         self.recording.__enter__()
-        for topic, name in self._names.items():
-            kind = topic.message_type()
-            if kind is not None:
-                self._node.create_subscription(
-                    kind, name, self._taking(topic), subscription_quality(topic), raw=True
-                )
         return self
 
     def __exit__(self, *ending: Any) -> None:
         try:
+            # What came in since the last look.
+            self._listener.take()
             self.recording.__exit__(*ending)
         finally:
             self._close()
 
     def listen(self, duration: float) -> None:
         """Record what comes in for some time on the machine's clock [s]."""
-        end = time.monotonic() + duration
-        while (left := end - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=left)
-
-    def _taking(self, topic: RecordedTopic) -> Callable[[bytes], None]:
-        return lambda data: self.recording.take(topic, data)
+        self._listener.listen(duration)
 
     def _discover(self, names: set[str]) -> set[str]:
         """Return those of the topics that somebody publishes, after some time."""
-        self.listen(_DISCOVERY)
+        time.sleep(_DISCOVERY)
         return {name for name in names if self._node.count_publishers(name)}
 
     def _close(self) -> None:
-        self._executor.shutdown()
         self._node.destroy_node()
         self._context.try_shutdown()

@@ -4,7 +4,6 @@ Listens to the topics of a walk: notes down what happens, and records it if aske
 
 from __future__ import annotations
 
-import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +14,10 @@ from rclpy.serialization import serialize_message
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_message
-from quad_common.ros.run_node import make_executor
 from quad_gait.behaviours.activity import Activity
 from quad_lab.recordings.recorded_topics import GOAL, GOAL_MARKER, RECORDED, RecordedTopic
 from quad_lab.recordings.subscription import subscription_quality
+from quad_lab.recordings.topic_listener import TopicListener
 from quad_lab.topic_walk.walk_notes import WalkNotes
 from quad_lab.topic_walk.walk_record import WalkRecord
 
@@ -42,7 +41,8 @@ class WalkObserver:
     by_truth : bool
         Whether the walk is judged by odom/truth, and not by odometry.
     executor : rclpy.executors.Executor, optional
-        What runs the callbacks, of the default context; one of its own if not given.
+        What runs the callbacks, of the default context; if not given, messages are taken in
+        :meth:`listen`.
     """
 
     def __init__(
@@ -62,18 +62,19 @@ class WalkObserver:
         if self._context is not None:
             rclpy.init(context=self._context)
         self._node = rclpy.create_node('quadwalk_cli', context=self._context)
-        self._executor = executor or make_executor(self._context)
-        self._executor.add_node(self._node)
         self._goal_topic = GOAL_MARKER if by_marker else GOAL
         if by_marker:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_marker', 10)
         else:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
-        for topic in RECORDED:
-            is_noted = topic.name in self.notes.topics
-            is_recorded = recording is not None and not topic.is_on_demand
-            if is_noted or (is_recorded and topic is not self._goal_topic):
-                self._listen(topic)
+        topics = [topic for topic in RECORDED if self._wants(topic)]
+        self._listener = TopicListener(
+            self._node, [(t, t.name) for t in topics if executor is None], self._take
+        )
+        if executor is not None:
+            executor.add_node(self._node)
+            for topic in topics:
+                self._call_back(topic)
 
     def __enter__(self) -> WalkObserver:
         return self
@@ -84,20 +85,13 @@ class WalkObserver:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._context is not None:
-            self._executor.shutdown()
         self._node.destroy_node()
         if self._context is not None:
             self._context.try_shutdown()
 
     def listen(self, duration: float) -> None:
         """Handle what comes in for some time on the wall clock [s]."""
-        end = time.monotonic() + duration
-        while True:
-            left = end - time.monotonic()
-            if left <= 0.0:
-                return
-            self._executor.spin_once(timeout_sec=left)
+        self._listener.listen(duration)
 
     def planner_is_ready(self) -> bool:
         """Return whether a goal would be received and planned to at once."""
@@ -162,18 +156,25 @@ class WalkObserver:
         """The plan in force."""
         return self.record.plans[-1] if self.record.plans else None
 
-    def _listen(self, topic: RecordedTopic) -> None:
-        """Take messages as bytes: they are recorded as they are, and read if need be."""
+    def _wants(self, topic: RecordedTopic) -> bool:
+        """Return whether a topic is noted or recorded."""
+        is_recorded = self._recording is not None and not topic.is_on_demand
+        return topic.name in self.notes.topics or (is_recorded and topic is not self._goal_topic)
+
+    def _call_back(self, topic: RecordedTopic) -> None:
+        """Let the executor take messages as bytes: recorded as they are, and read if need be."""
         kind = topic.message_type()
-        if kind is None:
-            return
+        if kind is not None:
+            self._node.create_subscription(
+                kind,
+                topic.name,
+                lambda data: self._take(topic, data),
+                subscription_quality(topic),
+                raw=True,
+            )
 
-        def on_bytes(data: bytes) -> None:
-            self.received += 1
-            if self._recording is not None:
-                self._recording.take(topic, data)
-            self.notes.take(topic.name, data)
-
-        self._node.create_subscription(
-            kind, topic.name, on_bytes, subscription_quality(topic), raw=True
-        )
+    def _take(self, topic: RecordedTopic, data: bytes) -> None:
+        self.received += 1
+        if self._recording is not None:
+            self._recording.take(topic, data)
+        self.notes.take(topic.name, data)

@@ -105,7 +105,9 @@ class RobotModel:
         turned = np.hstack([np.sin(half) * self.turning_axes, np.cos(half)])
         # A joint that does not turn has no axis, and its cosine must not count.
         turned[~self.turning_axes.any(axis=1)] = (0.0, 0.0, 0.0, 1.0)
-        moved = self.origins + rotated(self.turns, q[:, None] * self.sliding_axes)
+        moved = self.origins
+        if self.sliding_axes.any():
+            moved = moved + rotated(self.turns, q[:, None] * self.sliding_axes)
         return moved, product(self.turns, turned)
 
 
