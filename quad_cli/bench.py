@@ -24,7 +24,7 @@ BENCHMARKS = {
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
-    'view': 'quad_lab.benchmarks.bench_view',
+    'view': 'quad_lab.benchmarks.viewing.bench_view',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }

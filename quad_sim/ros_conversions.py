@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 
@@ -31,9 +32,11 @@ from quad_common.errors.quoting import quoted
 from quad_common.ros.pose_conversions import (
     checked_name,
     pose_from_message,
+    pose_message,
     seconds_from_time,
 )
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY, JointTrajectory
+from quad_common.vision.markers import Color
 from quad_sim.engines.simulator import Observation
 from quad_sim.parameters import SimParameters
 from quad_sim.simulation import ObstacleChange
@@ -289,6 +292,40 @@ def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
     except (InvalidPose, ParameterError) as error:
         raise InvalidMessage(what, str(error)) from error
     return ObstacleChange(name, obstacle)
+
+
+def obstacles_message(
+    obstacles: Mapping[tuple[str, int], Obstacle], frame: str, color: Color
+) -> MarkerArray:
+    """
+    Write which obstacles stand.
+
+    Parameters
+    ----------
+    obstacles : mapping of tuple to Obstacle
+        Obstacles by namespace and id.
+    frame : str
+        Frame of their poses.
+    color : tuple of int
+        Color of those without one: red, green and blue, 0 to 255.
+
+    Returns
+    -------
+    visualization_msgs/MarkerArray
+        Their markers, after one that takes away whatever was shown before.
+    """
+    markers = [Marker(action=Marker.DELETEALL)]
+    kinds = {'box': Marker.CUBE, 'cylinder': Marker.CYLINDER}
+    for (space, number), obstacle in obstacles.items():
+        marker = Marker(ns=space, id=number, type=kinds[obstacle.kind], action=Marker.ADD)
+        marker.header.frame_id = frame
+        marker.pose = pose_message(obstacle.pose)
+        marker.pose.position.z = 0.5 * obstacle.height
+        _set(marker.scale, np.array([obstacle.length, obstacle.width, obstacle.height]))
+        red, green, blue = (part / 255.0 for part in obstacle.color or color)
+        marker.color.r, marker.color.g, marker.color.b, marker.color.a = red, green, blue, 1.0
+        markers.append(marker)
+    return MarkerArray(markers=markers)
 
 
 def check_frame(what: str, frame: str, frames: tuple[str, ...]) -> None:

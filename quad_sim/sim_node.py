@@ -108,6 +108,7 @@ class SimNode(QuadNode[SimParameters]):
     def _on_obstacles(self, message: MarkerArray) -> None:
         changes = obstacle_changes_from_message(message, self._session.frames_on_map)
         self._session.simulation.change_obstacles(changes, self.parameters.most_obstacles)
+        self._topics.publish_obstacles(self._session)
 
     def _on_goal_marker(self, message: PoseStamped) -> None:
         check_frame('goal_marker', message.header.frame_id, self._session.frames_on_map)

@@ -5,6 +5,7 @@ What ``sim_node`` publishes.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, cast
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
@@ -18,6 +19,7 @@ from rclpy.qos import (
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, PointCloud2
 from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.urdf import published_urdf
@@ -32,10 +34,12 @@ from quad_common.ros.pose_conversions import (
     time_from_seconds,
 )
 from quad_common.ros.transform_publisher import TransformPublisher
+from quad_common.vision.color_parameters import color_from
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
     joint_state_message,
+    obstacles_message,
     odometry_message,
     true_odometry_message,
 )
@@ -75,6 +79,7 @@ class SimTopics:
         self._description = node.create_publisher(String, 'robot_description', _LATCHED)
         self._map = node.create_publisher(OccupancyGrid, 'map', _LATCHED)
         self._height_map = node.create_publisher(PointCloud2, 'height_map', _LATCHED)
+        self._obstacles = node.create_publisher(MarkerArray, 'obstacles/present', _LATCHED)
         self._camera = session.camera
         if self._camera is not None:
             self._images = node.create_publisher(Image, 'ceiling_camera/image_raw', sensor)
@@ -90,6 +95,7 @@ class SimTopics:
             self._map.publish(grid_message(scenery.grid, p.map_frame, zero))
         if scenery.height_map is not None:
             self._height_map.publish(height_map_message(scenery.height_map, p.map_frame, zero))
+        self.publish_obstacles(session)
         fixed = []
         if session.has_exact_odometry:
             fixed.append(pose_transform(Pose2D(0.0, 0.0, 0.0), p.map_frame, p.odom_frame, zero))
@@ -102,6 +108,12 @@ class SimTopics:
         """Publish simulated time [s], unless another simulator does."""
         if self._clock is not None:
             self._clock.publish(Clock(clock=time_from_seconds(time)))
+
+    def publish_obstacles(self, session: SimSession) -> None:
+        """Publish which obstacles stand."""
+        p, obstacles = self._parameters, cast(Any, session.simulation.obstacles)
+        color = color_from(p, 'obstacle_color')
+        self._obstacles.publish(obstacles_message(obstacles, p.map_frame, color))
 
     def clock_problem(self) -> str:
         """Say that somebody else publishes another time; empty if nobody does."""

@@ -4,7 +4,7 @@ A robot under its trajectory controller in a simulator: what ``sim_node`` steps.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -295,6 +295,12 @@ class Simulation:
                 gone = list(world.obstacles) if change.name is None else [change.name]
                 for name in gone:
                     world.remove_obstacle(name)
+
+    @property
+    def obstacles(self) -> Mapping[Hashable, Obstacle]:
+        """Obstacles that stand, by name; none in a simulator without."""
+        simulator = self._simulator
+        return simulator.obstacles if isinstance(simulator, SolidSimulator) else {}
 
     def foot_forces(self) -> Array:
         """Return the normal forces against the feet; see :class:`SolidSimulator`."""

@@ -17,6 +17,7 @@ from quad_common.ros.ros_node import QuadNode
 from quad_view.parameters import ViewerParameters
 from quad_view.robot_topics import NamedTopics
 from quad_view.ros_conversions import (
+    OWN,
     goal_message,
     no_obstacles_message,
     obstacle_message,
@@ -70,7 +71,7 @@ class CommandTopics:
         self._is_stamped = p.stamped_cmd_vel
         self._prefix = f'/{view.name}/' if view.name else '/'
         self._pad = Pad()
-        self._obstacles = 0
+        self._last_number = 0
         self._clients: dict[str, Any] = {}
         named = NamedTopics(node, self._prefix)
         self._goals = named.create_publisher(PoseStamped, 'goal_pose', 10)
@@ -95,8 +96,7 @@ class CommandTopics:
             service = f'{command.node}/set_parameters'
             self._call(SetParameters, service, option_request(command.name, command.value))
         elif isinstance(command, PutObstacle):
-            self._obstacles += 1
-            self._change(obstacle_message(command, self._obstacles, self._frame))
+            self._change(obstacle_message(command, self._unused_number(), self._frame))
         elif isinstance(command, ClearObstacles):
             self._change(no_obstacles_message())
 
@@ -119,11 +119,16 @@ class CommandTopics:
             answer = 'nobody takes goals: planner_node is missing; start it with: planner_node'
         self._view.note(answer=answer)
 
+    def _unused_number(self) -> int:
+        """Return the number of an obstacle that is not there yet, nor asked for."""
+        numbers = (number for name, number in self._view.obstacles if name == OWN)
+        self._last_number = max(self._last_number, *numbers, 0) + 1
+        return self._last_number
+
     def _change(self, message: MarkerArray) -> None:
         self._obstacle_changes.publish(message)
-        # The page itself is a subscriber.
-        answer = 'the simulation changes; the map, and so the plan, stay as they are'
-        if self._obstacle_changes.get_subscription_count() <= 1:
+        answer = 'the simulation is asked to; the map, and so the plan, stay as they are'
+        if self._obstacle_changes.get_subscription_count() == 0:
             answer = 'nobody takes obstacles: sim_node is missing'
         self._view.note(answer=answer)
 
@@ -141,7 +146,11 @@ class CommandTopics:
             answer = future.result()
             results = getattr(answer, 'results', None)
             if results is not None:
-                text = results[0].reason if results and not results[0].successful else 'changed'
+                is_refused = bool(results) and not results[0].successful
+                text = results[0].reason if is_refused else 'changed'
+                if is_refused:
+                    # What was chosen is not what the node has.
+                    self._view.note(options=self._view.options)
                 self._view.note(answer=f'{server}: {text}')
             else:
                 self._view.note(answer=f'{service}: {answer.message}')

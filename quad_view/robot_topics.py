@@ -38,7 +38,7 @@ from quad_view.ros_conversions import (
     corners_from_polygon,
     footholds_from_markers,
     joints_from_message,
-    obstacles_after,
+    obstacles_from_markers,
     said_by,
     velocity_from_message,
 )
@@ -188,7 +188,7 @@ class RobotTopics:
         named.create_subscription(MarkerArray, 'plan_markers', self._on_plan_markers, _LATCHED)
         named.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
         named.create_subscription(MarkerArray, 'footholds', self._on_footholds, 10)
-        named.create_subscription(MarkerArray, 'obstacles', self._on_obstacles, 10)
+        named.create_subscription(MarkerArray, 'obstacles/present', self._on_obstacles, _LATCHED)
         named.create_subscription(Bool, 'emergency_stop/active', self._on_stopped, _LATCHED)
         named.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 10)
 
@@ -240,7 +240,7 @@ class RobotTopics:
         self._view.note(footholds=footholds_from_markers(message))
 
     def _on_obstacles(self, message: MarkerArray) -> None:
-        self._view.note(obstacles=obstacles_after(self._view.obstacles, message))
+        self._view.note(obstacles=obstacles_from_markers(message))
 
     def _on_stopped(self, message: Bool) -> None:
         self._view.note(is_stopped=bool(message.data))

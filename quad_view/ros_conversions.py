@@ -34,7 +34,7 @@ Obstacles = dict[tuple[str, int], tuple[str, Pose2D, tuple[float, float, float]]
 _MOST = 10_000
 """Names, corners or markers in one message that are shown."""
 
-_OWN = 'viewer'
+OWN = 'viewer'
 """Namespace of the obstacles that are put from the page."""
 
 
@@ -129,41 +129,40 @@ def corners_from_polygon(message: PolygonStamped) -> Array:
     return corners.reshape(-1, 2)
 
 
-def obstacles_after(known: Obstacles, message: MarkerArray) -> Obstacles:
+def obstacles_from_markers(message: MarkerArray) -> Obstacles:
     """
-    Return the obstacles of a simulation after a message to it.
+    Read which obstacles stand in a simulation.
 
     Parameters
     ----------
-    known : dict
-        Kind, pose and size [m] by name, before.
     message : visualization_msgs/MarkerArray
-        What comes and goes.
+        Of ``obstacles/present``.
 
     Returns
     -------
     dict
-        As `known`, after.
+        Kind, pose and size [m] by name.
+
+    Raises
+    ------
+    InvalidMessage
+        If one has no place or no size.
     """
     kinds = {Marker.CUBE: 'box', Marker.CYLINDER: 'cylinder'}
-    after = dict(known)
+    obstacles = {}
     for marker in message.markers[:_MOST]:
-        name = (marker.ns, marker.id)
-        if marker.action == Marker.DELETEALL:
-            after = {}
-        elif marker.action == Marker.DELETE:
-            after.pop(name, None)
-        elif marker.type in kinds:
+        if marker.action == Marker.ADD and marker.type in kinds:
             size = (marker.scale.x, marker.scale.y, marker.scale.z)
             if not all(0.0 < side <= 100.0 for side in size):
                 raise InvalidMessage('obstacle', f'it is {size} m large')
-            after[name] = kinds[marker.type], pose_from_message(marker.pose, 'obstacle'), size
-    return after
+            pose = pose_from_message(marker.pose, 'obstacle')
+            obstacles[marker.ns, marker.id] = kinds[marker.type], pose, size
+    return obstacles
 
 
 def obstacle_message(command: PutObstacle, number: int, frame: str) -> MarkerArray:
     """Write an obstacle that is put into the simulation."""
-    marker = Marker(ns=_OWN, id=number, type=Marker.CUBE, action=Marker.ADD)
+    marker = Marker(ns=OWN, id=number, type=Marker.CUBE, action=Marker.ADD)
     marker.header.frame_id = frame
     marker.pose = pose_message(command.place)
     marker.scale.x, marker.scale.y, marker.scale.z = command.size

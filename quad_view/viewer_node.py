@@ -21,6 +21,7 @@ from rclpy.clock_type import ClockType
 from quad_common.ros.ros_node import OK, WARN, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_view.command_topics import CommandTopics
+from quad_view.option_topics import OptionTopics
 from quad_view.page.viewer_page import ViewerPage
 from quad_view.parameters import ViewerParameters
 from quad_view.robot_topics import NamedTopics, RobotTopics, SampledTopics
@@ -41,6 +42,7 @@ class _ShownRobot(NamedTuple):
     sampled: SampledTopics
     topics: RobotTopics
     commands: CommandTopics
+    options: OptionTopics
 
 
 class ViewerNode(QuadNode[ViewerParameters]):
@@ -127,8 +129,11 @@ class ViewerNode(QuadNode[ViewerParameters]):
                 sampled = SampledTopics(self._inputs, prefix)
                 topics = RobotTopics(NamedTopics(self, prefix), sampled, view, self.parameters)
                 commands = CommandTopics(self, view, self.parameters)
-                self._robots[name] = _ShownRobot(view, sampled, topics, commands)
+                options = OptionTopics(self, view)
+                self._robots[name] = _ShownRobot(view, sampled, topics, commands, options)
                 self._page.add_robot(view)
+        for robot in self._robots.values():
+            robot.options.ask()
 
 
 def main(args: list[str] | None = None) -> int:

@@ -83,6 +83,7 @@ RECORDED = (
     RecordedTopic('plan/followed', 'nav_msgs/msg/Path', Delivery.LATCHED, 1),
     RecordedTopic('plan_markers', 'visualization_msgs/msg/MarkerArray', Delivery.LATCHED, 1),
     RecordedTopic('obstacles', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
+    RecordedTopic('obstacles/present', 'visualization_msgs/msg/MarkerArray', Delivery.LATCHED, 1),
     RecordedTopic('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', Delivery.RELIABLE),
     RecordedTopic('footholds', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
     RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE, is_frequent=True),

@@ -5,7 +5,7 @@ Buttons, keys, choices and the speed pad.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -47,6 +47,9 @@ _STEERING: tuple[tuple[str, Any, tuple[int, int, int]], ...] = (
 )
 """Label, key and direction of each button of the pad."""
 
+_UNKNOWN = 'not known yet'
+"""Choice before a node has said what it has."""
+
 _SERVICES = {'Stop': 'stop', 'Stand': 'stand', 'Sit': 'sit', 'Reset': 'reset'}
 """Service of each button."""
 
@@ -75,6 +78,7 @@ class Controls:
         self._options = options
         self._send = send
         self._robot = ''
+        self._choices: dict[str, Any] = {}
 
     @property
     def robot(self) -> str:
@@ -146,9 +150,19 @@ class Controls:
             ('Turning', TURNINGS, 'gait_node', 'turning'),
             ('Planning method', METHODS, 'planner_node', 'method'),
         ):
-            # What a node was started with is not known here: nothing is chosen at first.
-            choice = self._gui.add_dropdown(label, ('as it is', *choices))
-            choice.on_update(partial(self._choose, choice, node, name))
+            # Nothing is chosen until the node has said what it has.
+            choice: Any = self._gui.add_dropdown(label, (_UNKNOWN, *choices))
+            choice.on_update(partial(self._choose, node, name))
+            self._choices[name] = choice
+
+    def show_options(self, options: Mapping[str, str]) -> None:
+        """Show what the nodes have, by names of parameters; a file of one's own by its path."""
+        for name, choice in self._choices.items():
+            value = options.get(name, _UNKNOWN)
+            if value not in choice.options:
+                choice.options = (*choice.options, value)
+            if choice.value != value:
+                choice.value = value
 
     @property
     def puts_obstacles(self) -> bool:
@@ -172,9 +186,10 @@ class Controls:
     def _request(self, event: Any) -> None:
         self._send(Request(self._robot, _SERVICES[event.target.value]))
 
-    def _choose(self, choice: Any, node: str, name: str, _: Any) -> None:
-        if choice.value != 'as it is':
-            self._send(SetOption(self._robot, node, name, choice.value))
+    def _choose(self, node: str, name: str, event: Any) -> None:
+        # What the nodes have is shown here too; nobody's hand is in it then.
+        if event.client is not None and event.target.value != _UNKNOWN:
+            self._send(SetOption(self._robot, node, name, event.target.value))
 
     def _add_steering(self, label: str, key: Any, direction: tuple[int, int, int]) -> None:
         button = self._gui.add_button(f'{label} ({key})', hint=f'Hold it, or the key {key}')

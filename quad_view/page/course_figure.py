@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_view.page.robot_figure import ROBOT_COLORS
+from quad_view.scene.floor import laid_on
 from quad_view.scene.robot_view import RobotView
 
 Array = NDArray[np.float64]
@@ -37,10 +38,9 @@ def support_color(margin: float) -> tuple[int, int, int]:
     return red, green, 50
 
 
-def segments(points: Array, z: float) -> Array:
-    """Join points, shape (n, 2), by lines at a height, shape (n - 1, 2, 3) [m]."""
-    raised = np.column_stack([points, np.full(len(points), z)])
-    return np.stack([raised[:-1], raised[1:]], axis=1)
+def segments(points: Array) -> Array:
+    """Join points, shape (n, 3), by lines, shape (n - 1, 2, 3) [m]."""
+    return np.stack([points[:-1], points[1:]], axis=1)
 
 
 class CourseFigure:
@@ -69,10 +69,10 @@ class CourseFigure:
     def draw(self, changed: frozenset[str], now: float) -> None:
         """Draw what has changed, at a time of the wall clock [s]."""
         view = self._view
-        if 'plan' in changed:
+        if changed & {'plan', 'surface'}:
             self._draw_plan(view.plan)
-        if 'goal' in changed:
-            self.draw_goal(view.goal)
+        if changed & {'goal', 'surface'}:
+            self._draw_goal(view.goal)
         if 'footholds' in changed:
             self._draw_footholds(view.footholds)
         if changed & {'support', 'margin'}:
@@ -82,13 +82,15 @@ class CourseFigure:
             self._has_new_track, self._track_due = False, now + _TRACK_PERIOD
             self._line('track', view.track, _TRACK_Z, self._color, 0.015)
 
-    def draw_goal(self, goal: Pose2D | None) -> None:
+    def _draw_goal(self, goal: Pose2D | None) -> None:
         """Draw a goal as an arrow on the floor."""
         if goal is None:
             self._remove('goal')
             return
         tip = goal @ Pose2D(0.45, 0.0, 0.0)
-        ends = np.array([[[goal.x, goal.y, _GOAL_Z], [tip.x, tip.y, _GOAL_Z]]])
+        ends = np.array([[goal.x, goal.y], [tip.x, tip.y]])
+        z = laid_on(self._view.surface, ends, _GOAL_Z)[:, 2].max()
+        ends = np.column_stack([ends, [z, z]])[None]
         self._handles['goal'] = self._scene.add_arrows(
             f'{self._root}/goal', ends, _GOAL, shaft_radius=0.02, head_radius=0.06, head_length=0.15
         )
@@ -98,7 +100,8 @@ class CourseFigure:
         if len(corners) < 2:
             self._remove('corners')
             return
-        points = np.column_stack([corners, np.full(len(corners), _PLAN_Z)])
+        surface = self._view.surface
+        points = np.vstack([laid_on(surface, corner[None], _PLAN_Z) for corner in corners])
         self._handles['corners'] = self._scene.add_point_cloud(
             f'{self._root}/corners', points, _TURNING_POINT, point_size=0.06, point_shape='circle'
         )
@@ -116,8 +119,8 @@ class CourseFigure:
         if len(corners) < 2:
             self._remove('support')
             return
-        closed = segments(np.vstack([corners, corners[:1]]), _SUPPORT_Z)
-        self._put_line('support', closed, support_color(margin), 0.02)
+        closed = laid_on(self._view.surface, np.vstack([corners, corners[:1]]), _SUPPORT_Z)
+        self._put_line('support', segments(closed), support_color(margin), 0.02)
 
     def _line(
         self, name: str, points: Array, z: float, color: tuple[int, int, int], width: float
@@ -125,7 +128,8 @@ class CourseFigure:
         if len(points) < 2:
             self._remove(name)
         else:
-            self._put_line(name, segments(points, z), color, width)
+            line = laid_on(self._view.surface, points, z)
+            self._put_line(name, segments(line), color, width)
 
     def _put_line(self, name: str, lines: Array, color: tuple[int, int, int], width: float) -> None:
         handle = self._handles.get(name)

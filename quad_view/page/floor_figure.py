@@ -11,7 +11,7 @@ import numpy as np
 import viser
 
 from quad_view.page.course_figure import segments
-from quad_view.scene.floor import with_walls
+from quad_view.scene.floor import laid_on, with_walls
 from quad_view.scene.robot_view import RobotView
 
 _BOUNDARY, _OBSTACLE = (205, 45, 45), (205, 110, 70)
@@ -46,11 +46,11 @@ class FloorFigure:
             changed = frozenset({'floor', 'boundary', 'surface', 'obstacles'})
         if changed & {'surface', 'floor'}:
             self._draw_floor(view)
-        if 'boundary' in changed:
+        if changed & {'boundary', 'surface'}:
             self._draw_boundary(view)
         if changed & {'surface', 'floor'}:
             self._draw_surface(view)
-        if 'obstacles' in changed:
+        if changed & {'obstacles', 'surface'}:
             self._draw_obstacles(view)
         return bool(changed & {'surface', 'floor'}) and view.floor is not None
 
@@ -75,7 +75,7 @@ class FloorFigure:
 
     def _draw_boundary(self, view: RobotView) -> None:
         self._remove('boundary')
-        lines = [segments(line, _BOUNDARY_Z) for line in view.boundary]
+        lines = [segments(laid_on(view.surface, line, _BOUNDARY_Z)) for line in view.boundary]
         if lines:
             self._handles['boundary'] = self._scene.add_line_segments(
                 '/room/boundary', np.concatenate(lines), _BOUNDARY, thickness=0.02
@@ -104,8 +104,9 @@ class FloorFigure:
         for index, (kind, pose, (length, width, height)) in enumerate(view.obstacles.values()):
             name = f'obstacle{index}'
             half = 0.5 * pose.yaw
+            base = laid_on(view.surface, np.array([[pose.x, pose.y]]), 0.5 * height)[0]
             place: dict[str, Any] = {
-                'position': (pose.x, pose.y, 0.5 * height),
+                'position': base,
                 'wxyz': (math.cos(half), 0.0, 0.0, math.sin(half)),
             }
             if kind == 'box':

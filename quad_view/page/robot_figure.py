@@ -12,6 +12,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from quad_common.errors.quoting import quoted
 from quad_view.scene.robot_model import RobotModel, Shape
 from quad_view.scene.robot_view import RobotView
 
@@ -58,6 +59,7 @@ class RobotFigure:
         self._color = ROBOT_COLORS[number % len(ROBOT_COLORS)]
         self._frames: list[Any] = []
         self._drawn: RobotModel | None = None
+        self._lacking: list[str] = []
         self._placed: tuple[Array, Array] | None = None
 
     def draw(self, changed: frozenset[str]) -> None:
@@ -95,6 +97,7 @@ class RobotFigure:
         if self._frames:
             self._frames[0].remove()
         self._frames, self._drawn, self._placed = [], model, None
+        self._lacking = []
         if model is None:
             return
         names: list[str] = []
@@ -107,6 +110,7 @@ class RobotFigure:
                 color = _LEG_COLORS[(link.depth - 1) % len(_LEG_COLORS)]
             for number, shape in enumerate(link.shapes):
                 self._add_shape(f'{names[index]}/shape{number}', shape, shape.color or color)
+        self._view.note(lacking=tuple(dict.fromkeys(self._lacking)))
 
     def _add_shape(self, name: str, shape: Shape, color: Color) -> None:
         scene = self._scene
@@ -125,9 +129,11 @@ class RobotFigure:
             self._add_mesh(name, shape, color, place)
 
     def _add_mesh(self, name: str, shape: Shape, color: Color, place: dict[str, Any]) -> None:
-        """Draw a mesh of a file on this machine; one that cannot be read is left out."""
+        """Draw a mesh of a file on this machine; one that cannot be read is left out, and named."""
         path = mesh_file(shape.mesh)
         if path is None:
+            formats = ', '.join(_MESH_FORMATS)
+            self._lacking.append(f'{quoted(shape.mesh)} is no file here that ends in {formats}')
             return
         # viser has it; only robots with meshes need it.
         import trimesh
@@ -136,6 +142,7 @@ class RobotFigure:
             mesh: Any = trimesh.load(path, force='mesh')
         except Exception:
             # Whatever a reader of some format raises: the rest of the robot is drawn.
+            self._lacking.append(f'{quoted(shape.mesh)} cannot be read')
             return
         vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
         if len(faces):

@@ -49,6 +49,7 @@ class ViewerPage:
         self._robots: dict[str, RobotView] = {}
         self._figures: dict[str, tuple[RobotFigure, CourseFigure]] = {}
         self._due = 0.0
+        self._chosen: RobotView | None = None
         self._floor = FloorFigure(server)
         self._controls: Controls | ReplayPanel
         self._pointing: Pointing | None = None
@@ -110,13 +111,14 @@ class ViewerPage:
             Time that is shown of a recording [s]; the wall clock's if not given.
         """
         self._due = now + _UNSEEN_PERIOD
-        looked_at = self._robot_looked_at()
+        looked_at, has_options = self._robot_looked_at(), False
         with self._server.atomic():
             for name, view in self._robots.items():
                 changed = view.take_changes()
                 robot, course = self._figures[name]
                 robot.draw(changed)
                 course.draw(changed, now)
+                has_options = has_options or (view is looked_at and 'options' in changed)
                 if view is looked_at and self._floor.draw(view, changed):
                     if self._pointing is not None:
                         self._pointing.watch(self._floor.handle)
@@ -129,6 +131,9 @@ class ViewerPage:
             self._picture.draw(looked_at, now)
         if isinstance(self._controls, ReplayPanel):
             self._controls.follow()
+        elif looked_at is not None and (has_options or looked_at is not self._chosen):
+            self._chosen = looked_at
+            self._controls.show_options(looked_at.options)
 
     def close(self) -> None:
         """Close the page."""

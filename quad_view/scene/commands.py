@@ -8,6 +8,9 @@ from dataclasses import dataclass
 
 from quad_common.planar_pose import Pose2D, Twist2D
 
+OPTIONS = {'gait_node': ('gait', 'turning'), 'planner_node': ('method',)}
+"""Parameters that can be chosen at the page, by nodes."""
+
 
 @dataclass(frozen=True)
 class Command:

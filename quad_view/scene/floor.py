@@ -5,7 +5,7 @@ The floor: an occupancy grid as a picture, a height map as a surface, and where 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,54 @@ class Surface:
     """Corners of the triangles, counter-clockwise from above, shape (m, 3)."""
     colors: NDArray[np.uint8]
     """Color of each corner, shape (n, 3)."""
+    shape: tuple[int, int]
+    """Rows and columns of its corners, which are a grid, row by row."""
+
+    def height_at(self, points: Array) -> Array:
+        """Return the ground's height at points, shape (n, 2) [m]; beside it that of its rim."""
+        rows, columns = self.shape
+        corners = self.vertices.reshape(rows, columns, 3)
+        row = np.searchsorted(_between(corners[:, 0, 1]), points[:, 1])
+        column = np.searchsorted(_between(corners[0, :, 0]), points[:, 0])
+        height: Array = corners[row, column, 2]
+        return height
+
+
+_FINE = 0.05
+"""Length between two points of a line that lies on the ground [m]."""
+
+
+def _between(places: Array) -> Array:
+    """Return the middles between places."""
+    middles: Array = 0.5 * (places[:-1] + places[1:])
+    return middles
+
+
+def laid_on(surface: Surface | None, points: Array, above: float) -> Array:
+    """
+    Lay a line on the ground.
+
+    Parameters
+    ----------
+    surface : Surface or None
+        The ground; flat at 0 if None.
+    points : ndarray, shape (n, 2)
+        Corners of the line [m].
+    above : float
+        Height above the ground [m].
+
+    Returns
+    -------
+    ndarray, shape (m, 3)
+        Its points; on uneven ground more than there were corners [m].
+    """
+    if surface is None or len(points) < 1:
+        return np.column_stack([points, np.full(len(points), above)])
+    length = np.concatenate([[0.0], np.hypot(*np.diff(points, axis=0).T).cumsum()])
+    count = min(max(len(points), math.ceil(length[-1] / _FINE) + 1), _MOST_VERTICES)
+    places = np.union1d(length, np.linspace(0.0, length[-1], count))
+    fine = np.column_stack([np.interp(places, length, points[:, k]) for k in range(2)])
+    return np.column_stack([fine, surface.height_at(fine) + above])
 
 
 def floor_picture(grid: OccupancyGrid) -> FloorPicture:
@@ -106,7 +154,8 @@ def surface_of(heights: HeightMap) -> Surface:
     triangles = [np.stack([p.ravel(), q.ravel(), r.ravel()], axis=-1) for p, q, r in
                  ((a, b, c), (a, c, d))]  # fmt: skip
     faces = np.concatenate([triangle[whole] for triangle in triangles])
-    return Surface(vertices, faces, _height_colors(vertices[:, 2], known.ravel()))
+    colors = _height_colors(vertices[:, 2], known.ravel())
+    return Surface(vertices, faces, colors, (rows, columns))
 
 
 def with_walls(surface: Surface, floor: FloorPicture) -> Surface:
@@ -132,9 +181,8 @@ def with_walls(surface: Surface, floor: FloorPicture) -> Surface:
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     is_wall = np.zeros(len(surface.vertices), dtype=bool)
     is_wall[inside] = (floor.pixels[row[inside], column[inside]] == _WALL).all(axis=1)
-    return Surface(
-        surface.vertices, surface.faces, np.where(is_wall[:, None], _WALL, surface.colors)
-    )
+    colors = np.where(is_wall[:, None], _WALL, surface.colors)
+    return replace(surface, colors=colors)
 
 
 def _height_colors(z: Array, known: NDArray[np.bool_]) -> NDArray[np.uint8]:

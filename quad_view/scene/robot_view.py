@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.rotations import angles_from_quaternion, yaw_from_quaternion
+from quad_common.status import Level
 from quad_view.scene.course import Track, distance_from_plan
 from quad_view.scene.floor import FloorPicture, Surface
 from quad_view.scene.robot_model import RobotModel
@@ -48,6 +49,8 @@ class RobotView:
         """Namespace."""
         self.model: RobotModel | None = None
         """Links and joints."""
+        self.lacking: tuple[str, ...] = ()
+        """Meshes of the model that cannot be shown, and why."""
         self.joints: dict[str, float] = {}
         """Joint positions by name [rad or m]."""
         self.position = np.zeros(3)
@@ -78,6 +81,8 @@ class RobotView:
         """Picture of the camera, shape (height, width, 3)."""
         self.obstacles: dict[tuple[str, int], tuple[str, Pose2D, tuple[float, float, float]]] = {}
         """Kind, pose and size [m] of obstacles in the simulation, by name."""
+        self.options: dict[str, str] = {}
+        """Parameters of the nodes that can be chosen, by name."""
         self.is_stopped = False
         """Whether the emergency stop is on."""
         self.said: dict[str, Said] = {}
@@ -174,7 +179,12 @@ class RobotView:
 
     def lines(self, now: float) -> tuple[Line, ...]:
         """Say of each node what it does, or what follows from its absence; time as above [s]."""
-        return lines(self.said, self.has_robot(now), now)
+        rows = lines(self.said, self.has_robot(now), now)
+        if not self.lacking:
+            return rows
+        more = f', and {len(self.lacking) - 1} more' if len(self.lacking) > 1 else ''
+        text = f'a part of the robot is not shown: {self.lacking[0]}{more}'
+        return (*rows, Line(Level.WARN, 'viewer_node', text))
 
     def headline(self, now: float) -> tuple[int, str]:
         """Say in one sentence what the robot does, with its level; time as above [s]."""

@@ -41,7 +41,7 @@ ROS_COMMANDS = {
     'quad_cli.output.progress',
     'quad_lab.benchmarks.bench_walk',
     'quad_lab.benchmarks.bench_localisation',
-    'quad_lab.benchmarks.bench_view',
+    'quad_lab.benchmarks.viewing.bench_view',
     'quad_lab.benchmarks.planning.bench_planner_node',
     'quad_lab.attacks.bench_matrix',
     'quad_lab.attacks.stage.examples',

@@ -46,10 +46,12 @@ from quad_sim.ros_conversions import (
     imu_message,
     joint_state_message,
     obstacle_changes_from_message,
+    obstacles_message,
     odometry_message,
     trajectory_from_message,
 )
 from quad_sim.simulation import ObstacleChange
+from quad_sim.world.world import Obstacle
 
 ROBOT = load_robot('titan_viii')
 STAMP = Time(sec=12, nanosec=345)
@@ -390,3 +392,22 @@ def test_a_marker_with_a_color_out_of_range_or_too_large_is_refused():
     one.scale.x = 1e6
     with pytest.raises(InvalidMessage, match=r'each side must be from 0\.001 to 100 m'):
         changes_from(one)
+
+
+def test_obstacles_that_stand_are_published_as_they_were_put():
+    put = {
+        ('mine', 3): Obstacle.box(Pose2D(1.0, 2.0, 0.5), 0.4, 0.3, 0.2, (10, 20, 30)),
+        ('room', 0): Obstacle.cylinder(-1.0, 0.0, 0.25, 0.6),
+    }
+    message = obstacles_message(put, 'map', (205, 50, 35))
+    cleared, *changes = obstacle_changes_from_message(message, ('map',))
+    assert cleared == ObstacleChange(None, None)
+    assert [change.name for change in changes] == list(put)
+    for change, obstacle in zip(changes, put.values(), strict=True):
+        read = change.obstacle
+        assert (read.kind, read.length, read.width, read.height) == (
+            obstacle.kind, obstacle.length, obstacle.width, obstacle.height,
+        )  # fmt: skip
+        assert read.pose.distance_to(obstacle.pose) < 1e-9
+        assert read.color == (obstacle.color or (205, 50, 35))
+    assert message.markers[1].pose.position.z == pytest.approx(0.1)

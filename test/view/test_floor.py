@@ -10,7 +10,7 @@ import pytest
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_view.scene.floor import floor_picture, floor_point, surface_of, with_walls
+from quad_view.scene.floor import floor_picture, floor_point, laid_on, surface_of, with_walls
 
 
 def test_the_first_row_of_the_picture_is_the_top_of_the_map():
@@ -72,3 +72,23 @@ def test_walls_of_the_map_are_drawn_on_the_ground():
     shown = with_walls(plain, floor)
     changed = (shown.colors != plain.colors).any(axis=1)
     np.testing.assert_allclose(plain.vertices[changed], [(2.5, 1.5, 0.0)])
+
+
+def test_a_line_is_laid_on_the_ground_between_its_corners_too():
+    heights = np.zeros((40, 60))
+    heights[:, 20:30] = 0.2
+    surface = surface_of(HeightMap(heights, 0.1, (0.0, 0.0)))
+    line = np.array([[0.5, 1.0], [5.5, 3.0], [5.5, 1.0]])
+    laid = laid_on(surface, line, 0.01)
+    assert all((np.abs(laid[:, :2] - corner).max(axis=1) < 1e-9).any() for corner in line)
+    over = (laid[:, 0] > 2.05) & (laid[:, 0] < 2.95)
+    assert over.sum() > 10
+    np.testing.assert_allclose(laid[over, 2], 0.21)
+    np.testing.assert_allclose(laid[(laid[:, 0] < 1.95) | (laid[:, 0] > 3.05), 2], 0.01)
+    assert np.linalg.norm(np.diff(laid, axis=0), axis=1).max() < 0.25
+    np.testing.assert_allclose(laid_on(surface, np.array([[99.0, -99.0]]), 0.0), [(99.0, -99.0, 0)])
+
+
+def test_without_a_height_map_a_line_has_its_corners_only():
+    line = np.array([[0.5, 1.0], [5.5, 3.0]])
+    np.testing.assert_allclose(laid_on(None, line, 0.02), [(0.5, 1.0, 0.02), (5.5, 3.0, 0.02)])

@@ -85,3 +85,12 @@ def test_joints_are_plotted_once_they_are_known():
     view.note_joints({'hip': 0.0, 'knee': np.pi / 2})
     view.plot(1.0, (0.0, 0.0, 0.0))
     assert view.plots['joint angles [deg]'].arrays()[2].tolist() == [90.0]
+
+
+def test_a_part_that_cannot_be_shown_is_named_beside_the_nodes():
+    view = RobotView('')
+    view.note(said=ALL, lacking=("'trunk.xyz' is no file here", "'calf.xyz' is no file here"))
+    *rest, line = view.lines(NOW)
+    assert len(rest) == 3
+    assert line.level == Level.WARN
+    assert "'trunk.xyz' is no file here, and 1 more" in line.text

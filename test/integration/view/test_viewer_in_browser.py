@@ -11,12 +11,14 @@ pytest.importorskip('viser', reason='the viewer needs viser: pip install quadwal
 
 from geometry_msgs.msg import PoseStamped, Twist
 from harness import Bench
+from rcl_interfaces.srv import SetParameters
 from std_msgs.msg import Bool
 
 from quad_common.ros.pose_conversions import pose_from_message
 from quad_lab.tools.chromium import Chromium, find_chromium
 from quad_lab.tools.page_reader import PageReader
 from quad_lab.topic_walk.viewer_process import PagePlace, free_port
+from quad_view.ros_conversions import option_request
 
 pytestmark = [
     pytest.mark.ros,
@@ -31,6 +33,9 @@ OF_DRAGS = 'Unable to preventDefault inside passive event listener invocation.'
 """What Chromium says of viser's own drags; nothing comes of it."""
 
 SHOWN = "document.body.innerText.includes('standing') && !!document.querySelector('canvas')"
+
+VALUES = "Array.from(document.querySelectorAll('input'), field => field.value)"
+"""What is chosen on the page."""
 
 
 def start(bench: Bench) -> str:
@@ -72,6 +77,13 @@ def test_a_click_on_the_floor_makes_the_robot_walk_there(bench: Bench):
         dragged = pose_from_message(goals[1].pose)
         assert dragged.distance_to(goal) < 0.05
         assert abs(dragged.yaw) < math.radians(10.0)
+
+        answer = bench.call(
+            'gait_node/set_parameters', SetParameters, option_request('turning', 'crab')
+        )
+        assert answer.results[0].successful
+        browser.wait_for(f"{VALUES}.includes('crab') && {VALUES}.includes('mesh')")
+        assert 'not known yet' not in browser.evaluate(VALUES)
 
         browser.click(*browser.place_of('Steer'))
         place = browser.place_of('Turn left')

@@ -1,5 +1,5 @@
 """
-``quadwalk bench view``: what the viewer costs a walk, how often it shows it, and how fast.
+``quadwalk bench view``: how fast the viewer shows a walk, and what it and a recording cost.
 
 The page is read by a browser without a window for what a person does, and by a program that speaks
 the page's protocol, and draws nothing, for rates and costs: without a graphics card a browser
@@ -23,16 +23,17 @@ from rich.console import Console
 
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
+from quad_lab.benchmarks.viewing.walk_costs import Course, recording_cost, viewer_cost
 from quad_lab.tools.chromium import Chromium, find_chromium
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.page_reader import PageReader
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
-from quad_lab.topic_walk.walk import START_TIMEOUT, NodesNotReady, WalkOptions, walk
+from quad_lab.topic_walk.walk import START_TIMEOUT, NodesNotReady
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_sim.engines.registry import AUTO
 
-PARTS = ('page', 'updates', 'cost')
+PARTS = ('page', 'updates', 'cost', 'recording')
 """What can be measured alone."""
 
 _PLACE = PagePlace(port=8700)
@@ -115,7 +116,10 @@ def measure(
         bars += _measure_updates(console, _QUICK_COUNTED if quick else _COUNTED, details)
     if 'cost' in only:
         goal, pairs = (_NEAR_GOAL, _QUICK_PAIRS) if quick else (_FAR_GOAL, _PAIRS)
-        bars += _measure_cost(console, goal, pairs, seed, details)
+        bars += viewer_cost(console, Course(_START, goal, seed, _PLACE), pairs, details)
+    if 'recording' in only:
+        goal, pairs = (_NEAR_GOAL, _QUICK_PAIRS) if quick else (_FAR_GOAL, _PAIRS)
+        bars += recording_cost(console, Course(_START, goal, seed, _PLACE), pairs, details)
     return bars, details
 
 
@@ -207,47 +211,6 @@ def _measure_updates(
         at_least('updates of each of two robots, the rarer', min(rates), '1/s', 25.0),
         figure('sent to a page', updates.size / seconds / 1e3, 'kB/s'),
     ]
-
-
-def _measure_cost(
-    console: Console, goal: Pose2D, pairs: int, seed: int, details: dict[str, object]
-) -> list[Criterion]:
-    """Walk with the viewer and a page that is open, and without, in turns."""
-    speeds: dict[bool, list[float]] = {False: [], True: []}
-    for number in range(pairs):
-        # The second of two walks finds the machine warmer: each kind comes first as often.
-        for is_shown in (False, True) if number % 2 == 0 else (True, False):
-            speed = _walk_once(goal, is_shown, seed)
-            speeds[is_shown].append(speed)
-            what = 'with the viewer' if is_shown else 'without it'
-            console.print(f'{what}: {speed:.2f} times real time', highlight=False)
-    ratios = [shown / bare for shown, bare in zip(speeds[True], speeds[False], strict=True)]
-    details['cost'] = {'with': speeds[True], 'without': speeds[False]}
-    return [
-        at_most('speed that the viewer costs, median', 1.0 - statistics.median(ratios), '', 0.1),
-        figure('speed without it, median', statistics.median(speeds[False]), 'x real time'),
-    ]
-
-
-def _walk_once(goal: Pose2D, is_shown: bool, seed: int) -> float:
-    """Walk as fast as possible; return simulated over real time, or NaN if it did not arrive."""
-    options = WalkOptions(
-        map_file=sample_map(), start=_START, goal=goal, seed=seed,
-        page=_PLACE if is_shown else None,
-    )  # fmt: skip
-    with contextlib.ExitStack() as readers:
-
-        def read(address: str) -> None:
-            readers.enter_context(PageReader(address))
-
-        record = walk(
-            options,
-            on_page=read,
-            on_end=lambda record, go_on: readers.close(),
-        )
-    result = record.result()
-    speed = result.as_dict()['real_time_factor']
-    return float(speed) if result.arrived and isinstance(speed, float) else math.nan
 
 
 @contextlib.contextmanager

@@ -1,0 +1,3 @@
+"""
+Benchmarks of what is seen and kept of a walk.
+"""
