@@ -9,7 +9,6 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
-from numpy.typing import ArrayLike
 from rosbags.typesys import Stores, get_typestore
 
 _TYPES = get_typestore(Stores.ROS2_JAZZY)
@@ -19,6 +18,8 @@ _START = 4
 
 _STAMP = struct.Struct('<iI')
 """Seconds and nanoseconds."""
+
+Rows = Sequence[Sequence[float]]
 
 _NUMBERS = struct.Struct('<7d')
 """Position and orientation."""
@@ -54,7 +55,7 @@ class TransformPattern:
         self._data = bytearray(_TYPES.serialize_cdr(message, 'tf2_msgs/msg/TFMessage'))
         self._places = _places(frames)
 
-    def fill(self, stamp: tuple[int, int], positions: ArrayLike, turns: ArrayLike) -> bytes:
+    def fill(self, stamp: tuple[int, int], positions: Rows, turns: Rows) -> bytes:
         """
         Make a message.
 
@@ -62,9 +63,9 @@ class TransformPattern:
         ----------
         stamp : tuple of int
             Seconds and nanoseconds of every transform.
-        positions : array_like
+        positions : sequence of sequences
             Position of each child in its parent's frame, shape (n, 3) [m].
-        turns : array_like
+        turns : sequence of sequences
             Orientation of each, quaternions xyzw, shape (n, 4).
 
         Returns
