@@ -248,7 +248,7 @@ def _turning_exhibit() -> Exhibit:
 
 
 def _draw_sequence(robot: Robot, cycle: Cycle, figure: Figure) -> None:
-    figure.set_size_inches(7.4, 2.6)
+    figure.set_size_inches(7.4, 2.1)
     hips = np.abs(robot.legs[0].hip)
     for axes, time in zip(panels(figure, 1, 5, shared_y=True), (0.0, 1.5, 2.5, 3.5, 4.5)):
         k = cycle.sample(time)
@@ -259,6 +259,8 @@ def _draw_sequence(robot: Robot, cycle: Cycle, figure: Figure) -> None:
         x, y, yaw = cycle.body[k]
         draw_body(axes, np.array([-y, x, yaw + math.pi / 2.0]), float(hips[0]), float(hips[1]))
         axes.plot(-y, x, '+', color='black', markersize=7)
+        axes.set_xlim(-0.42, 0.42)
+        axes.set_ylim(-0.36, 0.44)
         swinging = [_NUMBERS[LEGS[leg]] for leg in np.flatnonzero(~down)]
         title = f'leg {swinging[0]} swings' if swinging else 'initial posture'
         axes.set_title(f'{title}\n{cycle.times[k]:.1f} s', fontsize=8)
@@ -285,8 +287,8 @@ def _joints_exhibit(courses: LegCourses) -> Exhibit:
         at_least('theta11 gained, 1 to 2 s', 'increased', leg_1[at[2], 0] - leg_1[at[1], 0], 'deg', 0.1),
         at_most(
             'rate of theta11 just before 2 s', 'reached a stable angle', abs(rate), 'deg/s', 0.5, 2,
-            "this body moves on steadily through the phases, and rests where the cycle's ends are; "
-            'it would jerk if it stopped at every phase',
+            'the body goes on through the phases without a stop, and rests only at the ends of the '
+            'cycle: to stop at each phase costs speed and jerks',
         ),
         at_least(
             'change of theta13, 1 to 2 s', 'changed, as the leg became longer',
@@ -308,7 +310,7 @@ def _joints_exhibit(courses: LegCourses) -> Exhibit:
         for k, axes in enumerate(panels(figure, 1, 3)):
             draw_legs(axes, times, theta[..., k])
             name_axes(axes, 'time [s]', 'angle [deg]' if k == 0 else '', f'theta{k + 1}')
-        figure.axes[0].legend(fontsize=6)
+        figure.legend(*figure.axes[0].get_legend_handles_labels(), fontsize=7, ncols=4, loc='outside lower center')
 
     return Exhibit(
         'S0', 'Fig. 15', 'joint angles over a straight cycle', rows,
