@@ -154,6 +154,7 @@ def _potential_exhibit(points: Array) -> Exhibit:
         )
         axes.plot(*points.T, along + 1.0, color=COLORS[1], linewidth=2.0, zorder=10)
         axes.view_init(48.0, 200.0)
+        axes.set_box_aspect(None, zoom=0.85)
         axes.tick_params(labelsize=6)
         axes.set_xlabel('x [m]', fontsize=8)
         axes.set_ylabel('y [m]', fontsize=8)

@@ -393,7 +393,7 @@ def _snapshots(circle: WalkedCircle) -> Exhibit:
         (axes,) = panels(figure, 1, 1)
         axes.plot(*path.T, color=COLORS[0], linewidth=1.2, label='path of the body')
         per_lap = max(len(path) // 3, 1)
-        for k in range(0, per_lap, max(per_lap // 8, 1)):
+        for k in np.linspace(0, per_lap, 8, endpoint=False).astype(int):
             step = path[min(k + 5, len(path) - 1)] - path[k]
             draw_body(axes, np.array([*path[k], math.atan2(step[1], step[0])]), 115.0, 57.5)
         axes.set_aspect('equal')
