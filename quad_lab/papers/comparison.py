@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from matplotlib.figure import Figure
 
@@ -27,19 +27,23 @@ class Row:
     what: str
     """Quantity."""
     there: float | str
-    """Value in the paper; for the rules 'at most' and 'at least' the property that its text states."""
+    """Value in the paper; for 'at most' and 'at least' the property that its text states."""
     here: float | str | None
     """Value that comes out here; None if it could not be measured."""
     unit: str
     """Unit of both, empty for counts and texts."""
     rule: str
-    """One of :data:`RULES`: the paper's value is aimed at, 'less' or 'more' is better, or a bound."""
+    """One of :data:`RULES`: aim at the paper's value, 'less' or 'more' is better, or a bound."""
     limit: float
     """Difference within which both are equal; the bound for 'at most' and 'at least'."""
     digits: int
     """Number of decimals shown."""
     reason: str = ''
     """Reason why it is worse, or what a reader has to know of it."""
+
+    def because(self, reason: str) -> Row:
+        """Return the row with a reason why it is worse, or a remark."""
+        return replace(self, reason=reason)
 
     @property
     def is_stated(self) -> bool:
@@ -89,7 +93,8 @@ class Row:
     @property
     def texts(self) -> tuple[str, str]:
         """Values there and here as text, with their unit."""
-        return self._text(self.there), 'not measured' if self.here is None else self._text(self.here)
+        here = 'not measured' if self.here is None else self._text(self.here)
+        return self._text(self.there), here
 
     def _text(self, value: float | str) -> str:
         if isinstance(value, str):
@@ -103,44 +108,34 @@ def shown(value: float, digits: int) -> str:
     return f'{round(value, digits) + 0.0:.{digits}f}'
 
 
-def same(
-    what: str, there: float, here: float, unit: str, limit: float, digits: int = 1, reason: str = ''
-) -> Row:
+def same(what: str, there: float, here: float, unit: str, limit: float, digits: int = 1) -> Row:
     """Compare with a value that is to come out again, within a limit."""
-    return Row(what, there, _number(here), unit, 'same', limit, digits, reason)
+    return Row(what, there, _number(here), unit, 'same', limit, digits)
 
 
-def less(
-    what: str, there: float, here: float, unit: str, digits: int = 1, reason: str = ''
-) -> Row:
+def less(what: str, there: float, here: float, unit: str, digits: int = 1) -> Row:
     """Compare where less is better; equal is what differs by half of the last digit."""
-    return Row(what, there, _number(here), unit, 'less', 0.5 * 10.0**-digits, digits, reason)
+    return Row(what, there, _number(here), unit, 'less', 0.5 * 10.0**-digits, digits)
 
 
-def more(
-    what: str, there: float, here: float, unit: str, digits: int = 1, reason: str = ''
-) -> Row:
+def more(what: str, there: float, here: float, unit: str, digits: int = 1) -> Row:
     """Compare where more is better; equal is what differs by half of the last digit."""
-    return Row(what, there, _number(here), unit, 'more', 0.5 * 10.0**-digits, digits, reason)
+    return Row(what, there, _number(here), unit, 'more', 0.5 * 10.0**-digits, digits)
 
 
-def at_most(
-    what: str, stated: str, here: float, unit: str, limit: float, digits: int = 1, reason: str = ''
-) -> Row:
+def at_most(what: str, stated: str, here: float, unit: str, limit: float, digits: int = 1) -> Row:
     """Measure a property that a text states: a value must not exceed a limit."""
-    return Row(what, stated, _number(here), unit, 'at most', limit, digits, reason)
+    return Row(what, stated, _number(here), unit, 'at most', limit, digits)
 
 
-def at_least(
-    what: str, stated: str, here: float, unit: str, limit: float, digits: int = 1, reason: str = ''
-) -> Row:
+def at_least(what: str, stated: str, here: float, unit: str, limit: float, digits: int = 1) -> Row:
     """Measure a property that a text states: a value must reach a limit."""
-    return Row(what, stated, _number(here), unit, 'at least', limit, digits, reason)
+    return Row(what, stated, _number(here), unit, 'at least', limit, digits)
 
 
-def words(what: str, there: str, here: str, reason: str = '') -> Row:
+def words(what: str, there: str, here: str) -> Row:
     """Compare two texts."""
-    return Row(what, there, here, '', 'same', 0.0, 0, reason)
+    return Row(what, there, here, '', 'same', 0.0, 0)
 
 
 def _number(value: float) -> float | None:

@@ -27,7 +27,7 @@ _SIZE = (6.8, 3.1)
 
 _DPI = 95
 
-_PALETTE = 64
+_PALETTE = 128
 """Number of colors in a picture's file."""
 
 

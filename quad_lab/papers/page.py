@@ -26,13 +26,13 @@ _HEAD = """\
 
     quadwalk reproduce all --output docs
 
-Every figure and table of the [five papers](references.md) that shows a result, drawn and measured by this
-code, beside the paper's values. This page, its pictures and
-[its numbers as JSON](reproduction.json) are written by that command, whole. Where a figure's numbers are
-lost, the property that its text states is measured.
+Every figure and table of the [five papers](references.md) that shows a result, drawn and measured
+by this code, beside the paper's values. This page, its pictures and
+[its numbers as JSON](reproduction.json) are written by that command, whole. Where a figure's
+numbers are lost, the property that its text states is measured.
 
-*Equal* is what differs by no more than the last digit that the paper prints, or a stated property that
-holds. *Better* and *worse* say in which direction it differs; what is worse says why.
+*Equal* is what differs by no more than the last digit that the paper prints, or a stated property
+that holds. *Better* and *worse* say in which direction it differs; what is worse says why.
 """
 
 

@@ -1,25 +1,20 @@
 """
 S0's figures of gaits, 10, 11 and 15 to 18: sequences of legs, joints and lengths over a cycle.
 
-Figures 6 to 8 are in :mod:`quad_lab.papers.s0_paths`. The stride of figures 15 to 17 is that which
-gives figure 16's longest leg, 107.7 mm. Angles, lengths and heights of legs are the paper's
-(S0 eqs. 11 to 14): theta1 from straight outward, theta2 and theta3 from the horizontal, heights
-downward from the hip.
+Figures 6 to 8 are in :mod:`quad_lab.papers.s0_paths`; what is measured here is in
+:mod:`quad_lab.papers.s0_gaits`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from quad_common.plan import Plan
-from quad_common.robot.leg_builds import drive_angles
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.robot_files.robot_file import load_robot
@@ -28,15 +23,12 @@ from quad_gait.cycle.cycle import Cycle
 from quad_gait.cycle.gait import Gait, load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.cycle.stability import stability_margin, support_polygon
-from quad_lab.closed_loop.calibration import measure_motion
-from quad_lab.closed_loop.gait_measures import PlanWalk, plan_walk
 from quad_lab.papers.comparison import (
     Exhibit,
     Part,
     Row,
     at_least,
     at_most,
-    less,
     more,
     same,
     words,
@@ -50,121 +42,36 @@ from quad_lab.papers.drawing import (
     name_axes,
     panels,
 )
+from quad_lab.papers.s0_gaits import (
+    STRIDE,
+    LegCourses,
+    leg_courses,
+    schedule_of_s0,
+    standing,
+    straight_courses,
+    walk_exhibits,
+    without_balls,
+)
 from quad_lab.papers.s0_paths import path_exhibits
 
 Array = NDArray[np.float64]
 
 EXHIBITS = (
-    'Fig. 6', 'Fig. 7', 'Fig. 8', 'Fig. 10', 'Fig. 11', 'Fig. 15', 'Fig. 16', 'Fig. 17', 'Fig. 18',
-)  # fmt: skip
+    'Fig. 6',
+    'Fig. 7',
+    'Fig. 8',
+    'Fig. 10',
+    'Fig. 11',
+    'Fig. 15',
+    'Fig. 16',
+    'Fig. 17',
+    'Fig. 18',
+)
 """Those that show a result; the others are photographs, sketches and a flow chart."""
 
-STRIDE = 0.1077
-"""Stride of S0 figs. 15 to 17 [m]."""
 
 _NUMBERS = {'lf': '1', 'rf': '2', 'lh': '3', 'rh': '4'}
 """The paper's numbers of the legs."""
-
-_LINE = 10.0
-"""Length of the line that is walked [m]."""
-
-
-@dataclass(frozen=True)
-class LegCourses:
-    """Legs over a planned cycle as the paper describes them, n samples of four legs."""
-
-    times: Array
-    """Times, shape (n,) [s]."""
-    angles: Array
-    """theta1, theta2 and theta3, shape (n, 4, 3) [deg]."""
-    lengths: Array
-    """Lengths from hip to foothold in the plan view, shape (n, 4) [mm]."""
-    heights: Array
-    """Heights from foot to hip, shape (n, 4) [mm]."""
-    in_contact: NDArray[np.bool_]
-    """Whether a foot is on the ground, shape (n, 4)."""
-
-
-def schedule_of_s0(name: str = 'crawl') -> Gait:
-    """Return S0's own schedule of a gait, crawl or turn: phases of a second, no sway."""
-    gait = load_gait(name)
-    swings = tuple(
-        replace(swing, liftoff=1.0 + k, touchdown=2.0 + k) for k, swing in enumerate(gait.swings)
-    )
-    return replace(
-        gait,
-        swings=swings,
-        sway_weight=(0.0, 0.0),
-        body_progress=((1.0, 0.0), (2.0, 0.25), (3.0, 0.5), (4.0, 0.75), (5.0, 1.0)),
-    )
-
-
-def without_balls(robot: Robot) -> Robot:
-    """Return the robot on points in place of balls: the papers' feet do not roll."""
-    return replace(robot, links={**robot.links, 'foot': replace(robot.links['foot'], radius=0.0)})
-
-
-def leg_courses(robot: Robot, cycle: Cycle) -> LegCourses:
-    """
-    Describe the legs over a cycle as S0 does.
-
-    Parameters
-    ----------
-    robot : Robot
-        TITAN-VIII, on points.
-    cycle : Cycle
-        Planned for it.
-
-    Returns
-    -------
-    LegCourses
-        In degrees and millimetres.
-    """
-    hips = np.array([leg.hip for leg in robot.legs])
-    arms = robot.foot_positions(cycle.joint_positions) - hips
-    # S0 has y forward and x to the right: tan(theta1) = forward / right (S0 eq. 13).
-    theta1 = np.arctan(arms[..., 0] / -arms[..., 1])
-    drives = drive_angles(cycle.joint_positions, knee_is_absolute=True)
-    return LegCourses(
-        cycle.times,
-        np.degrees(np.stack([theta1, drives[..., 1], drives[..., 2]], axis=-1)),
-        1e3 * np.hypot(arms[..., 0], arms[..., 1]),
-        -1e3 * arms[..., 2],
-        cycle.in_contact,
-    )
-
-
-def straight_courses() -> LegCourses:
-    """Plan the straight cycle of S0 figs. 15 to 17, and describe its legs."""
-    robot = without_balls(load_robot('titan_viii'))
-    return leg_courses(robot, generate_cycle(robot, schedule_of_s0(), BodyMotion(forward=STRIDE)))
-
-
-def standing(values: Array, courses: LegCourses) -> Array:
-    """Return values of legs where they stand, and nan where they swing."""
-    return np.where(courses.in_contact, values, np.nan)
-
-
-def walk_line(length: float) -> PlanWalk:
-    """Walk a straight line of a length [m] in physics, at the largest stride."""
-    robot = load_robot('titan_viii')
-    line = Plan.through([(0.0, 0.0), (length, 0.0)], 0.0)
-    return plan_walk(robot, load_gait('crawl', robot), line, 'in_place', 40.0 * length)
-
-
-def turn_on_the_spot(degrees: float) -> PlanWalk:
-    """Turn by an angle [deg] in physics, in as few cycles as may be."""
-    robot = load_robot('titan_viii')
-    turn = Plan.through([(0.0, 0.0)], math.radians(degrees))
-    return plan_walk(robot, load_gait('crawl', robot), turn, 'in_place', 120.0)
-
-
-def quarter_in_four() -> float:
-    """Turn in the paper's four cycles in physics; return how far off 90 degrees it ends [deg]."""
-    robot = load_robot('titan_viii')
-    quarter = math.radians(90.0)
-    turned = measure_motion(robot, load_gait('turn', robot), BodyMotion(turn=quarter / 4.0), 4)
-    return abs(math.degrees(4.0 * turned.mean.turn - quarter))
 
 
 def cycle_exhibits() -> list[Exhibit]:
@@ -204,8 +111,7 @@ def _margin_rows(name: str, motion: BodyMotion) -> list[Row]:
             0.0,
             1e3 * swaying.least_margin,
             'mm',
-            reason="in the paper's schedule it is zero at one end of each phase",
-        ),
+        ).because("in the paper's schedule it is zero at one end of each phase"),
     ]
 
 
@@ -218,16 +124,24 @@ def _straight_exhibit() -> Exhibit:
         words('order of the legs', '3 1 4 2', _order(gait)),
         *(
             same(
-                f'body after phase {k + 1}', 25.0 * (k + 1), 1e2 * x / STRIDE, '% of the stride', 0.05
+                f'body after phase {k + 1}',
+                25.0 * (k + 1),
+                1e2 * x / STRIDE,
+                '% of the stride',
+                0.05,
             )
             for k, x in enumerate(ends)
         ),
         *_margin_rows('crawl', motion),
-    ]  # fmt: skip
+    ]
     return Exhibit(
-        'S0', 'Fig. 10', 'sequence of legs in the straight-going gait', tuple(rows), '',
+        'S0',
+        'Fig. 10',
+        'sequence of legs in the straight-going gait',
+        tuple(rows),
+        '',
         partial(_draw_sequence, robot, cycle),
-    )  # fmt: skip
+    )
 
 
 def _turning_exhibit() -> Exhibit:
@@ -242,9 +156,13 @@ def _turning_exhibit() -> Exhibit:
         *_margin_rows('turn', motion),
     ]
     return Exhibit(
-        'S0', 'Fig. 11', 'sequence of legs in the standstill-turning gait', tuple(rows),
-        'A turn of 22.5 degrees, half of 45, is drawn.', partial(_draw_sequence, robot, cycle),
-    )  # fmt: skip
+        'S0',
+        'Fig. 11',
+        'sequence of legs in the standstill-turning gait',
+        tuple(rows),
+        'A turn of 22.5 degrees, half of 45, is drawn.',
+        partial(_draw_sequence, robot, cycle),
+    )
 
 
 def _draw_sequence(robot: Robot, cycle: Cycle, figure: Figure) -> None:
@@ -281,41 +199,68 @@ def _joints_exhibit(courses: LegCourses) -> Exhibit:
     rows = (
         same('a cycle', 5.0, float(times[-1]), 's', 0.05),
         at_most(
-            'change of all joints, 0 to 1 s', 'initial values',
-            np.abs(theta[: at[1] + 1] - theta[0]).max(), 'deg', 0.005, 2,
+            'change of all joints, 0 to 1 s',
+            'initial values',
+            np.abs(theta[: at[1] + 1] - theta[0]).max(),
+            'deg',
+            0.005,
+            2,
         ),
-        at_least('theta11 gained, 1 to 2 s', 'increased', leg_1[at[2], 0] - leg_1[at[1], 0], 'deg', 0.1),
+        at_least(
+            'theta11 gained, 1 to 2 s', 'increased', leg_1[at[2], 0] - leg_1[at[1], 0], 'deg', 0.1
+        ),
         at_most(
-            'rate of theta11 just before 2 s', 'reached a stable angle', abs(rate), 'deg/s', 0.5, 2,
+            'rate of theta11 just before 2 s', 'reached a stable angle', abs(rate), 'deg/s', 0.5, 2
+        ).because(
             'the body goes on through the phases without a stop, and rests only at the ends of the '
-            'cycle: to stop at each phase costs speed and jerks',
+            'cycle: to stop at each phase costs speed and jerks'
         ),
         at_least(
-            'change of theta13, 1 to 2 s', 'changed, as the leg became longer',
-            abs(leg_1[at[2], 2] - leg_1[at[1], 2]), 'deg', 0.1, 2,
+            'change of theta13, 1 to 2 s',
+            'changed, as the leg became longer',
+            abs(leg_1[at[2], 2] - leg_1[at[1], 2]),
+            'deg',
+            0.1,
+            2,
         ),
         at_least(
-            'samples from 3 to 5 s in which theta11 increases', 'increased continuously',
-            1e2 * rising.mean(), '%', 100.0,
+            'samples from 3 to 5 s in which theta11 increases',
+            'increased continuously',
+            1e2 * rising.mean(),
+            '%',
+            100.0,
         ),
         at_most(
-            'all joints at the end, off their initial values', 'came back to the initial angle',
-            np.abs(theta[-1] - theta[0]).max(), 'deg', 0.005, 2,
+            'all joints at the end, off their initial values',
+            'came back to the initial angle',
+            np.abs(theta[-1] - theta[0]).max(),
+            'deg',
+            0.005,
+            2,
         ),
-        at_most('lengths by S0 eq. 11 of these angles, off', 'eq. 11', wrong_length, 'mm', 0.005, 2),
-        at_most('heights by S0 eq. 11 of these angles, off', 'eq. 11', wrong_height, 'mm', 0.005, 2),
-    )  # fmt: skip
+        at_most(
+            'lengths by S0 eq. 11 of these angles, off', 'eq. 11', wrong_length, 'mm', 0.005, 2
+        ),
+        at_most(
+            'heights by S0 eq. 11 of these angles, off', 'eq. 11', wrong_height, 'mm', 0.005, 2
+        ),
+    )
 
     def draw(figure: Figure) -> None:
         for k, axes in enumerate(panels(figure, 1, 3)):
             draw_legs(axes, times, theta[..., k])
             name_axes(axes, 'time [s]', 'angle [deg]' if k == 0 else '', f'theta{k + 1}')
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), fontsize=7, ncols=4, loc='outside lower center')
+        named = figure.axes[0].get_legend_handles_labels()
+        figure.legend(*named, fontsize=7, ncols=4, loc='outside lower center')
 
     return Exhibit(
-        'S0', 'Fig. 15', 'joint angles over a straight cycle', rows,
-        'The curves are lost; their course is told.', draw,
-    )  # fmt: skip
+        'S0',
+        'Fig. 15',
+        'joint angles over a straight cycle',
+        rows,
+        'The curves are lost; their course is told.',
+        draw,
+    )
 
 
 def _lengths_exhibit(courses: LegCourses) -> Exhibit:
@@ -333,9 +278,13 @@ def _lengths_exhibit(courses: LegCourses) -> Exhibit:
         axes.legend(fontsize=7)
 
     return Exhibit(
-        'S0', 'Fig. 16', 'length of the legs over a straight cycle', rows,
-        'Rows are of legs that stand.', draw,
-    )  # fmt: skip
+        'S0',
+        'Fig. 16',
+        'length of the legs over a straight cycle',
+        rows,
+        'Rows are of legs that stand.',
+        draw,
+    )
 
 
 def _heights_exhibit(courses: LegCourses) -> Exhibit:
@@ -344,14 +293,22 @@ def _heights_exhibit(courses: LegCourses) -> Exhibit:
     rows = (
         same('height in the initial posture, H0', 243.0, float(heights[0, 0]), 'mm', 0.05),
         same(
-            'difference of heights, first and last of the cycle', 0.0,
-            float(np.abs(heights[-1] - heights[0]).max()), 'mm', 0.005, 2,
+            'difference of heights, first and last of the cycle',
+            0.0,
+            float(np.abs(heights[-1] - heights[0]).max()),
+            'mm',
+            0.005,
+            2,
         ),
         at_most(
-            'change of the height of standing legs', 'without changing the height',
-            float(np.nanmax(np.abs(level - heights[0, 0]))), 'mm', 0.005, 2,
+            'change of the height of standing legs',
+            'without changing the height',
+            float(np.nanmax(np.abs(level - heights[0, 0]))),
+            'mm',
+            0.005,
+            2,
         ),
-    )  # fmt: skip
+    )
 
     def draw(figure: Figure) -> None:
         (axes,) = panels(figure, 1, 1)
@@ -360,9 +317,13 @@ def _heights_exhibit(courses: LegCourses) -> Exhibit:
         axes.legend(fontsize=7)
 
     return Exhibit(
-        'S0', 'Fig. 17', 'height of the legs over a straight cycle', rows,
-        'How high a foot is lifted is lost; it is 50 mm here.', draw,
-    )  # fmt: skip
+        'S0',
+        'Fig. 17',
+        'height of the legs over a straight cycle',
+        rows,
+        'How high a foot is lifted is lost; it is 50 mm here.',
+        draw,
+    )
 
 
 def _turning_lengths_exhibit() -> Exhibit:
@@ -374,15 +335,21 @@ def _turning_lengths_exhibit() -> Exhibit:
     rows = (
         same('length at the start, L0', 200.0, float(lengths[0, 0]), 'mm', 0.05),
         at_most(
-            'lengths at the end, off those at the start', 'returned to the initial posture',
-            float(np.abs(courses.lengths[-1] - courses.lengths[0]).max()), 'mm', 0.05,
+            'lengths at the end, off those at the start',
+            'returned to the initial posture',
+            float(np.abs(courses.lengths[-1] - courses.lengths[0]).max()),
+            'mm',
+            0.05,
         ),
         at_most(
-            'longest leg', f'at most the stretch of S0 eq. 16, {stretch:.1f} mm',
-            float(np.nanmax(lengths)), 'mm', stretch,
+            'longest leg',
+            f'at most the stretch of S0 eq. 16, {stretch:.1f} mm',
+            float(np.nanmax(lengths)),
+            'mm',
+            stretch,
         ),
         same('largest turn of a cycle', 44.0, math.degrees(robot.largest_turn), 'deg', 0.5),
-    )  # fmt: skip
+    )
 
     def draw(figure: Figure) -> None:
         (axes,) = panels(figure, 1, 1)
@@ -392,34 +359,13 @@ def _turning_lengths_exhibit() -> Exhibit:
         axes.legend(fontsize=7)
 
     return Exhibit(
-        'S0', 'Fig. 18', 'length of the legs while turning by 45 degrees', rows,
-        'The curves are lost.', draw,
-    )  # fmt: skip
-
-
-def walk_exhibits() -> list[Exhibit]:
-    """Walk straight ahead and turn in physics, as figures 10, 11 and 18 have it."""
-    line = walk_line(_LINE)
-    far = 1e3 * line.largest_distance_at_ends if line.arrived else math.nan
-    straight = at_most(
-        f'distance from a line of {_LINE:g} m walked in physics, at the ends of cycles',
-        'straight-going', far, 'mm', 30.0,
-    )  # fmt: skip
-    counts = [_cycles_for(degrees, there) for degrees, there in ((45, 2), (-45, 2), (90, 4), (-90, 4))]
-    four = at_most(
-        '90 degrees in four cycles in physics, off', 'the desired angle', quarter_in_four(), 'deg', 1.0
+        'S0',
+        'Fig. 18',
+        'length of the legs while turning by 45 degrees',
+        rows,
+        'The curves are lost.',
+        draw,
     )
-    return [
-        Exhibit('S0', 'Fig. 10', 'sequence of legs in the straight-going gait', (straight,)),
-        Exhibit('S0', 'Fig. 18', 'length of the legs while turning by 45 degrees', (*counts, four)),
-    ]
-
-
-def _cycles_for(degrees: int, there: int) -> Row:
-    turned = turn_on_the_spot(degrees)
-    cycles = turned.cycles if turned.arrived else math.nan
-    reason = '90 is less than three times 44' if abs(degrees) == 90 else ''
-    return less(f'turning cycles for {degrees} degrees, in physics', there, cycles, '', 0, reason)
 
 
 PARTS: Sequence[Part] = (

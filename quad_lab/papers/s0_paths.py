@@ -42,6 +42,8 @@ GRAPH = {
 }
 """The graph of S0 fig. 6: 1-2, 1-3 and 1-4 are printed, 3-2 follows, the others are chosen."""
 
+_EDGES = [(u, v) for u, ends in GRAPH.items() for v in ends if u < v]
+
 _PLACES = {1: (0.0, 1.0), 2: (1.0, 2.0), 3: (1.1, 1.0), 4: (1.0, 0.0), 5: (2.2, 2.0), 6: (3.0, 1.0)}
 
 _CELLS = 20
@@ -53,7 +55,7 @@ _Box = tuple[float, float, float, float]
 _ROOM = (15, 10)
 """Size of figure 7's room, in widths of the mesh."""
 _BOXES: tuple[_Box, ...] = (
-    (2.6, 2.2, 1.8, 2.4),
+    (2.4, 2.2, 1.8, 2.4),
     (6.3, 0.0, 1.2, 3.4),
     (6.0, 6.1, 2.0, 3.9),
     (8.3, 6.4, 1.4, 1.0),
@@ -82,17 +84,25 @@ def _graph_exhibit() -> Exhibit:
     assert second is not None
     assert fourth is not None
     rows = (
-        words('vertices in the order in which they are visited, V', '1 4 3 2 5 6', _text(found.visited)),
+        words(
+            'vertices in the order in which they are visited, V',
+            '1 4 3 2 5 6',
+            _text(found.visited),
+        ),
         same('distance of vertex 4', 5, fourth.cost, '', 0.0, 0),
         same('distance of vertex 2', 10, second.cost, '', 0.0, 0),
         words('path to vertex 2', '1 3 2', _text(second.path)),
         words('path to the goal', '1 3 2 5 6', _text(found.path)),
-    )  # fmt: skip
+    )
     note = 'Weights 4-3, 4-6, 2-5 and 5-6 are lost, and chosen to agree with the text.'
     return Exhibit(
-        'S0', 'Fig. 6', "the graph of Dijkstra's algorithm", rows, note,
+        'S0',
+        'Fig. 6',
+        "the graph of Dijkstra's algorithm",
+        rows,
+        note,
         lambda figure: _draw_graph(figure, found),
-    )  # fmt: skip
+    )
 
 
 def _text(vertices: tuple[int, ...]) -> str:
@@ -107,13 +117,22 @@ def _draw_graph(figure: Figure, found: DijkstraResult[int, int]) -> None:
         axes.set_xlim(-0.3, 3.3)
         axes.set_ylim(-0.35, 2.35)
         on_path = set(pairwise(found.path)) if step == 5 else set()
-        for u, v in ((u, v) for u in GRAPH for v in GRAPH[u] if u < v):
+        for u, v in _EDGES:
             a, b = np.array(_PLACES[u]), np.array(_PLACES[v])
             is_path = bool({(u, v), (v, u)} & on_path)
-            axes.plot(*np.array([a, b]).T, color=COLORS[0] if is_path else '0.6',
-                      linewidth=2.2 if is_path else 0.9)  # fmt: skip
-            axes.text(*(0.5 * (a + b)), str(GRAPH[u][v]), fontsize=7, ha='center', va='center',
-                      bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 0.6})  # fmt: skip
+            axes.plot(
+                *np.array([a, b]).T,
+                color=COLORS[0] if is_path else '0.6',
+                linewidth=2.2 if is_path else 0.9,
+            )
+            axes.text(
+                *(0.5 * (a + b)),
+                str(GRAPH[u][v]),
+                fontsize=7,
+                ha='center',
+                va='center',
+                bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 0.6},
+            )
         for u, place in _PLACES.items():
             fill = '#ff8c00' if u == visited[-1] else '#dbe6fb' if u in visited else 'white'
             axes.plot(*place, 'o', color='0.2', markerfacecolor=fill, markersize=13)
@@ -134,9 +153,7 @@ def _scene(size: tuple[int, int], boxes: tuple[_Box, ...]) -> tuple[MeshPlanner,
     return planner, planner.prepare(grid)
 
 
-def _plan(
-    planner: MeshPlanner, mesh: PreparedMesh, ends: tuple[tuple[float, float], ...]
-) -> Plan:
+def _plan(planner: MeshPlanner, mesh: PreparedMesh, ends: tuple[tuple[float, float], ...]) -> Plan:
     """Plan between crossings, given in widths of the mesh."""
     (x0, y0), (x1, y1) = ends
     size = planner.mesh_size
@@ -167,9 +184,7 @@ def _room_exhibit() -> Exhibit:
             'mm',
             0.01,
         ),
-        at_least(
-            'distance from the obstacles', 'avoids obstacles', 1e3 * clearance, 'mm', 0.0, 0
-        ),
+        at_least('distance from the obstacles', 'avoids obstacles', 1e3 * clearance, 'mm', 0.0, 0),
         words(
             'between two obstacles nearer than the robot needs',
             'one combined obstacle',
@@ -177,10 +192,13 @@ def _room_exhibit() -> Exhibit:
         ),
     )
     return Exhibit(
-        'S0', 'Fig. 7', 'the suitable path in an environment', rows,
+        'S0',
+        'Fig. 7',
+        'the suitable path in an environment',
+        rows,
         'Places of the obstacles are lost, and chosen.',
         lambda figure: _draw_room(figure, mesh, corners),
-    )  # fmt: skip
+    )
 
 
 def _dense(corners: Array) -> Iterator[Array]:
@@ -199,12 +217,9 @@ def _least_length(mesh: PreparedMesh, size: float) -> float:
     """Return the length of the shortest path over the mesh by scipy [m]."""
     columns = mesh.candidates.shape[1]
     edges = [
-        (u, u + step, cost)
-        for u, exits in enumerate(mesh.exits)
-        for step, _, cost in mesh.moves[exits]
+        (u, u + step) for u, exits in enumerate(mesh.exits) for step, _, _ in mesh.moves[exits]
     ]
-    starts, ends, costs = np.array(edges).T
-    # A move's cost is its length in micrometres, and turns; here lengths alone count.
+    starts, ends = np.array(edges).T
     along = np.isin(np.abs(ends - starts), (1, columns))
     lengths = np.where(along, size, math.sqrt(2.0) * size)
     count = mesh.candidates.size
@@ -227,9 +242,13 @@ def _draw_map(
     axes: Axes, mesh: PreparedMesh, boxes: tuple[_Box, ...], size: tuple[int, int]
 ) -> None:
     axes.imshow(
-        np.where(mesh.allowed, 1.0, 0.88), cmap='gray', vmin=0.0, vmax=1.0, origin='lower',
+        np.where(mesh.allowed, 1.0, 0.88),
+        cmap='gray',
+        vmin=0.0,
+        vmax=1.0,
+        origin='lower',
         extent=(0.0, size[0], 0.0, size[1]),
-    )  # fmt: skip
+    )
     for left, bottom, width, height in boxes:
         axes.add_patch(Rectangle((left, bottom), width, height, color='0.45'))
     axes.set_xticks(range(size[0] + 1))
@@ -253,10 +272,13 @@ def _choice_exhibit() -> Exhibit:
         words('move from 3', 'along the diagonal, to 8', _move(corners, 3)),
     )
     return Exhibit(
-        'S0', 'Fig. 8', 'choosing the next turning point', rows,
-        'Places of the obstacles are lost, and chosen. The zone that the robot keeps out of is grey.',
+        'S0',
+        'Fig. 8',
+        'choosing the next turning point',
+        rows,
+        'Places of the obstacles are lost, and chosen. The robot keeps out of what is grey.',
         lambda figure: _draw_choice(figure, mesh, corners),
-    )  # fmt: skip
+    )
 
 
 def _move(corners: Array, number: int) -> str:
