@@ -56,12 +56,11 @@ class Row:
         here, there = self.here, self.there
         if here is None:
             return 'worse'
-        if isinstance(here, str):
-            return 'equal' if here == there else 'worse'
-        if self.is_stated:
+        if self.is_stated and not isinstance(here, str):
             holds = here <= self.limit if self.rule == 'at most' else here >= self.limit
             return 'equal' if holds else 'worse'
-        assert not isinstance(there, str), self.what
+        if isinstance(here, str) or isinstance(there, str):
+            return 'equal' if here == there else 'worse'
         difference = here - there
         if abs(difference) <= self.limit:
             return 'equal'

@@ -96,6 +96,7 @@ def reproduce(
     known = dict(read_results(output / NUMBERS).parts)
     measured: dict[str, tuple[Shown, ...]] = {}
     began = time.monotonic()
+    say(f'measuring {len(parts)} parts of {", ".join(papers)}')
     with worker_pool() as pool:
         # What takes longest first: then the processes end together.
         waiting = sorted(parts, key=lambda part: not part.needs_physics)

@@ -135,10 +135,24 @@ def _document(shown: Shown) -> dict[str, Any]:
 
 
 def _shown(document: dict[str, Any]) -> Shown:
-    names = [item.name for item in fields(Row)]
-    rows = tuple(Row(**{name: row[name] for name in names}) for row in document['rows'])
-    for row in rows:
-        # What does not compare is not ours: better now than when the page is written.
-        row.texts, row.difference  # noqa: B018
-    texts = (document[name] for name in ('paper', 'label', 'title'))
-    return Shown(Exhibit(*texts, rows, document['note']), bool(document['has_picture']))
+    rows = tuple(_row(row) for row in document['rows'])
+    names = ('paper', 'label', 'title', 'note')
+    paper, label, title, note = (_text(document, name) for name in names)
+    return Shown(Exhibit(paper, label, title, rows, note), bool(document['has_picture']))
+
+
+def _row(document: dict[str, Any]) -> Row:
+    """Make a row; one that could not be shown raises now, not when the page is written."""
+    for name in ('what', 'unit', 'rule', 'reason'):
+        _text(document, name)
+    row = Row(**{item.name: document[item.name] for item in fields(Row)})
+    if (row.difference, row.verdict) != (document['difference'], document['verdict']):
+        raise ValueError(row.what)
+    return row
+
+
+def _text(document: dict[str, Any], name: str) -> str:
+    text = document[name]
+    if not isinstance(text, str):
+        raise TypeError(name)
+    return text

@@ -125,8 +125,10 @@ def _draw_graph(figure: Figure, found: DijkstraResult[int, int]) -> None:
                 color=COLORS[0] if is_path else '0.6',
                 linewidth=2.2 if is_path else 0.9,
             )
+            middle = 0.5 * (a + b)
             axes.text(
-                *(0.5 * (a + b)),
+                middle[0],
+                middle[1],
                 str(GRAPH[u][v]),
                 fontsize=7,
                 ha='center',
@@ -136,7 +138,7 @@ def _draw_graph(figure: Figure, found: DijkstraResult[int, int]) -> None:
         for u, place in _PLACES.items():
             fill = '#ff8c00' if u == visited[-1] else '#dbe6fb' if u in visited else 'white'
             axes.plot(*place, 'o', color='0.2', markerfacecolor=fill, markersize=13)
-            axes.text(*place, str(u), fontsize=8, ha='center', va='center')
+            axes.text(place[0], place[1], str(u), fontsize=8, ha='center', va='center')
         axes.set_title(f'V = {{{", ".join(map(str, visited))}}}', fontsize=8)
 
 

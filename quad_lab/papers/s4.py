@@ -145,7 +145,9 @@ def _draw_gaits(cycles: dict[str, Cycle], figure: Figure) -> None:
             )
             axes.plot(*first[k], 'o', color=COLORS[k], markersize=5)
             axes.plot(*last[k], 'o', color=COLORS[k], markerfacecolor='white', markersize=5)
-            axes.text(*first[k], f' {_NUMBERS[leg]}', fontsize=7, va='bottom')
+            axes.text(
+                float(first[k, 0]), float(first[k, 1]), f' {_NUMBERS[leg]}', fontsize=7, va='bottom'
+            )
         body = cycle.body * (1e3, 1e3, 1.0)
         axes.plot(body[:, 0], body[:, 1], color='0.2', linewidth=1.0)
         draw_body(axes, body[0], 75.0, 45.0)
