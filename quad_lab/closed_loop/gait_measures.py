@@ -247,9 +247,14 @@ def circle_walk(
 
 def fitted_radius(points: Array) -> float:
     """Return the radius of the circle that fits points (n, 2) best, algebraically [m]."""
+    return fitted_circle(points)[1]
+
+
+def fitted_circle(points: Array) -> tuple[Array, float]:
+    """Return center, shape (2,), and radius of the circle that fits points (n, 2) best [m]."""
     matrix = np.column_stack([2.0 * points, np.ones(len(points))])
     x, y, c = np.linalg.lstsq(matrix, np.sum(points**2, axis=1), rcond=None)[0]
-    return float(np.sqrt(c + x * x + y * y))
+    return np.array([x, y]), float(np.sqrt(c + x * x + y * y))
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,9 @@ COLORS = ('#1f4fd8', '#d62728', '#2a9d2a', '#ff8c00')
 LEG_NAMES = ('left front', 'right front', 'left hind', 'right hind')
 """Names of legs in the order of a robot's."""
 
+LEG_NUMBERS = {'lf': '1', 'rf': '2', 'lh': '3', 'rh': '4'}
+"""Numbers of the legs in S0 and S4."""
+
 _SIZE = (6.8, 3.1)
 """Size of a picture [inches]."""
 

@@ -36,6 +36,7 @@ from quad_lab.papers.comparison import (
 from quad_lab.papers.drawing import (
     COLORS,
     LEG_NAMES,
+    LEG_NUMBERS,
     draw_body,
     draw_legs,
     draw_stance,
@@ -70,10 +71,6 @@ EXHIBITS = (
 """Those that show a result; the others are photographs, sketches and a flow chart."""
 
 
-_NUMBERS = {'lf': '1', 'rf': '2', 'lh': '3', 'rh': '4'}
-"""The paper's numbers of the legs."""
-
-
 def cycle_exhibits() -> list[Exhibit]:
     """Plan the cycles of figures 10, 11 and 15 to 18."""
     courses = straight_courses()
@@ -88,7 +85,7 @@ def cycle_exhibits() -> list[Exhibit]:
 
 
 def _order(gait: Gait) -> str:
-    return ' '.join(_NUMBERS[swing.leg] for swing in gait.swings)
+    return ' '.join(LEG_NUMBERS[swing.leg] for swing in gait.swings)
 
 
 def _margin_rows(name: str, motion: BodyMotion) -> list[Row]:
@@ -179,7 +176,7 @@ def _draw_sequence(robot: Robot, cycle: Cycle, figure: Figure) -> None:
         axes.plot(-y, x, '+', color='black', markersize=7)
         axes.set_xlim(-0.42, 0.42)
         axes.set_ylim(-0.36, 0.44)
-        swinging = [_NUMBERS[LEGS[leg]] for leg in np.flatnonzero(~down)]
+        swinging = [LEG_NUMBERS[LEGS[leg]] for leg in np.flatnonzero(~down)]
         title = f'leg {swinging[0]} swings' if swinging else 'initial posture'
         axes.set_title(f'{title}\n{cycle.times[k]:.1f} s', fontsize=8)
     figure.supxlabel('to the right [m]', fontsize=8)

@@ -19,7 +19,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.slip_compensation import Calibration, SlipCompensation
 from quad_lab.closed_loop.calibration import calibrate_motion
-from quad_lab.closed_loop.gait_measures import Circle, CircleWalk, circle_walk
+from quad_lab.closed_loop.gait_measures import Circle, CircleWalk, circle_walk, fitted_circle
 from quad_lab.papers.comparison import Exhibit, at_most, less
 from quad_lab.papers.drawing import COLORS, draw_body, name_axes, panels
 
@@ -183,6 +183,17 @@ def _paths_exhibit(circles: list[WalkedCircle]) -> Exhibit:
         )
         for panel, circle, error in zip('abcd', circles, off)
     ]
+    rows += [
+        at_most(
+            f'error of panel {many}, of that of panel {few}',
+            f'{many} matches better than {few}',
+            1e2 * off['abcd'.index(many)] / off['abcd'.index(few)],
+            '%',
+            100.0,
+            0,
+        )
+        for many, few in ('ba', 'dc')
+    ]
     note = 'Open loop, three laps; the circle that is wanted is dotted.'
 
     def draw(figure: Figure) -> None:
@@ -190,7 +201,7 @@ def _paths_exhibit(circles: list[WalkedCircle]) -> Exhibit:
         angle = np.linspace(0.0, 2.0 * math.pi, 120)
         for axes, circle, panel in zip(panels(figure, 2, 2), circles, 'abcd'):
             path = 1e3 * circle.walks['open'].positions
-            center = _center_of_circle(path)
+            center, _ = fitted_circle(path)
             r = 1e3 * circle.published.radius
             axes.plot(*(path - center).T, color=COLORS[0], linewidth=1.2)
             axes.plot(r * np.cos(angle), r * np.sin(angle), ':', color='0.2')
@@ -200,15 +211,9 @@ def _paths_exhibit(circles: list[WalkedCircle]) -> Exhibit:
     return Exhibit('S2', 'Fig. 9', 'paths on circles', tuple(rows), note, draw)
 
 
-def _center_of_circle(path: Array) -> Array:
-    matrix = np.column_stack([2.0 * path, np.ones(len(path))])
-    center: Array = np.linalg.lstsq(matrix, np.sum(path**2, axis=1), rcond=None)[0][:2]
-    return center
-
-
 def _snapshots(circle: WalkedCircle) -> Exhibit:
     path = 1e3 * circle.walks['closed'].positions
-    path = path - _center_of_circle(path)
+    path = path - fitted_circle(path)[0]
     distance = np.hypot(*path.T)
     rows = (
         less(

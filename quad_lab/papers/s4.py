@@ -33,6 +33,7 @@ from quad_lab.papers.comparison import (
 from quad_lab.papers.drawing import (
     COLORS,
     LEG_NAMES,
+    LEG_NUMBERS,
     draw_body,
     draw_stance,
     name_axes,
@@ -47,10 +48,6 @@ EXHIBITS = ('Fig. 4', 'Fig. 5', 'Fig. 6', 'Fig. 7', 'Fig. 8', 'Fig. 9', 'Fig. 10
 """Those that show a result; the others are sketches of coordinates."""
 
 
-_NUMBERS = {'lf': '1', 'rf': '2', 'lh': '3', 'rh': '4'}
-"""The paper's numbers of the legs."""
-
-
 def planned_exhibits() -> list[Exhibit]:
     """Plan cycles for figures 4 to 8."""
     return [_diagram(), _gaits(), _sway(), ranges_exhibit(), strides_exhibit()]
@@ -63,7 +60,7 @@ def _diagram() -> Exhibit:
         edges += [swing.liftoff, swing.touchdown]
     pauses = [edges[k + 1] - edges[k] for k in range(0, len(edges) - 1, 2)]
     pauses[0] += gait.cycle_period - edges[-1]
-    order = ' '.join(_NUMBERS[swing.leg] for swing in gait.swings)
+    order = ' '.join(LEG_NUMBERS[swing.leg] for swing in gait.swings)
     factors = [gait.duty_factor(leg) for leg in LEGS]
     rows = (
         words('order of the legs', '4 2 3 1', order),
@@ -78,7 +75,7 @@ def _diagram() -> Exhibit:
             swing = gait.swing(leg)
             for start, end in ((0.0, swing.liftoff), (swing.touchdown, gait.cycle_period)):
                 axes.barh(k, end - start, left=start, height=0.5, color=COLORS[k])
-        axes.set_yticks(range(4), [f'{_NUMBERS[leg]}, {n}' for leg, n in zip(LEGS, LEG_NAMES)])
+        axes.set_yticks(range(4), [f'{LEG_NUMBERS[leg]}, {n}' for leg, n in zip(LEGS, LEG_NAMES)])
         axes.invert_yaxis()
         name_axes(axes, 'time [s]; bars: on the ground', '')
 
@@ -146,7 +143,11 @@ def _draw_gaits(cycles: dict[str, Cycle], figure: Figure) -> None:
             axes.plot(*first[k], 'o', color=COLORS[k], markersize=5)
             axes.plot(*last[k], 'o', color=COLORS[k], markerfacecolor='white', markersize=5)
             axes.text(
-                float(first[k, 0]), float(first[k, 1]), f' {_NUMBERS[leg]}', fontsize=7, va='bottom'
+                float(first[k, 0]),
+                float(first[k, 1]),
+                f' {LEG_NUMBERS[leg]}',
+                fontsize=7,
+                va='bottom',
             )
         body = cycle.body * (1e3, 1e3, 1.0)
         axes.plot(body[:, 0], body[:, 1], color='0.2', linewidth=1.0)
@@ -213,7 +214,7 @@ def _draw_sway(cycle: Cycle, figure: Figure) -> None:
         axes.plot(*path[k], '*', color=COLORS[1], markersize=8)
         axes.set_xlim(-90.0, 150.0)
         axes.set_ylim(-72.0, 72.0)
-        axes.set_title(f'leg {_NUMBERS[swing.leg]} swings', fontsize=8)
+        axes.set_title(f'leg {LEG_NUMBERS[swing.leg]} swings', fontsize=8)
     figure.supxlabel('forward [mm]; star: center of mass, cross: centroid', fontsize=8)
     figure.supylabel('left [mm]', fontsize=8)
 

@@ -46,6 +46,9 @@ STRIDE = BodyMotion(forward=0.065)
 SPIN = BodyMotion(turn=math.radians(15.0))
 """Motion of a cycle of S4 fig. 11."""
 
+_START = 10.0
+"""Time within which the walk has set off [s]."""
+
 
 def wave() -> tuple[Robot, Gait]:
     """Return Genibo and its wave gait."""
@@ -69,36 +72,11 @@ def walk_exhibits() -> list[Exhibit]:
     """Walk and spin in physics, as figures 9 to 11 have it."""
     robot, gait = wave()
     swaying, with_sway = tilting_walk(True, 60.0)
-    stiff, without = tilting_walk(False, 60.0)
+    _, without = tilting_walk(False, 60.0)
     forward = measure_motion(robot, gait, STRIDE, 12)
     spin = measure_motion(robot, gait, SPIN, 6)
-    tilts = [math.degrees(walk.tilt_rms) for walk in (stiff, swaying)]
     return [
-        Exhibit(
-            'S4',
-            'Fig. 9',
-            'tilt of the body, without and with sway',
-            (
-                at_most(
-                    'tilt with sway, rms, of that without',
-                    'much more stable',
-                    tilts[1] / tilts[0],
-                    '',
-                    0.5,
-                    2,
-                ),
-                at_least(
-                    'least measured margin with sway',
-                    'stable',
-                    1e3 * swaying.least_margin,
-                    'mm',
-                    0.0,
-                ),
-            ),
-            f'The curves are lost. Here the tilt is {tilts[0]:.2f} degrees rms without the sway, '
-            f'and {tilts[1]:.2f} with it.',
-            partial(_draw_tilts, without, with_sway),
-        ),
+        _tilts_exhibit(without, with_sway, swaying.least_margin),
         Exhibit(
             'S4',
             'Fig. 10',
@@ -126,13 +104,59 @@ def walk_exhibits() -> list[Exhibit]:
     ]
 
 
+def _tilts_exhibit(without: Record, with_sway: Record, margin: float) -> Exhibit:
+    """Compare tilts without and with sway; the margin with it is in metres."""
+    whole = [math.degrees(record.tilt_rms) for record in (without, with_sway)]
+    later = [_steady_tilt(record) for record in (without, with_sway)]
+    first = math.degrees(float(without.tilts.max()))
+    return Exhibit(
+        'S4',
+        'Fig. 9',
+        'tilt of the body, without and with sway',
+        (
+            at_most(
+                'tilt rms with sway, of that without',
+                'much more stable',
+                1e2 * whole[1] / whole[0],
+                '%',
+                50.0,
+                0,
+            ),
+            at_most(
+                f'the same after the first {_START:g} s',
+                'much more stable',
+                1e2 * later[1] / later[0],
+                '%',
+                50.0,
+                0,
+            ).because(
+                'once it walks this robot hardly tilts without the sway either: its joints have no '
+                'play, and at this stride its margin is small but positive'
+            ),
+            at_least('least measured margin with sway', 'stable', 1e3 * margin, 'mm', 0.0),
+        ),
+        f'The curves are lost. Without the sway the body tilts by {first:.1f} degrees as it sets '
+        f'off, and by {later[0]:.2f} degrees rms later; with it by {later[1]:.2f}. The setting off '
+        'is not drawn.',
+        partial(_draw_tilts, without, with_sway),
+    )
+
+
+def _steady_tilt(record: Record) -> float:
+    """Return the root mean square of the tilt after the start [deg]."""
+    later = record.tilts[np.asarray(record.times) > _START]
+    return math.degrees(float(np.sqrt(np.mean(np.square(later)))))
+
+
 def _draw_tilts(without: Record, with_sway: Record, figure: Figure) -> None:
     for axes, record, title in zip(
         panels(figure, 1, 2, shared_y=True), (without, with_sway), ('without sway', 'with sway')
     ):
-        tilts = np.degrees(record.rolls_and_pitches)
+        times = np.asarray(record.times)
+        later = times > _START
+        tilts = np.degrees(record.rolls_and_pitches)[later]
         for k, name in enumerate(('about x (roll)', 'about y (pitch)')):
-            axes.plot(record.times, tilts[:, k], color=COLORS[k], linewidth=0.9, label=name)
+            axes.plot(times[later], tilts[:, k], color=COLORS[k], linewidth=0.9, label=name)
         name_axes(axes, 'time [s]', 'inclination [deg]', title)
     figure.axes[0].legend(fontsize=6)
 
