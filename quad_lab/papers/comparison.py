@@ -150,13 +150,13 @@ class Exhibit:
     label: str
     """Label in the paper, for example ``Fig. 16``."""
     title: str
-    """What it shows."""
+    """Title: what it shows."""
     rows: tuple[Row, ...]
-    """What is compared."""
+    """Comparisons."""
     note: str = ''
-    """What of it is lost, and what was chosen instead."""
+    """Remark: what of it is lost, and what was chosen instead."""
     draw: Callable[[Figure], None] | None = field(default=None, compare=False)
-    """Draws it here, on an empty figure; None for a table."""
+    """Function that draws it on an empty figure; None for a table."""
 
     @property
     def stem(self) -> str:
@@ -171,8 +171,8 @@ class Part:
     paper: str
     """Key of the paper, S0 to S4."""
     name: str
-    """What is measured, for progress."""
+    """Name of what is measured, for progress."""
     measure: Callable[[], list[Exhibit]]
-    """Measures it: a function of a module, so that a worker process finds it."""
+    """Function that measures it: of a module, so that a worker process finds it."""
     needs_physics: bool = False
     """Whether something walks in a simulator, which takes longer than seconds."""

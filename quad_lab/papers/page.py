@@ -31,8 +31,8 @@ by this code, beside the paper's values. This page, its pictures and
 [its numbers as JSON](reproduction.json) are written by that command, whole. Where a figure's
 numbers are lost, the property that its text states is measured.
 
-*Equal* is what differs by no more than the last digit that the paper prints, or a stated property
-that holds. *Better* and *worse* say in which direction it differs; what is worse says why.
+*Equal* is what differs by no more than one in the last digit that the paper prints, or a stated
+property that holds. *Better* and *worse* say in which direction it differs.
 """
 
 
@@ -54,7 +54,7 @@ def page_text(results: Results, orders: Mapping[str, tuple[str, ...]]) -> str:
     """
     shown = {paper: results.exhibits(paper, order) for paper, order in orders.items()}
     shown = {paper: exhibits for paper, exhibits in shown.items() if exhibits}
-    return '\n'.join([_HEAD, *_summary(shown), *_sections(shown)])
+    return '\n'.join([_HEAD, *_summary(shown), *_worse(shown), *_sections(shown)])
 
 
 def _summary(shown: Mapping[str, list[Shown]]) -> Iterator[str]:
@@ -66,6 +66,22 @@ def _summary(shown: Mapping[str, list[Shown]]) -> Iterator[str]:
         name = f'[{TITLES[paper]}](#{TITLES[paper].lower()}-{paper.lower()})'
         yield f'| {name} | {" | ".join(map(str, cells))} |'
     yield ''
+
+
+def _worse(shown: Mapping[str, list[Shown]]) -> Iterator[str]:
+    rows = [
+        (f'{TITLES[paper]}, {one.exhibit.label}', row.what, *row.texts, row.explanation)
+        for paper, exhibits in shown.items()
+        for one in exhibits
+        for row in one.exhibit.rows
+        if row.verdict == 'worse'
+    ]
+    if rows:
+        yield 'What is worse, and why:\n'
+        yield '| where | what | the paper | here | why |'
+        yield '| --- | --- | --- | --- | --- |'
+        yield from (f'| {" | ".join(cells)} |' for cells in rows)
+        yield ''
 
 
 def _sections(shown: Mapping[str, list[Shown]]) -> Iterator[str]:

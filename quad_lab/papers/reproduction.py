@@ -41,7 +41,7 @@ class _Paper(NamedTuple):
     """What the module of a paper offers."""
 
     PARTS: tuple[Part, ...]
-    """What is measured."""
+    """Parts that are measured."""
     EXHIBITS: tuple[str, ...]
     """Labels of its figures and tables, in order."""
 

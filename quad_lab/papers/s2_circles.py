@@ -31,21 +31,21 @@ class PublishedCircle:
     """One circle of S2 tables III and IV."""
 
     radius: float
-    """R [m]."""
+    """Radius R [m]."""
     degrees: float
     """Angle of one cycle, two delta [deg]."""
     short_step: float
-    """s_step [mm]."""
+    """Step of the inner feet, s_step [mm]."""
     long_step: float
-    """l_step [mm]."""
+    """Step of the outer feet, l_step [mm]."""
     angles: tuple[float, float]
     """Deflections of the feet's paths, inner and outer [deg]."""
     compensation: float
-    """lambda"""
+    """Compensation of slip, lambda."""
     walked_radius: float
-    """R_r [mm]."""
+    """Radius walked, R_r [mm]."""
     walked_steps: float
-    """SN_r, steps of one lap."""
+    """Steps of one lap walked, SN_r."""
 
     @property
     def motion(self) -> BodyMotion:
@@ -71,9 +71,9 @@ class WalkedCircle:
     """One circle walked here, in physics."""
 
     published: PublishedCircle
-    """The paper's."""
+    """Circle of the paper."""
     calibration: Calibration
-    """What is asked for, so that the circle comes out."""
+    """Motion that is asked for so that the circle comes out."""
     walks: dict[str, CircleWalk]
     """Walks by loop: closed and open with calibration, and both 'raw' without."""
 
@@ -121,7 +121,7 @@ def walk_circle(published: PublishedCircle, laps: float, raw: bool = True) -> Wa
 
 _MORE_ASKED = (
     'of another kind: the paper turns the paths of the feet, here more of the whole motion is '
-    'asked for. With the longest steps the trot rocks, and its feet slip more'
+    'asked for. Longer steps slip more, and those of 18 degrees are the longest'
 )
 
 

@@ -53,14 +53,15 @@ class Sweep:
     title: str
     """Title of the picture."""
     what: str
-    """The input."""
+    """Input that varies."""
     unit: str
+    """Unit of the input."""
     values: tuple[float, ...]
-    """Those of the paper's captions."""
+    """Values of the paper's captions."""
     ends: tuple[float, float]
-    """Between which it is swept."""
+    """Ends between which it is swept."""
     hip_by_value: complex
-    """How hip i moves with the input."""
+    """Direction in which the input moves hip i; 0 if it does not."""
 
     def posture(self, values: NDArray[np.float64]) -> PairPosture:
         """Work out the postures."""

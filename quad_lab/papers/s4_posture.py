@@ -50,9 +50,9 @@ class LongestStrides:
     """What legs reach (S4 fig. 8), however fast the joints must be."""
 
     without: float
-    """Without the proper initial posture [m]."""
+    """Longest stride without the proper initial posture [m]."""
     proper: float
-    """With it [m]."""
+    """Longest stride with it [m]."""
 
 
 def longest_strides() -> LongestStrides:

@@ -123,7 +123,7 @@ def _tilts_exhibit(without: Record, with_sway: Record, margin: float) -> Exhibit
                 0,
             ),
             at_most(
-                f'the same after the first {_START:g} s',
+                f'tilt rms with sway, of that without, after the first {_START:g} s',
                 'much more stable',
                 1e2 * later[1] / later[0],
                 '%',
