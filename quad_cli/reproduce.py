@@ -1,60 +1,95 @@
 """
-``quadwalk reproduce``: draw a paper's figures again, and print its numbers.
+``quadwalk reproduce``: measure and draw papers' figures again, beside the papers' values.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
-from quad_cli.arguments import folder_argument
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 
-PAPERS = {
-    'S3': 'quad_lab.papers.s3',
-}
-"""The module of each paper; it has ``reproduce(output)``, which returns figures and pictures."""
+from quad_cli.arguments import folder_argument
+from quad_lab.papers import reproduction
+from quad_lab.papers.results import Results, Shown, counted
+from quad_lab.tools.criterion import make_console
+
+ALL = 'all'
 
 EXAMPLES = """examples:
   quadwalk reproduce S3
-  quadwalk reproduce S3 --output pictures --json
+  quadwalk reproduce all --quick
+  quadwalk reproduce S4 --output pictures --json
+  quadwalk reproduce all --output docs
 
-The papers' titles are in docs/references.md.
+The papers' titles are in docs/references.md. The folder gets reproduction.md, which is the page,
+its pictures, and its numbers as JSON; papers that are not measured again stay as they were there.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument('paper', choices=sorted(PAPERS), help='key of the paper')
     parser.add_argument(
-        '--output', type=folder_argument, default=Path('reproduced'), help='folder for the pictures'
+        'paper',
+        nargs='?',
+        default=ALL,
+        choices=(*reproduction.PAPERS, ALL),
+        help='key of the paper; all if not given',
     )
+    parser.add_argument(
+        '--output',
+        type=folder_argument,
+        default=Path('reproduced'),
+        help='folder for the page and its pictures',
+    )
+    parser.add_argument('--quick', action='store_true', help='leave out what walks in a simulator')
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the command."""
-    module = importlib.import_module(PAPERS[arguments.paper])
-    reproduction = module.reproduce(arguments.output)
-    pictures = [str(path) for path in reproduction.pictures]
+    """Run the command; return 0 if every row has a number, and what is worse an explanation."""
+    console = make_console(stderr=arguments.json)
+    papers = reproduction.PAPERS if arguments.paper == ALL else (arguments.paper,)
+    results = reproduction.reproduce(
+        papers, arguments.output, arguments.quick, lambda line: console.print(line, highlight=False)
+    )
+    failures = reproduction.failures(results)
+    page = arguments.output / reproduction.PAGE
     if arguments.json:
-        print(json.dumps({'rows': reproduction.rows, 'pictures': pictures}))
-        return 0
-    print(reproduction.summary)
-    _print_rows(reproduction.rows)
-    for picture in pictures:
-        print(f'drawn: {picture}')
-    return 0
+        document = {'parts': json.loads(results.text()), 'failures': failures, 'page': str(page)}
+        print(json.dumps(document))
+    else:
+        _print_results(console, papers, results)
+        for failure in failures:
+            console.print(f'failed: {failure}', markup=False, highlight=False)
+        console.print(f'written: {page}', markup=False, highlight=False, soft_wrap=True)
+    return 1 if failures else 0
 
 
-def _print_rows(rows: list[dict[str, str | float]]) -> None:
-    """Print rows in columns, headed by their keys."""
-    table = [list(rows[0]), *([_cell(value) for value in row.values()] for row in rows)]
-    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
-    for row in table:
-        print('  '.join(cell.rjust(width) for cell, width in zip(row, widths)))
-
-
-def _cell(value: str | float) -> str:
-    return value if isinstance(value, str) else f'{value:.3f}'
+def _print_results(console: Console, papers: Sequence[str], results: Results) -> None:
+    """Print a table for each paper, and how many rows are better, equal and worse."""
+    every: list[Shown] = []
+    orders = reproduction.orders()
+    for paper in papers:
+        exhibits = results.exhibits(paper, orders[paper])
+        every += exhibits
+        table = Table(
+            '',
+            'what',
+            'the paper',
+            'here',
+            'difference',
+            'verdict',
+            title=f'quadwalk reproduce {paper}',
+        )
+        for shown in exhibits:
+            for row in shown.exhibit.rows:
+                cells = (shown.exhibit.label, row.what, *row.texts, row.difference, row.verdict)
+                table.add_row(*map(escape, cells))
+        console.print(table)
+    counts = ', '.join(f'{count} {verdict}' for verdict, count in counted(every).items())
+    console.print(f'rows: {counts}', highlight=False)

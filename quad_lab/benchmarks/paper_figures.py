@@ -1,59 +1,33 @@
 """
-The papers' figures of gaits, measured again, in physics.
+The papers' figures of gaits as criteria, measured in physics by :mod:`quad_lab.papers`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from quad_common.plan import Plan
-from quad_common.robot.robot import Robot
-from quad_common.robot_files.robot_file import load_robot
-from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.foot_tracking import step_response
-from quad_gait.cycle.gait import Gait, load_gait
-from quad_gait.cycle.gait_check import DIRECTIONS
-from quad_gait.cycle.gait_generator import generate_cycle
-from quad_gait.cycle.motion_limits import MotionLimits
-from quad_gait.following.slip_compensation import SlipCompensation
-from quad_lab.closed_loop.calibration import calibrate_motion, measure_motion
-from quad_lab.closed_loop.gait_measures import (
-    Circle,
-    CircleWalk,
-    circle_walk,
-    plan_walk,
-    steady_walk,
-)
+from quad_lab.closed_loop.calibration import measure_motion
+from quad_lab.closed_loop.gait_measures import CircleWalk
+from quad_lab.papers import s0_gaits, s1, s1_leg, s2_circles, s4_posture, s4_walks
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
-from quad_planner.potential.potential_field import PotentialField, RoundObstacle
-
-CIRCLES = ((0.4, 18.0), (0.4, 10.0), (0.5, 18.0), (0.5, 10.0))
-"""Radius [m] and angle of one cycle [deg] of S2's table IV."""
 
 
 def figures_of_s0(quick: bool) -> list[Criterion]:
     """Leg lengths (fig. 16), heights (fig. 17), turning cycles, and ten metres of a line."""
-    robot = load_robot('titan_viii')
-    gait = schedule_of_s0()
-    cycle = generate_cycle(without_balls(robot), gait, BodyMotion(forward=0.1077))
-    hips = np.array([leg.hip for leg in robot.legs])
-    feet = robot.foot_positions(cycle.joint_positions)
-    arms = np.where(cycle.in_contact[..., None], feet - hips, np.nan)
-    lengths = 1e3 * np.hypot(arms[..., 0], arms[..., 1])
-    heights = 1e3 * np.nanmax(np.abs(arms[..., 2] - arms[0, 0, 2]))
+    courses = s0_gaits.straight_courses()
+    lengths = s0_gaits.standing(courses.lengths, courses)
+    heights = s0_gaits.standing(np.abs(courses.heights - courses.heights[0, 0]), courses)
     length = 2.0 if quick else 10.0
-    line = Plan.through([(0.0, 0.0), (length, 0.0)], 0.0)
-    walked = plan_walk(robot, load_gait('crawl', robot), line, 'in_place', 40.0 * length)
+    walked = s0_gaits.walk_line(length)
     bars = [
         at_most('S0: shortest leg, off 200.0 mm', abs(np.nanmin(lengths) - 200.0), 'mm', 0.05),
         at_most('S0: longest leg, off 215.7 mm', abs(np.nanmax(lengths) - 215.7), 'mm', 0.05),
-        at_most('S0: change of the height of standing legs', float(heights), 'mm', 1e-6),
-        at_most('S0: cycle, off 5 s', abs(gait.cycle_period - 5.0), 's', 1e-9),
+        at_most('S0: change of the height of standing legs', np.nanmax(heights), 'mm', 1e-6),
+        at_most('S0: cycle, off 5 s', abs(courses.times[-1] - 5.0), 's', 1e-9),
         at_most(
             f'S0: distance from a line of {length:g} m at the largest stride',
             1e3 * walked.largest_distance if walked.arrived else None,
@@ -65,65 +39,25 @@ def figures_of_s0(quick: bool) -> list[Criterion]:
             1e3 * walked.largest_distance_at_ends,
             'mm',
         ),
-    ]
-    quarter = math.radians(90.0)
-    in_four = measure_motion(robot, load_gait('turn', robot), BodyMotion(turn=quarter / 4.0), 4)
-    bars.append(
         at_most(
-            "S0: 90 degrees in the paper's four cycles, off",
-            abs(math.degrees(4.0 * in_four.mean.turn - quarter)),
-            'deg',
-            1.0,
-        )
-    )
+            "S0: 90 degrees in the paper's four cycles, off", s0_gaits.quarter_in_four(), 'deg', 1.0
+        ),
+    ]
     for degrees, cycles in ((45, 2), (-45, 2), (90, 3), (-90, 3)):
         if quick and degrees < 0:
             continue
-        turn = Plan.through([(0.0, 0.0)], math.radians(degrees))
-        turned = plan_walk(robot, load_gait('crawl', robot), turn, 'in_place', 120.0)
+        turned = s0_gaits.turn_on_the_spot(degrees)
         count = turned.cycles if turned.arrived else None
         bars.append(at_most(f'S0: turning cycles for {degrees} degrees', count, '', cycles))
     return bars
 
 
-def schedule_of_s0() -> Gait:
-    """Return S0's own straight gait: phases of a second, no sway, order 3-1-4-2."""
-    crawl = load_gait('crawl')
-    swings = tuple(
-        replace(swing, liftoff=1.0 + k, touchdown=2.0 + k) for k, swing in enumerate(crawl.swings)
-    )
-    return replace(
-        crawl,
-        swings=swings,
-        sway_weight=(0.0, 0.0),
-        body_progress=((1.0, 0.0), (2.0, 0.25), (3.0, 0.5), (4.0, 0.75), (5.0, 1.0)),
-    )
-
-
-def without_balls(robot: Robot) -> Robot:
-    """Return the robot on points in place of balls: the papers' feet do not roll."""
-    return replace(robot, links={**robot.links, 'foot': replace(robot.links['foot'], radius=0.0)})
-
-
 def figures_of_s1(quick: bool) -> list[Criterion]:
     """The step of one leg (fig. 10), and the crab gait along a potential's path (fig. 5)."""
-    robot = load_robot('pukyong')
-    leg = robot.legs[0]
-    start = robot.initial_joint_angles[0]
-    across = np.array([math.sin(math.pi / 4.0), math.cos(math.pi / 4.0), 0.0])
-    _, _, errors = step_response(leg, start, leg.forward(start) + 0.02 * across, 4.0, 2.0, 0.01)
+    _, _, errors = s1_leg.leg_step()
     sizes = np.linalg.norm(errors, axis=1)
-    # The third obstacle's place and all radii are lost: any that leave a path.
-    field = PotentialField(
-        (8.0, 8.0),
-        (RoundObstacle(1.0, 3.0, 0.5), RoundObstacle(5.0, 7.0, 0.5), RoundObstacle(4.5, 3.0, 0.5)),
-    )
-    points = field.descend((0.0, 0.0))
-    if quick:
-        points = points[:30]
-    walked = plan_walk(
-        robot, load_gait('crab', robot), Plan.through(points, 0.0), 'crab', 2000.0, 0.003
-    )
+    points = s1.FIELD.descend((0.0, 0.0), s1_leg.STEP)
+    walked = s1.walk_potential(points[:30] if quick else points)
     return [
         at_most('S1: error of the foot after 2 s', float(sizes[-1] / sizes[0]), 'of first', 0.01),
         at_most(
@@ -144,41 +78,27 @@ def circles_of_s2(
     console: Console, quick: bool, seed: int, details: dict[str, object]
 ) -> list[Criterion]:
     """Table IV: radius and steps per lap, closed loop, and open loop after calibration."""
-    robot = load_robot('cuhk')
-    gait = load_gait('trot', robot)
-    rows = list(CIRCLES)
+    chosen = list(s2_circles.CIRCLES)
     if quick:
-        rows = [rows[int(np.random.default_rng(seed).integers(len(rows)))]]
+        chosen = [chosen[int(np.random.default_rng(seed).integers(len(chosen)))]]
     table = Table('radius [mm]', 'angle', 'loop', 'radius walked', 'steps', 'steps walked')
     worst = {loop: [0.0, 0.0] for loop in ('closed', 'open', 'closed, raw', 'open, raw')}
     noted = []
-    for radius, degrees in rows:
-        angle = math.radians(degrees)
-        wanted = BodyMotion(forward=radius * angle, turn=angle)
-        calibration, _, _ = calibrate_motion(robot, gait, wanted)
-        compensation = SlipCompensation((calibration,))
-        circle = Circle(radius, angle, 1.0 if quick else 3.0)
-        walks: dict[str, CircleWalk] = {
-            'closed': circle_walk(robot, gait, circle, True, compensation),
-            'open': circle_walk(robot, gait, circle, False, compensation),
-            'closed, raw': circle_walk(robot, gait, circle, True),
-            'open, raw': circle_walk(robot, gait, circle, False),
-        }
-        for loop, walk in walks.items():
-            steps = 360.0 / degrees
-            off = (abs(walk.radius / radius - 1.0), abs(walk.steps_per_lap / steps - 1.0))
-            if walk.has_fallen:
-                off = (math.inf, math.inf)
-            worst[loop] = [max(a, b) for a, b in zip(worst[loop], off)]
+    for published in chosen:
+        radius, degrees = published.radius, published.degrees
+        circle = s2_circles.walk_circle(published, 1.0 if quick else 3.0)
+        for loop, walk in circle.walks.items():
+            worst[loop] = [max(a, b) for a, b in zip(worst[loop], circle.errors(loop))]
             table.add_row(
                 f'{1e3 * radius:.0f}',
                 f'{degrees:g} deg',
                 loop,
                 f'{1e3 * walk.radius:.1f}',
-                f'{steps:g}',
+                f'{360.0 / degrees:g}',
                 f'{walk.steps_per_lap:.2f}',
             )
-            noted.append({'radius': radius, 'degrees': degrees, 'loop': loop, **asdict(walk)})
+            wanted = {'wanted_radius': radius, 'degrees': degrees, 'loop': loop}
+            noted.append({**wanted, **_told(walk)})
     console.print(table)
     details['circles'] = noted
     bars = []
@@ -195,32 +115,28 @@ def circles_of_s2(
     return bars
 
 
+def _told(walk: CircleWalk) -> dict[str, object]:
+    """Return a walk without its path, for JSON."""
+    return {name: value for name, value in vars(walk).items() if name != 'positions'}
+
+
 def figures_of_s4(quick: bool) -> list[Criterion]:
     """The initial posture (fig. 8), 65 mm in 4 s, six spins, and the sway (fig. 9)."""
-    robot = load_robot('genibo')
-    wave = load_gait('wave', robot)
-    # Reach alone: how fast the joints of 2008 were is not told.
-    tireless = replace(robot, velocity=1e3 * robot.velocity)
-    strides = [
-        MotionLimits(tireless, gait, reserve=1.0).largest_scale(BodyMotion(forward=1.0))
-        for gait in (replace(wave, footholds='initial_posture'), wave)
-    ]
-    cycles = 4 if quick else 12
-    forward = measure_motion(robot, wave, BodyMotion(forward=0.065), cycles)
-    spin = measure_motion(robot, wave, BodyMotion(turn=math.radians(15.0)), 6)
+    robot, wave = s4_walks.wave()
+    strides = s4_posture.longest_strides()
+    forward = measure_motion(robot, wave, s4_walks.STRIDE, 4 if quick else 12)
+    spin = measure_motion(robot, wave, s4_walks.SPIN, 6)
     duration = 20.0 if quick else 60.0
-    ahead, asked = DIRECTIONS['forward'], BodyMotion(forward=0.065)
-    with_sway = steady_walk(robot, wave, ahead, duration, asked)
-    stiff = replace(wave, sway_weight=(0.0, 0.0))
-    without = steady_walk(robot, stiff, ahead, duration, asked, least_margin=-math.inf)
+    with_sway, _ = s4_walks.tilting_walk(True, duration)
+    without, _ = s4_walks.tilting_walk(False, duration)
     return [
         at_least(
             'S4: longest reachable stride by the initial posture',
-            1e2 * (strides[1] / strides[0] - 1.0),
+            1e2 * (strides.proper / strides.without - 1.0),
             '% more',
             25.0,
         ),
-        figure('S4: longest reachable stride', 1e3 * strides[1], 'mm'),
+        figure('S4: longest reachable stride', 1e3 * strides.proper, 'mm'),
         at_most('S4: 65 mm in 4 s, off', 1e3 * abs(forward.mean.forward - 0.065), 'mm', 2.0),
         at_most(
             'S4: six spins of 15 degrees, off 90',

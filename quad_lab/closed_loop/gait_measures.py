@@ -89,6 +89,18 @@ def steady_walk(
     SteadyWalk
         What was measured; ``done`` is nan if there was no time for four cycles.
     """
+    return recorded_steady_walk(robot, gait, direction, duration, asked, least_margin)[0]
+
+
+def recorded_steady_walk(
+    robot: Robot,
+    gait: Gait,
+    direction: BodyMotion,
+    duration: float,
+    asked: BodyMotion | None = None,
+    least_margin: float = 0.005,
+) -> tuple[SteadyWalk, Record]:
+    """Steer a robot as :func:`steady_walk` does, and return what was seen of it, too."""
     controller = measuring_controller(robot, gait, least_margin=least_margin)
     walk = ClosedLoop(robot, controller)
     try:
@@ -102,7 +114,7 @@ def steady_walk(
         ends = []
         while walk.time < duration and not walk.record.has_fallen:
             ends.append(walk.next_cycle_end())
-        return _steady_walk(robot, walk, asked, period, ends[2:])
+        return _steady_walk(robot, walk, asked, period, ends[2:]), walk.record
     finally:
         walk.close()
 
@@ -167,6 +179,8 @@ class CircleWalk:
     steps_per_lap: float
     """Gait cycles for a turn of 360 degrees."""
     has_fallen: bool
+    positions: Array
+    """The body's path over the laps, shape (n, 2) [m]."""
 
 
 def circle_walk(
@@ -220,10 +234,12 @@ def circle_walk(
             yaw = walk.next_cycle_end().yaw
             heading.append(heading[-1] + math.remainder(yaw - heading[-1], 2.0 * math.pi))
         turned = abs(heading[-1] - heading[0])
+        positions = walk.record.positions[first:]
         return CircleWalk(
-            radius=fitted_radius(walk.record.positions[first:]),
+            radius=fitted_radius(positions),
             steps_per_lap=(len(heading) - 1) * 2.0 * math.pi / turned if turned else math.nan,
             has_fallen=walk.record.has_fallen,
+            positions=positions,
         )
     finally:
         walk.close()
@@ -231,9 +247,14 @@ def circle_walk(
 
 def fitted_radius(points: Array) -> float:
     """Return the radius of the circle that fits points (n, 2) best, algebraically [m]."""
+    return fitted_circle(points)[1]
+
+
+def fitted_circle(points: Array) -> tuple[Array, float]:
+    """Return center, shape (2,), and radius of the circle that fits points (n, 2) best [m]."""
     matrix = np.column_stack([2.0 * points, np.ones(len(points))])
     x, y, c = np.linalg.lstsq(matrix, np.sum(points**2, axis=1), rcond=None)[0]
-    return float(np.sqrt(c + x * x + y * y))
+    return np.array([x, y]), float(np.sqrt(c + x * x + y * y))
 
 
 @dataclass(frozen=True)

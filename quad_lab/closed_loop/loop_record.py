@@ -64,6 +64,14 @@ class Record:
         return self._figures.tilts
 
     @property
+    def rolls_and_pitches(self) -> Array:
+        """Roll and pitch of the body, as an inclinometer has them, shape (n, 2) [rad]."""
+        quaternions = np.array([seen.orientation for seen in self._seen]).reshape(-1, 4)
+        x, y, z, w = quaternions.T
+        roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        return np.stack([roll, np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))], axis=-1)
+
+    @property
     def margins(self) -> Array:
         """Measured static stability margins, shape (n,) [m]."""
         return self._figures.margins

@@ -1,3 +1,3 @@
 """
-Papers' figures drawn again, one file a paper.
+Papers' figures and tables, s0 to s4, measured again beside the papers' values.
 """

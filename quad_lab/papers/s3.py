@@ -14,17 +14,22 @@ not name: metres are taken here.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from quad_common.planar_pair.active_pair import with_knee_held
 from quad_common.planar_pair.planar_pair import ActivePair, PairPosture, PlanarLeg, points_of
+from quad_lab.papers.comparison import Exhibit, Part, Row, at_most, same
+from quad_lab.papers.drawing import name_axes, panels
+
+EXHIBITS = ('Fig. 8', 'Fig. 9', 'Fig. 10')
+"""Those that show a result; the others are sketches and block diagrams."""
 
 PAIR = ActivePair(PlanarLeg(0.7, 0.7), PlanarLeg(0.7, 0.7), lambda_i=-1.0, lambda_j=1.0)
 FOOT_I, FOOT_J = -1.7 + 0.0j, 0.3 + 0.0j
@@ -35,6 +40,9 @@ U1_J = 0.18
 _FAINT = 9
 """Postures between the ends of a sweep."""
 
+_SIZE = (7.6, 3.1)
+"""Size of one picture [inches]."""
+
 _COLORS = ('#1f4fd8', '#d62728', '#2a9d2a')
 
 
@@ -42,18 +50,18 @@ _COLORS = ('#1f4fd8', '#d62728', '#2a9d2a')
 class Sweep:
     """One input that varies."""
 
-    name: str
-    """Of the picture's file."""
     title: str
+    """Title of the picture."""
     what: str
-    """The input."""
+    """Input that varies."""
     unit: str
+    """Unit of the input."""
     values: tuple[float, ...]
-    """Those of the paper's captions."""
+    """Values of the paper's captions."""
     ends: tuple[float, float]
-    """Between which it is swept."""
+    """Ends between which it is swept."""
     hip_by_value: complex
-    """How hip i moves with the input."""
+    """Direction in which the input moves hip i; 0 if it does not."""
 
     def posture(self, values: NDArray[np.float64]) -> PairPosture:
         """Work out the postures."""
@@ -65,7 +73,6 @@ class Sweep:
 
 SWEEPS = (
     Sweep(
-        'figs_9_and_10_hip_x',
         'Hip i moves along x',
         'hip i x',
         'm',
@@ -73,91 +80,105 @@ SWEEPS = (
         (-2.6, -0.76),
         1.0 + 0.0j,
     ),
-    Sweep('fig_10_hip_z', 'Hip i moves along z', 'hip i z', 'm', (0.818, 0.978), (0.6, 1.2), 1.0j),
-    Sweep('fig_10_u1', 'Knee j turns', 'u1 j', 'rad', (0.18, 0.3, -0.16), (-1.2, 1.2), 0.0j),
+    Sweep('Hip i moves along z', 'hip i z', 'm', (0.818, 0.978), (0.6, 1.2), 1.0j),
+    Sweep('Knee j turns', 'u1 j', 'rad', (0.18, 0.3, -0.16), (-1.2, 1.2), 0.0j),
 )
 """Hip i's x (S3 figs. 9 and 10), its z, and u1 of leg j (S3 fig. 10)."""
 
 
-@dataclass(frozen=True)
-class Reproduction:
-    """What came out."""
-
-    summary: str
-    """In a few sentences."""
-    rows: list[dict[str, str | float]]
-    """A posture each: what was given, and what was found."""
-    pictures: list[Path]
-
-
-def reproduce(output: Path) -> Reproduction:
-    """
-    Draw the initial state and the three sweeps, and list the postures of the captions.
-
-    Parameters
-    ----------
-    output : Path
-        Folder for the pictures.
-
-    Returns
-    -------
-    Reproduction
-        Rows in degrees and metres.
-    """
-    output.mkdir(parents=True, exist_ok=True)
+def postures_exhibits() -> list[Exhibit]:
+    """Find the postures of the captions, and draw the sweeps between them."""
     initial = with_knee_held(PAIR, HIP_I, FOOT_I, FOOT_J, U1_J, branch='down', knee_i='up')
-    rows = [_row('initial: u1 j [rad]', U1_J, initial)]
-    pictures = [output / 'fig_8_initial.png']
-    figure, axes = _figure('Initial state')
+    along_x, along_z, of_knee = SWEEPS
+    first, *rest = [_row(along_x, value) for value in along_x.values]
+    rest += [_row(sweep, value) for sweep in (along_z, of_knee) for value in sweep.values]
+    closed = at_most(
+        'feet by the found angles, off their places',
+        'the chain is closed',
+        1e3 * _gap(initial),
+        'mm',
+        1e-6,
+        6,
+    ).because(_told(initial))
+    return [
+        Exhibit(
+            'S3', 'Fig. 8', 'initial state', (closed,), _CHOSEN, partial(_draw_initial, initial)
+        ),
+        Exhibit(
+            'S3', 'Fig. 9', 'hip i moves along x', (first,), '', partial(_draw_sweeps, (along_x,))
+        ),
+        Exhibit(
+            'S3',
+            'Fig. 10',
+            'hip i moves, knee j turns',
+            tuple(rest),
+            'Six figures of the paper have this number; x = -0.76 m is drawn with figure 9.',
+            partial(_draw_sweeps, (along_z, of_knee)),
+        ),
+    ]
+
+
+_CHOSEN = (
+    'Lengths, places of hips and feet, and what is constant are lost. Chosen are links of 0.7 m, '
+    'hips 2 m apart, and feet at x = -1.7 and 0.3 m. Behind a verdict stands the posture that is '
+    'found.'
+)
+
+
+def _row(sweep: Sweep, value: float) -> Row:
+    """Compare a caption's value with that of the posture that is found, by its points."""
+    posture = sweep.posture(np.array(value))
+    points = points_of(PAIR, posture)
+    # The input is not looked up but worked out from what was found: from foot i along leg i, or
+    # between the links of leg j.
+    leg_i = posture.hip_i - points.foot_i
+    hip_i = FOOT_I + leg_i
+    lower, upper = points.foot_j - points.knee_j, points.knee_j - points.hip_j
+    turned = float(np.angle(lower / upper))
+    along = float((hip_i * sweep.hip_by_value.conjugate()).real)
+    here = turned if sweep.hip_by_value == 0 else along
+    off = math.inf if _gap(posture) > 1e-9 else here
+    return same(sweep.what, value, off, sweep.unit, 0.0005, 3).because(_told(posture))
+
+
+def _gap(posture: PairPosture) -> float:
+    """Return how far a posture's feet are from where they stand [m]."""
+    points = points_of(PAIR, posture)
+    return float(max(abs(points.foot_i - FOOT_I), abs(points.foot_j - FOOT_J)))
+
+
+def _told(posture: PairPosture) -> str:
+    """Write a posture down."""
+    hip = posture.hip_j
+    angles = [math.degrees(u) for u in (posture.theta, posture.u2_j, posture.u1_i, posture.u2_i)]
+    theta, u2_j, u1_i, u2_i = (f'{angle:.1f}' for angle in angles)
+    return (
+        f'theta {theta}, hip j at {hip.real:.3f}, {hip.imag:.3f} m, u2 of j {u2_j}, '
+        f'u1 and u2 of i {u1_i} and {u2_i} degrees'
+    )
+
+
+def _draw_initial(initial: PairPosture, figure: Figure) -> None:
+    figure.set_size_inches(_SIZE)
+    (axes,) = panels(figure, 1, 1)
     _draw(axes, initial, _COLORS[0], 1.0, f'u1 j = {U1_J:g} rad')
     _name_points(axes, initial)
-    _write(figure, axes, pictures[0])
-    for sweep in SWEEPS:
-        figure, axes = _figure(sweep.title)
+    _finish(axes, 'Initial state')
+
+
+def _draw_sweeps(sweeps: tuple[Sweep, ...], figure: Figure) -> None:
+    figure.set_size_inches(_SIZE[0], len(sweeps) * _SIZE[1])
+    for axes, sweep in zip(panels(figure, len(sweeps), 1), sweeps):
         shades = np.linspace(0.75, 0.35, _FAINT)
         postures = sweep.posture(np.linspace(*sweep.ends, _FAINT, dtype=np.float64))
         for index, shade in enumerate(shades):
             _draw(axes, postures[index], str(shade), 0.8)
-        axes.plot(
-            [], [], color='0.55', label=f'{sweep.ends[0]:g} (faint) to {sweep.ends[1]:g} (dark)'
-        )
+        axes.plot([], [], color='0.55', label=f'from {sweep.ends[0]:g} to {sweep.ends[1]:g}')
         _track(axes, sweep)
         for value, color in zip(sweep.values, _COLORS):
-            posture = sweep.posture(np.array(value))
-            _draw(axes, posture, color, 1.0, f'{sweep.what} = {value:g} {sweep.unit}')
-            rows.append(_row(f'{sweep.what} [{sweep.unit}]', value, posture))
-        pictures.append(output / f'{sweep.name}.png')
-        _write(figure, axes, pictures[-1])
-    return Reproduction(
-        'S3: postures of a pair of legs with knee j held and three joints free.\n'
-        'Links 0.7 m, hips 2 m apart, feet at x = -1.7 and 0.3 m: chosen, as the paper has lost '
-        'its own.',
-        rows,
-        pictures,
-    )
-
-
-def _row(what: str, value: float, posture: PairPosture) -> dict[str, str | float]:
-    return {
-        'input': what,
-        'value': value,
-        'theta [deg]': round(math.degrees(posture.theta), 3),
-        'hip j x [m]': round(float(posture.hip_j.real), 4),
-        'hip j z [m]': round(float(posture.hip_j.imag), 4),
-        'u2 j [deg]': round(math.degrees(posture.u2_j), 3),
-        'u1 i [deg]': round(math.degrees(posture.u1_i), 3),
-        'u2 i [deg]': round(math.degrees(posture.u2_i), 3),
-    }
-
-
-def _figure(title: str) -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(8.6, 3.7))
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.07, 0.13, 0.7, 0.79))
-    axes.axhspan(-10.0, 0.0, color='#eee8dc', zorder=0)
-    axes.axhline(0.0, color='#8a7f6a', linewidth=1.0, zorder=1)
-    axes.set_title(title, fontsize=10)
-    return figure, axes
+            label = f'{sweep.what} = {value:g} {sweep.unit}'
+            _draw(axes, sweep.posture(np.array(value)), color, 1.0, label)
+        _finish(axes, sweep.title)
 
 
 def _draw(
@@ -206,23 +227,20 @@ def _name_points(axes: Axes, posture: PairPosture) -> None:
         )
 
 
-def _write(figure: Figure, axes: Axes, path: Path) -> None:
-    axes.plot(
-        [FOOT_I.real, FOOT_J.real],
-        [FOOT_I.imag, FOOT_J.imag],
-        '^',
-        color='black',
-        markersize=8,
-        zorder=5,
-        label='feet',
-    )
+def _finish(axes: Axes, title: str) -> None:
+    axes.axhspan(-10.0, 0.0, color='#eee8dc', zorder=0)
+    axes.axhline(0.0, color='#8a7f6a', linewidth=1.0, zorder=1)
+    feet = np.array([FOOT_I, FOOT_J])
+    axes.plot(feet.real, feet.imag, '^', color='black', markersize=8, zorder=5, label='feet')
     axes.plot([], [], 's', color='0.3', markersize=5, label='hips')
     axes.set_aspect('equal')
     axes.set_xlim(-2.95, 1.75)
     axes.set_ylim(-0.25, 1.75)
     axes.set_xticks(np.arange(-2.5, 2.0, 0.5))
     axes.set_yticks(np.arange(0.0, 2.0, 0.5))
-    axes.set_xlabel('x [m]')
-    axes.set_ylabel('z [m]')
+    name_axes(axes, 'x [m]', 'z [m]', title)
     axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)
-    figure.savefig(path, dpi=110)
+
+
+PARTS: Sequence[Part] = (Part('S3', 'postures', postures_exhibits),)
+"""What is measured."""
