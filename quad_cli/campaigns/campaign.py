@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,11 +19,17 @@ from rich.table import Table
 from quad_cli.arguments import count_argument, folder_argument
 from quad_common.files.bounded_file import check_folder_target, make_folder, write_text
 from quad_common.robot_files.robot_file import load_robot
+from quad_lab.campaigns.campaign_picture import draw_campaign
 from quad_lab.campaigns.campaign_run import run_campaign
+from quad_lab.campaigns.campaign_spec import CampaignSpec
+from quad_lab.campaigns.jobs import jobs_of
+from quad_lab.campaigns.result_store import ResultStore
 from quad_lab.campaigns.spec_file import load_campaign, shipped_campaigns
 from quad_lab.campaigns.summary import Summary, markdown, summarise
-from quad_lab.seeded_walks.gait_changes import gait_text
-from quad_lab.seeded_walks.walk_task import Result
+from quad_lab.campaigns.walk_pool import DaskPool, InProcess, WalkPool, dask_pool
+from quad_lab.seeded_walks.gait_changes import changed_gait, gait_text
+from quad_lab.seeded_walks.walk_settings import walk_of
+from quad_lab.seeded_walks.walk_task import Result, key_of
 from quad_lab.tools.criterion import make_console
 
 EXAMPLES = """examples:
@@ -45,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--output',
         type=folder_argument,
         metavar='FOLDER',
-        help="where results go, and where earlier ones are taken from (default: campaigns/ and "
+        help='where results go, and where earlier ones are taken from (default: campaigns/ and '
         "the campaign's name)",
     )
     where = parser.add_mutually_exclusive_group()
@@ -63,25 +70,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the campaign; return 0 if every walk arrived without a fall or contact."""
-    # Here, so that 'quadwalk --help' works where pyarrow is absent.
-    from quad_lab.campaigns.campaign_picture import draw_campaign
-    from quad_lab.campaigns.result_store import ResultStore
-    from quad_lab.campaigns.walk_pool import dask_pool
-
     console = make_console(stderr=arguments.json)
     spec = load_campaign(arguments.campaign)
     folder = arguments.output or default_folder(spec.name)
     check_folder_target(folder)
     store = ResultStore(folder / 'results')
     try:
-        with dask_pool(arguments.scheduler, arguments.workers) as pool:
-            console.print(f'workers: {pool.workers}; dashboard: {pool.dashboard}', highlight=False)
-            with Progress(
-                TextColumn('{task.fields[state]}'), BarColumn(), TimeRemainingColumn(),
-                console=console, transient=True, disable=not console.is_terminal,
-            ) as bar:  # fmt: skip
+        with _pool(spec, store, arguments) as pool:
+            if isinstance(pool, DaskPool):
+                said = f'workers: {pool.workers}; dashboard: {pool.dashboard or "none"}'
+                console.print(said, highlight=False)
+            with _bar(console) as bar:
                 outcome = run_campaign(spec, store, pool, Shown(console, bar))
-            lost = pool.lost
     except KeyboardInterrupt:
         console.print(
             f'interrupted: {len(store.results)} results are kept in {folder}; the same command '
@@ -89,19 +89,38 @@ def run(arguments: argparse.Namespace) -> int:
         )  # fmt: skip
         return 130
     summary = summarise(spec, outcome)
+    _write(folder, summary)
+    if arguments.json:
+        print(json.dumps(summary.as_dict()))
+    else:
+        _print(console, summary, folder)
+    for job in pool.lost:
+        console.print(f'its worker ended each time: the walk of seed {job.seed}; not kept')
+    failed = summary.groups[0].walks - summary.groups[0].succeeded
+    return 0 if not pool.lost and (summary.tuned is not None or failed == 0) else 1
+
+
+def _pool(
+    spec: CampaignSpec, store: ResultStore, arguments: argparse.Namespace
+) -> AbstractContextManager[WalkPool]:
+    """Start or join a cluster, unless every walk is there already."""
+    if spec.tuning is None and all(key_of(job) in store.results for job in jobs_of(spec)):
+        return nullcontext(InProcess())
+    return dask_pool(arguments.scheduler, arguments.workers)
+
+
+def _bar(console: Console) -> Progress:
+    columns = TextColumn('{task.fields[state]}'), BarColumn(), TimeRemainingColumn()
+    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+
+
+def _write(folder: Path, summary: Summary) -> None:
+    """Write tables, figures, a picture, and a tuned gait."""
     make_folder(folder)
     write_text(folder / 'summary.md', markdown(summary))
     write_text(folder / 'summary.json', json.dumps(summary.as_dict(), indent=1))
     draw_campaign(folder / 'summary.png', summary)
     _write_gait(folder, summary)
-    if arguments.json:
-        print(json.dumps(summary.as_dict()))
-    else:
-        _print(console, summary, folder)
-    for job in lost:
-        console.print(f'its worker ended each time: the walk of seed {job.seed}; not kept')
-    failed = summary.groups[0].walks - summary.groups[0].succeeded
-    return 0 if not lost and (summary.tuned is not None or failed == 0) else 1
 
 
 def default_folder(name: str) -> Path:
@@ -154,9 +173,6 @@ class Shown:
 
 def _write_gait(folder: Path, summary: Summary) -> None:
     """Write a tuned gait as a file, where one gait of one robot was tuned."""
-    from quad_lab.seeded_walks.gait_changes import changed_gait
-    from quad_lab.seeded_walks.walk_settings import walk_of
-
     tuned, spec = summary.tuned, summary.spec
     varied = {'robot', 'gait'} & set(spec.vary)
     if tuned is None or varied or not any(name.startswith('gait.') for name in tuned.numbers):

@@ -37,9 +37,7 @@ def combinations(spec: CampaignSpec) -> list[dict[str, Value]]:
         Cases, without what is tuned.
     """
     lists = [_listed(values) for values in spec.vary.values()]
-    return [
-        _sorted({**spec.fixed, **dict(zip(spec.vary, values))}) for values in product(*lists)
-    ]
+    return [_sorted({**spec.fixed, **dict(zip(spec.vary, values))}) for values in product(*lists)]
 
 
 def jobs_of(spec: CampaignSpec) -> list[Job]:

@@ -9,7 +9,6 @@ counts once.
 from __future__ import annotations
 
 import json
-import os
 import uuid
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
@@ -21,12 +20,6 @@ from quad_common.files.bounded_file import check_folder_target, make_folder
 from quad_lab.seeded_walks.walk_figures import WalkFigures
 from quad_lab.seeded_walks.walk_task import Job, Result, key_of
 
-try:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-except ImportError as error:
-    raise MissingOptionalDependency('pyarrow', "pip install 'quadwalk[campaign]'") from error
-
 _WHAT = 'results'
 
 _MERGED_AT = 64
@@ -36,8 +29,6 @@ _LARGE = 2000
 """Rows of a file that is not merged any more."""
 
 _FIGURES = tuple(item for item in fields(WalkFigures) if item.init)
-
-_TYPES = {'bool': pa.bool_(), 'float': pa.float64(), 'str': pa.string()}
 
 _SUCCEEDED = 'succeeded'
 
@@ -53,11 +44,14 @@ class ResultStore:
 
     Raises
     ------
+    MissingOptionalDependency
+        If pyarrow is not installed.
     FileUnusable
         If the folder cannot be made or written, or a file in it is no result of walks.
     """
 
     def __init__(self, folder: Path) -> None:
+        self._arrow, self._parquet = _arrow()
         check_folder_target(folder, _WHAT)
         make_folder(folder, _WHAT)
         self._folder = folder
@@ -79,9 +73,9 @@ class ResultStore:
 
     def _read(self, path: Path) -> None:
         try:
-            rows = pq.read_table(path).to_pylist()
+            rows = self._parquet.read_table(path).to_pylist()
             found = {row['key']: _result(row) for row in rows}
-        except (pa.ArrowException, KeyError, TypeError, ValueError) as error:
+        except (self._arrow.ArrowException, KeyError, TypeError, ValueError) as error:
             raise FileUnusable(_WHAT, path, 'holds no results of walks') from error
         except OSError as error:
             raise FileUnusable(_WHAT, path, f'cannot be read: {error.strerror}') from error
@@ -92,25 +86,39 @@ class ResultStore:
     def _write(self, results: Mapping[str, Result]) -> None:
         path = self._folder / f'walks-{uuid.uuid4().hex}.parquet'
         beside = path.with_suffix('.part')
-        pq.write_table(_table(results), beside)
-        os.replace(beside, path)
+        self._parquet.write_table(_table(self._arrow, results), beside)
+        beside.replace(path)
         if len(results) < _LARGE:
             self._small.append(path)
 
     def _merge(self) -> None:
         """Make one file of the small ones."""
         merged = list(self._small)
-        tables = [pq.read_table(path) for path in merged]
+        keys = {
+            key
+            for path in merged
+            for key in self._parquet.read_table(path, columns=['key'])['key'].to_pylist()
+        }
         self._small = []
-        keys = {key for table in tables for key in table['key'].to_pylist()}
         self._write({key: self.results[key] for key in sorted(keys)})
         for path in merged:
             path.unlink(missing_ok=True)
 
 
-def _table(results: Mapping[str, Result]) -> Any:
+def _arrow() -> tuple[Any, Any]:
+    """Import pyarrow, and its part for Parquet."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise MissingOptionalDependency('pyarrow', "pip install 'quadwalk[campaign]'") from error
+    return pyarrow, pyarrow.parquet
+
+
+def _table(pa: Any, results: Mapping[str, Result]) -> Any:
     """Make a table: key, seed, case, one column for each value of the cases, the figures."""
     listed = list(results.values())
+    types = {'bool': pa.bool_(), 'float': pa.float64(), 'str': pa.string()}
     columns: dict[str, Any] = {
         'key': pa.array(list(results), pa.string()),
         'seed': pa.array([result.job.seed for result in listed], pa.int64()),
@@ -120,7 +128,7 @@ def _table(results: Mapping[str, Result]) -> Any:
     }
     for item in _FIGURES:
         values = [getattr(result.figures, item.name) for result in listed]
-        columns[item.name] = pa.array(values, _TYPES[str(item.type)])
+        columns[item.name] = pa.array(values, types[str(item.type)])
     for name in sorted({name for result in listed for name in result.job.case}):
         columns[f'case.{name}'] = pa.array([result.job.case.get(name) for result in listed])
     return pa.table(columns)

@@ -193,8 +193,10 @@ def _whole(
     document: Mapping[str, Any], key: str, default: int, bounds: tuple[int, int], where: str = ''
 ) -> int:
     value = document.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int) or not (
-        bounds[0] <= value <= bounds[1]
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int)
+        or not (bounds[0] <= value <= bounds[1])
     ):
         valid = f'a whole number from {bounds[0]} to {bounds[1]}'
         raise ParameterError(f'{where}{key}', value, valid)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -191,7 +192,7 @@ def _parts(
     edges = np.linspace(values.lower, values.upper, _BINS + 1).tolist()
     return [
         (f'{low:.4g} to {high:.4g}', _is_within(name, low, high, high == edges[-1]))
-        for low, high in zip(edges, edges[1:])
+        for low, high in pairwise(edges)
     ]
 
 

@@ -22,6 +22,7 @@ from quad_gait.cycle.gait import load_gait
 from quad_lab.campaigns.campaign_spec import CampaignSpec, Tuning
 from quad_lab.campaigns.jobs import combinations, seed_of
 from quad_lab.seeded_walks.gait_changes import numbers_of
+from quad_lab.seeded_walks.walk_settings import walk_of
 from quad_lab.seeded_walks.walk_task import Job, Result, key_of
 
 _STEP = 0.25
@@ -171,9 +172,7 @@ class Tuner:
             for name in named
         }
         numbers = self.best.numbers or self._before
-        return Tuned(
-            self._before, numbers, self.best.cost, figures, tuple(self._history)
-        )
+        return Tuned(self._before, numbers, self.best.cost, figures, tuple(self._history))
 
     def _jobs(self, numbers: Mapping[str, float]) -> list[Job]:
         # The same scenes and noise for all candidates: what differs is their numbers.
@@ -223,7 +222,8 @@ class Tuner:
 
 def _derived(cases: list[dict[str, Any]], names: list[str]) -> dict[str, float]:
     """Return the numbers untuned, where all cases have the same one; nan elsewhere."""
-    pairs = {(str(case.get('robot', 'titan_viii')), str(case.get('gait', 'crawl'))) for case in cases}
+    settings = [walk_of(case).settings for case in cases]
+    pairs = {(one.robot, one.gait) for one in settings}
     known = []
     for robot, gait in sorted(pairs):
         own = numbers_of(load_gait(gait, load_robot(robot)))

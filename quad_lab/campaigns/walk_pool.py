@@ -73,7 +73,7 @@ class NoWorkers(QuadError):
 
     def sentence(self) -> str:
         """Say how to start one."""
-        return f'the scheduler {self.address} has no workers: start some, dask worker {self.address}'
+        return f'the scheduler {self.address} has no workers: start some with dask worker ADDRESS'
 
 
 @dataclass(eq=False, repr=False)
@@ -87,7 +87,7 @@ class WorkersDiffer(QuadError):
         """Say which workers."""
         return (
             f'other code, engines or processors than here would give other figures, on '
-            f'{", ".join(self.workers)}: install the same quadwalk, pybullet, mujoco and numpy there'
+            f'{", ".join(self.workers)}: install the same versions there'
         )
 
 
@@ -199,7 +199,8 @@ def dask_pool(scheduler: str = '', workers: int | None = None) -> Iterator[DaskP
     try:
         from distributed import Client, LocalCluster
     except ImportError as error:
-        raise MissingOptionalDependency('distributed', "pip install 'quadwalk[campaign]'") from error
+        command = "pip install 'quadwalk[campaign]'"
+        raise MissingOptionalDependency('distributed', command) from error
     if scheduler:
         try:
             client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)

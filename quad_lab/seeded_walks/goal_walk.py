@@ -81,9 +81,7 @@ def _guided(walk: Walk, ready: ReadyRobot, scene: Scene, loop: NoisyLoop) -> Wal
     planner.session.give_goal(planner.frame.name, scene.goal)
     first = controller.wanted_plan
     end = GuidedEnd()
-    ended = loop.run(
-        walk.settings.timeout, lambda: end.is_over(loop.time, controller.activity)
-    )
+    ended = loop.run(walk.settings.timeout, lambda: end.is_over(loop.time, controller.activity))
     arrived = controller.activity is Activity.ARRIVED
     problem = '' if arrived else planner.problem or controller.reason
     if not ended:

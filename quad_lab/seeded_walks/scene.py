@@ -135,9 +135,7 @@ def map_path(name: str) -> Path:
     raise ParameterError('map', name, f'{RANDOM}, a sample map (room, office) or a Nav2 map file')
 
 
-def _level_world(
-    settings: WalkSettings, robot: Robot, seed: int
-) -> tuple[World, OccupancyGrid]:
+def _level_world(settings: WalkSettings, robot: Robot, seed: int) -> tuple[World, OccupancyGrid]:
     """Read a map, or draw a room."""
     if settings.map != RANDOM:
         grid = load_map(map_path(settings.map))

@@ -28,6 +28,7 @@ _DIRECTIONS = {
     'turn': BodyMotion(0.0, 0.0, 1.0),
 }
 
+
 @dataclass(eq=False, repr=False)
 class GaitStandsStill(GaitError):
     """The limits of a gait allow no motion in a direction."""
