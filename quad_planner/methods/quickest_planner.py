@@ -16,6 +16,7 @@ import numpy as np
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_planner.any_angle.rectangles import corners_of
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
 from quad_planner.search.corner_search import quickest_corners
@@ -93,7 +94,7 @@ class QuickestPlanner(ShortestPlanner):
         between = prepared.grid.world_to_map(known.corners[1:-1])
         path = quickest_corners(
             prepared.forbidden_bits,
-            np.vstack((*request.tips, between, prepared.corners)),
+            np.vstack((*request.tips, between, corners_of(prepared.space.rectangles))),
             self._terms(prepared, request, bound),
             request.check,
         )

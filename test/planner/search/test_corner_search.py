@@ -13,7 +13,7 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot_files.walking_time import LENGTH_SLACK, WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid, BitMask
 from quad_planner.grid.line_of_sight import sees
-from quad_planner.search.any_angle import convex_corners
+from quad_planner.any_angle.rectangles import corners_of, rectangles_of
 from quad_planner.search.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
@@ -87,7 +87,7 @@ def test_no_path_takes_fewer_cycles(seed):
         if lattice is None:
             continue
         points = np.vstack(([start, goal], lattice.cells[1:-1])) + 0.5
-        points = np.vstack((points, convex_corners(BitMask.of(~free))))
+        points = np.vstack((points, corners_of(rectangles_of(BitMask.of(~free)))))
         least = least_cycles(BitMask.of(~free), points, start_yaw, goal_yaw, pace)
         # The lattice's own path leads over these points.
         assert least <= lattice.cycles
@@ -113,7 +113,7 @@ def test_bends_cost_nothing():
     y, x = np.mgrid[:60, :120]
     free[(x + 0.5 - 60) ** 2 / 50**2 + (y + 0.5) ** 2 / 20**2 < 1.0] = False
     start, goal = np.array([2.5, 5.5]), np.array([117.5, 5.5])
-    points = np.vstack((start, goal, convex_corners(BitMask.of(~free))))
+    points = np.vstack((start, goal, corners_of(rectangles_of(BitMask.of(~free)))))
     bending = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
     never = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2), bend=0.0)
     yaw = math.radians(30.0)
