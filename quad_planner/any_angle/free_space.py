@@ -45,15 +45,19 @@ class FreeSpace:
         ndarray of bool, shape (n,) or None
             The rectangles; None if no path connects the two.
         """
-        first, last = (int(_rectangle_at(self.rectangles, *point)) for point in (start, goal))
+        first, last = (self.rectangle_at(point) for point in (start, goal))
         if first < 0 or last < 0:
             return None
         return between(self.blocks, first, last)
 
+    def rectangle_at(self, point: Points) -> int:
+        """Return a rectangle that holds a point [cells], or has it on its edge; -1 if none does."""
+        return int(_rectangle_at(self.rectangles, float(point[0]), float(point[1])))
+
 
 @compiled
 def _rectangle_at(rectangles: Rectangles, x: float, y: float) -> int:
-    """Return a rectangle that holds a point, -1 if none does."""
+    """Do what :meth:`FreeSpace.rectangle_at` says."""
     for here in range(len(rectangles.bounds)):
         if holds(rectangles, here, x, y):
             return here

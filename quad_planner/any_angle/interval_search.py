@@ -75,7 +75,9 @@ class _Search(NamedTuple):
     before: Integers
     """Root before each on that path."""
     ends: Floats
-    """Start and goal, x and y [cells]; and the bound."""
+    """
+    Start and goal, x and y [cells]; the bound; whether the search goes on behind the goal.
+    """
     is_open: Mask
     """Rectangles that may be on the path, see `Blocks`."""
 
@@ -110,8 +112,48 @@ def any_angle_path(
     is_open = space.between(start, goal)
     if is_open is None:
         return None
-    rectangles = space.rectangles
-    corners = 4 * len(rectangles.bounds)
+    corners = 4 * len(space.rectangles.bounds)
+    search = _found(space, _search_of(space, start, goal, (bound, 0.0), is_open), check)
+    last = int(search.counts[_ROOT_OF_GOAL])
+    if last < 0:
+        return None
+    roots = np.array(path_back(search.before.__getitem__, last, corners))
+    return np.vstack((start, corner_places(space.rectangles, roots[1:]), goal))
+
+
+def lengths_from(
+    space: FreeSpace,
+    start: Points,
+    goal: Points,
+    bound: float,
+    check: Callable[[], None] = lambda: None,
+) -> Floats:
+    """
+    Measure the shortest paths from a point to corners.
+
+    Parameters
+    ----------
+    space, start, goal, check
+        As for :func:`any_angle_path`.
+    bound : float
+        Length of a path from the start over a corner to the goal, at most [cells].
+
+    Returns
+    -------
+    ndarray, shape (4 n,)
+        Length to each corner of a rectangle that is on a path within the bound, as far as the line
+        from it to the goal tells; infinite for others, or too long [cells].
+    """
+    is_open = np.ones(len(space.rectangles.bounds), dtype=np.bool_)
+    search = _found(space, _search_of(space, start, goal, (bound, 1.0), is_open), check)
+    return search.lengths[:-2]
+
+
+def _search_of(
+    space: FreeSpace, start: Points, goal: Points, limits: tuple[float, float], is_open: Mask
+) -> _Search:
+    """Begin a search, with its bound, and whether it goes on behind the goal."""
+    corners = 4 * len(space.rectangles.bounds)
     room = _NODES_AT_FIRST + 4 * space.width
     search = _Search(
         np.empty(room, dtype=INTERVAL),
@@ -119,21 +161,23 @@ def any_angle_path(
         np.array([0, 0, -1]),
         np.full(corners + 2, np.inf),
         np.empty(corners + 2, dtype=np.int64),
-        np.array([*start, *goal, bound * (1.0 + TINY) + TINY]),
+        np.array([*start, *goal, limits[0] * (1.0 + TINY) + TINY, limits[1]]),
         is_open,
     )
     search.lengths[corners] = 0.0
-    outcome = _begin(rectangles, search)
+    _begin(space.rectangles, search)
+    return search
+
+
+def _found(space: FreeSpace, search: _Search, check: Callable[[], None]) -> _Search:
+    """Go on with a search until it is done."""
+    outcome = PAUSED
     while outcome != DONE:
         if outcome == FULL:
             search = _larger(search)
         check()
-        outcome = _go_on(rectangles, search, _AT_A_TIME)
-    last = int(search.counts[_ROOT_OF_GOAL])
-    if last < 0:
-        return None
-    roots = np.array(path_back(search.before.__getitem__, last, corners))
-    return np.vstack((start, corner_places(rectangles, roots[1:]), goal))
+        outcome = _go_on(space.rectangles, search, _AT_A_TIME)
+    return search
 
 
 def _larger(search: _Search) -> _Search:
@@ -145,8 +189,8 @@ def _larger(search: _Search) -> _Search:
 
 
 @compiled
-def _begin(rectangles: Rectangles, search: _Search) -> int:
-    """Let all openings wait that are seen from the start; return ``PAUSED``."""
+def _begin(rectangles: Rectangles, search: _Search) -> None:
+    """Let all openings wait that are seen from the start; there must be room."""
     start = len(search.lengths) - 2
     x, y = search.ends[0], search.ends[1]
     for here in range(len(rectangles.bounds)):
@@ -155,7 +199,6 @@ def _begin(rectangles: Rectangles, search: _Search) -> int:
                 _arrive(rectangles, search, start)
             for is_up in (True, False):
                 _pass_on(rectangles, search, here, is_up, -np.inf, np.inf, start)
-    return PAUSED
 
 
 @inlined_part
@@ -181,6 +224,8 @@ def _turn(rectangles: Rectangles, search: _Search, root: int, corner: int) -> bo
 def _arrive(rectangles: Rectangles, search: _Search, root: int) -> None:
     """Note a path that goes straight from a root to the goal."""
     lengths, ends, counts = search.lengths, search.ends, search.counts
+    if ends[5] != 0.0:
+        return
     x, y = place_of(rectangles, root, ends[0], ends[1])
     length = lengths[root] + distance(x, y, ends[2], ends[3])
     if length < lengths[-1] and length <= ends[4]:
