@@ -160,8 +160,8 @@ def _edges(
     A corner may be if the shortest paths to it from the start and from the goal are short
     enough together. Returns the points, the given ones first, and their edges.
     """
-    from_start = lengths_from(space, given[0], given[1], longest, check)
-    to_goal = lengths_from(space, given[1], given[0], longest, check)
+    from_start = lengths_from(space, given[0], given[1], longest, check=check)
+    to_goal = lengths_from(space, given[1], given[0], longest, from_start, check)
     kept = np.flatnonzero(from_start + to_goal <= longest + _TINY)
     count = len(given)
     points = np.vstack((given, corner_places(space.rectangles, kept)))

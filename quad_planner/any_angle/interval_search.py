@@ -80,6 +80,8 @@ class _Search(NamedTuple):
     """
     is_open: Mask
     """Rectangles that may be on the path, see `Blocks`."""
+    beyond: Floats
+    """Least length from each corner to the goal, 0 where nothing is known [cells]."""
 
 
 def any_angle_path(
@@ -126,6 +128,7 @@ def lengths_from(
     start: Points,
     goal: Points,
     bound: float,
+    beyond: Floats | None = None,
     check: Callable[[], None] = lambda: None,
 ) -> Floats:
     """
@@ -137,6 +140,8 @@ def lengths_from(
         As for :func:`any_angle_path`.
     bound : float
         Length of a path from the start over a corner to the goal, at most [cells].
+    beyond : ndarray, shape (4 n,) or None
+        Least length from each corner to the goal, where it is known [cells].
 
     Returns
     -------
@@ -145,8 +150,10 @@ def lengths_from(
         from it to the goal tells; infinite for others, or too long [cells].
     """
     is_open = np.ones(len(space.rectangles.bounds), dtype=np.bool_)
-    search = _found(space, _search_of(space, start, goal, (bound, 1.0), is_open), check)
-    return search.lengths[:-2]
+    search = _search_of(space, start, goal, (bound, 1.0), is_open)
+    if beyond is not None:
+        search.beyond[:-2] = beyond
+    return _found(space, search, check).lengths[:-2]
 
 
 def _search_of(
@@ -163,6 +170,7 @@ def _search_of(
         np.empty(corners + 2, dtype=np.int64),
         np.array([*start, *goal, limits[0] * (1.0 + TINY) + TINY, limits[1]]),
         is_open,
+        np.zeros(corners + 2),
     )
     search.lengths[corners] = 0.0
     _begin(space.rectangles, search)
@@ -214,6 +222,8 @@ def _turn(rectangles: Rectangles, search: _Search, root: int, corner: int) -> bo
     x0, y0 = place_of(rectangles, root, ends[0], ends[1])
     x, y = place_of(rectangles, corner, ends[0], ends[1])
     length = lengths[root] + distance(x0, y0, x, y)
+    if length + search.beyond[corner] > ends[4]:
+        return False
     if length < lengths[corner] - TINY:
         lengths[corner] = length
         search.before[corner] = root
