@@ -160,10 +160,7 @@ def _is_as_before(words: Bits, row: int) -> bool:
     """Return whether a row is the same as the one before."""
     if row == 0:
         return False
-    for at in range(words.shape[1]):
-        if words[row, at] != words[row - 1, at]:
-            return False
-    return True
+    return all(words[row, at] == words[row - 1, at] for at in range(words.shape[1]))
 
 
 @compiled

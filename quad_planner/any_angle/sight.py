@@ -135,9 +135,7 @@ def _pass_on(
         )
         if left > right:
             continue
-        length = least_through(
-            target[0], target[1], left, right, line, is_up, target[2], target[3]
-        )
+        length = least_through(target[0], target[1], left, right, line, is_up, target[2], target[3])
         if length > target[4]:
             continue
         for corner in (left_corner, right_corner):

@@ -100,9 +100,7 @@ def _is_allowed(forbidden: Bits, width: int, x: float, y: float) -> bool:
 
 
 @compiled
-def segment_allowed(
-    forbidden: Bits, width: int, x: float, y: float, dx: float, dy: float
-) -> bool:
+def segment_allowed(forbidden: Bits, width: int, x: float, y: float, dx: float, dy: float) -> bool:
     """
     Return whether a segment stays in allowed cells all along.
 

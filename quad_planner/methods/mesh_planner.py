@@ -34,6 +34,7 @@ from quad_planner.search.mesh_search import CIRCLE, Ends, Legs, Mesh, mesh_path
 MAX_CROSSINGS = 2**20
 """The finest mesh that is laid over a map."""
 
+
 def _bearing(angle: float) -> int:
     return round(angle / math.tau * CIRCLE) % CIRCLE
 

@@ -16,9 +16,9 @@ import numpy as np
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_planner.any_angle.corner_search import quickest_corners
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
-from quad_planner.any_angle.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
 

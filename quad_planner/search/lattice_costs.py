@@ -90,14 +90,14 @@ def costs_of(terms: WalkTerms) -> Costs:
     last = np.array([pace.last_turn_cycles(terms.goal_yaw - a) * cycle for a in headings])
     longest = min(bound * cycle, LARGEST // cycle * cycle)
     least = least_turns_of(np.array(turns), last)
-    scale = min(straight / STRAIGHT, diagonal / DIAGONAL)
+    least_scale = min(straight / STRAIGHT, diagonal / DIAGONAL)
     return Costs(
         straight,
         diagonal,
         cycle,
         cycle,
         longest,
-        scale,
+        least_scale,
         np.array(turns),
         np.array(first),
         last,

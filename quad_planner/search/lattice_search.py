@@ -9,9 +9,9 @@ cheaper is the better one for all that may follow, and A* is exact.
 
 Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
 for a cycle, so equal costs are equal. The bound on what is left (:func:`total_cost`) is the
-length of the shortest path to the goal, and the least turns that a path over free ground takes. States
-wait in one bucket for each whole cycle of cost and bound together, so the first bucket in
-which the goal is reached holds the least time.
+length of the shortest path to the goal, and the least turns that a path over free ground takes.
+States wait in one bucket for each whole cycle of cost and bound together, so the first bucket
+in which the goal is reached holds the least time.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ class Mesh(NamedTuple):
     """The moves that are free on a mesh, and what they cost."""
 
     exits: NDArray[np.uint8]
-    """Free moves of each crossing: bit k for the one at k times 45 degrees, shape (rows, columns)."""
+    """Free moves of each crossing: bit k for k times 45 degrees, shape (rows, columns)."""
     straight: int
     """Length of a move along a line of the mesh."""
     diagonal: int
@@ -97,9 +97,7 @@ class Ends(NamedTuple):
     """Bearing of the robot at the start, and of the goal's heading."""
 
 
-def mesh_path(
-    mesh: Mesh, ends: Ends, check: Callable[[], None] = lambda: None
-) -> list[int] | None:
+def mesh_path(mesh: Mesh, ends: Ends, check: Callable[[], None] = lambda: None) -> list[int] | None:
     """
     Find a shortest path, and of these one with the fewest turns.
 
@@ -162,7 +160,7 @@ def _lengths_left(
     """
     starts, goals = ends.starts, ends.goals
     columns = mesh.exits.shape[1]
-    # What is left of A* is bounded by the way to the crossing nearest to the start.
+    # A* bounds what is left by the length to the crossing nearest to the start.
     near = int(starts.crossings[np.argmin(starts.lengths)])
     to_near = _octile(starts.crossings, near, columns, mesh.straight, mesh.diagonal)
     beyond = int((to_near - starts.lengths).max())
@@ -193,7 +191,8 @@ def _octile(
     along = np.abs(crossings % columns - other % columns)
     across = np.abs(crossings // columns - other // columns)
     shorter = np.minimum(along, across)
-    return straight * (np.maximum(along, across) - shorter) + diagonal * shorter
+    lengths: Integers = straight * (np.maximum(along, across) - shorter) + diagonal * shorter
+    return lengths
 
 
 @compiled

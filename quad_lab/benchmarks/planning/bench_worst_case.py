@@ -25,6 +25,7 @@ from quad_common.robot_files.walking_time import load_pace
 from quad_lab.benchmarks.planning.office_floor import office_floor
 from quad_lab.tools.benchmark_maps import OTHERS_MAPS, maps_of_others
 from quad_lab.tools.criterion import Criterion, at_most
+from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.planner import Planner
 from quad_planner.planner_setup import planner_for
 
@@ -106,7 +107,7 @@ def _maps(seed: int) -> Iterator[tuple[str, OccupancyGrid]]:
     yield '400 offices', office_floor(seed=seed)
 
 
-def _planner(robot: str, method: _Method) -> Planner:
+def _planner(robot: str, method: _Method) -> Planner[InflatedMap]:
     """Return a planner whose code is compiled."""
     planner = planner_for(
         load_robot(robot),
@@ -119,14 +120,14 @@ def _planner(robot: str, method: _Method) -> Planner:
     return planner
 
 
-def _preparation(planner: Planner, grid: OccupancyGrid) -> float:
+def _preparation(planner: Planner[InflatedMap], grid: OccupancyGrid) -> float:
     """Let a planner take a map; return how long that took [ms]."""
     began = time.perf_counter()
     planner.set_map(grid)
     return 1e3 * (time.perf_counter() - began)
 
 
-def _times(planner: Planner, grid: OccupancyGrid, count: int, seed: int) -> Array:
+def _times(planner: Planner[InflatedMap], grid: OccupancyGrid, count: int, seed: int) -> Array:
     """Plan between random poses in the largest free area; return how long each plan took [ms]."""
     rng = np.random.default_rng(seed)
     prepared = planner.prepared

@@ -73,5 +73,5 @@ def _furnish(room: Mask, rng: np.random.Generator) -> None:
         x, y = (int(rng.integers(_WALL, side - 24)) for side in (width, height))
         room[y : y + 8, x : x + 16] = True
     rows, columns = np.ogrid[:height, :width]
-    x, y = (float(rng.uniform(20.0, side - 20.0)) for side in (width, height))
-    room |= (columns - x) ** 2 + (rows - y) ** 2 <= float(rng.uniform(3.0, 7.0)) ** 2
+    center_x, center_y = (float(rng.uniform(20.0, side - 20.0)) for side in (width, height))
+    room |= (columns - center_x) ** 2 + (rows - center_y) ** 2 <= float(rng.uniform(3.0, 7.0)) ** 2

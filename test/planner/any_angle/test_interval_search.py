@@ -4,6 +4,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
+from exact_segments import segments_allowed
 from random_floors import random_floor, random_place
 from scipy.sparse.csgraph import dijkstra
 
@@ -11,7 +12,6 @@ from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.interval_search import any_angle_path
 from quad_planner.any_angle.rectangles import corners_of
 from quad_planner.grid.bit_grid import BitMask
-from quad_planner.grid.inflation import segments_allowed
 from quad_planner.grid.line_of_sight import sees
 
 

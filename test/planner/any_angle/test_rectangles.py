@@ -95,7 +95,9 @@ def test_left_out_is_what_no_path_passes_without_coming_back(seed):
                 start != goal
                 and start in reached(joined, here, -1)
                 and all(
-                    reached(joined, here, cut) & {start, goal} for cut in range(count) if cut != here
+                    reached(joined, here, cut) & {start, goal}
+                    for cut in range(count)
+                    if cut != here
                 )
                 for here in range(count)
             ]

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from exact_segments import segments_allowed
 
 from quad_planner.any_angle.rectangles import corners_of, rectangles_of
 from quad_planner.grid import line_of_sight
 from quad_planner.grid.bit_grid import BitMask
-from quad_planner.grid.inflation import segments_allowed
 
 
 def sees(allowed, *ends):
