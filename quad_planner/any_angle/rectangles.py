@@ -158,9 +158,11 @@ def _runs(words: Bits, width: int, row: int, runs: Integers) -> int:
 @compiled_part
 def _is_as_before(words: Bits, row: int) -> bool:
     """Return whether a row is the same as the one before."""
-    if row == 0:
-        return False
-    return all(words[row, at] == words[row - 1, at] for at in range(words.shape[1]))
+    is_same, at = row > 0, 0
+    while is_same and at < words.shape[1]:
+        is_same = words[row, at] == words[row - 1, at]
+        at += 1
+    return is_same
 
 
 @compiled
