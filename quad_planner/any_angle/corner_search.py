@@ -23,7 +23,7 @@ from quad_planner.any_angle.interval_search import lengths_from
 from quad_planner.any_angle.rectangles import corner_places
 from quad_planner.any_angle.sight import Sight
 from quad_planner.grid.array_types import Mask, Points
-from quad_planner.grid.bit_grid import BitMask, Bits
+from quad_planner.grid.bit_grid import BitMask
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -180,7 +180,7 @@ def _edges(
         target = np.array([*points[at], *points[1], limit])
         seen = sight.seen_from(rectangle, target)
         if at < count:
-            others = _view(forbidden.words, forbidden.width, points, at, np.arange(count))
+            others = _view(forbidden, given, at)
             # What a given point sees sees that point.
             starts += [seen, np.full(len(others), at)]
             ends += [np.full(len(seen), at), others]
@@ -197,18 +197,15 @@ def _edges(
     return points, _Edges(firsts, end, start, lengths / stride, angles, left / stride)
 
 
-@compiled
-def _view(forbidden: Bits, width: int, points: Floats, at: int, others: Indices) -> Indices:
-    """Return which of the others a point sees, other than those in the same place."""
-    seen = np.empty(len(others), dtype=np.int64)
-    count = 0
-    x, y = points[at, 0], points[at, 1]
-    for other in others:
-        to_x, to_y = points[other, 0], points[other, 1]
-        if (to_x != x or to_y != y) and sees(forbidden, width, x, y, to_x, to_y):
-            seen[count] = other
-            count += 1
-    return seen[:count]
+def _view(forbidden: BitMask, points: Points, at: int) -> Indices:
+    """Return which of a few points one of them sees, other than those in the same place."""
+    place = points[at]
+    seen = [
+        other
+        for other, point in enumerate(points)
+        if (point != place).any() and sees(forbidden.words, forbidden.width, *place, *point)
+    ]
+    return np.array(seen, dtype=np.int64)
 
 
 @inlined_part
@@ -246,7 +243,6 @@ def _bucket(cost: float, left: float, least: int) -> int:
     return max(least, int(_rest(cost + left)))
 
 
-@compiled
 def _begin(
     edges: _Edges,
     start_yaw: float,
@@ -256,7 +252,7 @@ def _begin(
     queue: BucketQueue,
 ) -> None:
     """Let the edges from the start wait; there must be room."""
-    for edge in range(edges.firsts[0], edges.firsts[1]):
+    for edge in range(int(edges.firsts[0]), int(edges.firsts[1])):
         turns = _turn_cycles(_apart(start_yaw, edges.angles[edge]), cycles)
         cost = turns + cycles.stopping + edges.strides[edge]
         bucket = _bucket(cost, edges.left[edges.ends[edge]], 0)

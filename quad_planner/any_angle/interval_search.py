@@ -32,6 +32,8 @@ from quad_planner.any_angle.intervals import (
 )
 from quad_planner.any_angle.rectangles import (
     BOTTOM,
+    LEFT,
+    RIGHT,
     TOP,
     Rectangles,
     corner_places,
@@ -80,6 +82,11 @@ class _Search(NamedTuple):
     """Rectangles that may be on the path, see `Blocks`."""
     beyond: Floats
     """Least length from each corner to the goal, 0 where nothing is known [cells]."""
+    views: Floats
+    """
+    Notes of one expansion: root, whether the upper side is seen, from where to where, and whether
+    the goal is; shape (5, 5).
+    """
 
 
 def any_angle_path(
@@ -169,6 +176,7 @@ def _search_of(
         np.array([*start, *goal, limits[0] * (1.0 + TINY) + TINY, limits[1]]),
         is_open,
         np.zeros(corners + 2),
+        np.empty((5, 5)),
     )
     search.lengths[corners] = 0.0
     _begin(space.rectangles, search)
@@ -194,17 +202,16 @@ def _larger(search: _Search) -> _Search:
     return search._replace(nodes=nodes, heap=heap)
 
 
-@compiled
 def _begin(rectangles: Rectangles, search: _Search) -> None:
-    """Let all openings wait that are seen from the start; there must be room."""
-    start = len(search.lengths) - 2
-    x, y = search.ends[0], search.ends[1]
-    for here in range(len(rectangles.bounds)):
-        if holds(rectangles, here, x, y):
-            if holds(rectangles, here, search.ends[2], search.ends[3]):
-                _arrive(rectangles, search, start)
-            for is_up in (True, False):
-                _pass_on(rectangles, search, here, is_up, -np.inf, np.inf, start)
+    """Let the rectangles wait that hold the start: all of them is seen, through no interval."""
+    start = search.ends[:2]
+    low, high = rectangles.bounds[:, [LEFT, BOTTOM]], rectangles.bounds[:, [RIGHT, TOP]]
+    holding = ((low <= start + TINY) & (start - TINY <= high)).all(axis=1)
+    for node, here in enumerate(np.flatnonzero(holding).tolist()):
+        # An interval whose ends are in the wrong order.
+        search.nodes[node] = (1.0, 0.0, 0.0, len(search.lengths) - 2, -1, -1, here, 0)
+        search.heap[node] = (0.0, node)
+        search.counts[[_USED, _WAITING]] += 1
 
 
 @inlined_part
@@ -308,7 +315,20 @@ def _go_on(rectangles: Rectangles, search: _Search, at_a_time: int) -> int:
 @inlined_part
 def _expand(rectangles: Rectangles, search: _Search, node: int) -> None:
     """Go on through the rectangle beyond an interval."""
-    interval, ends = search.nodes[node], search.ends
+    count = _look(rectangles, search, node)
+    here = search.nodes[node].rectangle
+    # One place from which each is called: they are compiled into it.
+    for k in range(count):
+        view = search.views[k]
+        if view[4] != 0.0:
+            _arrive(rectangles, search, int(view[0]))
+        _pass_on(rectangles, search, here, view[1] != 0.0, view[2], view[3], int(view[0]))
+
+
+@inlined_part
+def _look(rectangles: Rectangles, search: _Search, node: int) -> int:
+    """Note the views through the rectangle beyond an interval; return how many there are."""
+    interval, ends, views = search.nodes[node], search.ends, search.views
     here, is_up, root = interval.rectangle, interval.is_up != 0, interval.root
     left, right = interval.left, interval.right
     bounds = rectangles.bounds
@@ -316,49 +336,46 @@ def _expand(rectangles: Rectangles, search: _Search, node: int) -> None:
     far = float(bounds[here, TOP if is_up else BOTTOM])
     x, y = place_of(rectangles, root, ends[0], ends[1])
     has_goal = holds(rectangles, here, ends[2], ends[3])
+    if left > right:
+        _note(views, 0, root, True, (-np.inf, np.inf), has_goal)
+        _note(views, 1, root, False, (-np.inf, np.inf), False)
+        return 2
     if y == near:
         # Along the side, to the opening: from its end all of the rectangle is seen.
         if x < left or x > right:
             corner = interval.left_corner if x < left else interval.right_corner
             if not _turn(rectangles, search, root, corner):
-                return
+                return 0
             root = corner
-            x = left if x < left else right
-        if has_goal:
-            _arrive(rectangles, search, root)
-        _pass_on(rectangles, search, here, is_up, -np.inf, np.inf, root)
-        _pass_on(rectangles, search, here, not is_up, -np.inf, left - 0.5, root)
-        _pass_on(rectangles, search, here, not is_up, right + 0.5, np.inf, root)
-        return
+        _note(views, 0, root, is_up, (-np.inf, np.inf), has_goal)
+        _note(views, 1, root, not is_up, (-np.inf, left - 0.5), False)
+        _note(views, 2, root, not is_up, (right + 0.5, np.inf), False)
+        return 3
     # What is seen through the opening ends at the lines from the root through its ends.
     low, high = crossing(x, y, left, near, far), crossing(x, y, right, near, far)
-    goal_low, goal_high = low, high
+    goal_low = goal_high = ends[2]
     if has_goal:
         goal_low = crossing(x, y, left, near, ends[3]) - TINY
         goal_high = crossing(x, y, right, near, ends[3]) + TINY
-        if goal_low <= ends[2] <= goal_high:
-            _arrive(rectangles, search, root)
-    _pass_on(rectangles, search, here, is_up, low, high, root)
-    for corner, is_left in ((interval.left_corner, True), (interval.right_corner, False)):
-        if not _turn(rectangles, search, root, corner):
-            continue
-        if has_goal and (ends[2] < goal_low if is_left else ends[2] > goal_high):
-            _arrive(rectangles, search, corner)
-        _pass_on(
-            rectangles,
-            search,
-            here,
-            is_up,
-            -np.inf if is_left else high,
-            low if is_left else np.inf,
-            corner,
-        )
-        _pass_on(
-            rectangles,
-            search,
-            here,
-            not is_up,
-            -np.inf if is_left else right + 0.5,
-            left - 0.5 if is_left else np.inf,
-            corner,
-        )
+    _note(views, 0, root, is_up, (low, high), has_goal and goal_low <= ends[2] <= goal_high)
+    count = 1
+    for is_left in (True, False):
+        corner = interval.left_corner if is_left else interval.right_corner
+        if _turn(rectangles, search, root, corner):
+            is_seen = ends[2] < goal_low if is_left else ends[2] > goal_high
+            far_part = (-np.inf, low) if is_left else (high, np.inf)
+            near_part = (-np.inf, left - 0.5) if is_left else (right + 0.5, np.inf)
+            _note(views, count, corner, is_up, far_part, has_goal and is_seen)
+            _note(views, count + 1, corner, not is_up, near_part, False)
+            count += 2
+    return count
+
+
+@inlined_part
+def _note(
+    views: Floats, at: int, root: int, is_up: bool, span: tuple[float, float], arrives: bool
+) -> None:
+    """Note what a root sees of a side, and whether it sees the goal."""
+    views[at, 0], views[at, 1] = float(root), 1.0 if is_up else 0.0
+    views[at, 2], views[at, 3] = span[0], span[1]
+    views[at, 4] = 1.0 if arrives else 0.0

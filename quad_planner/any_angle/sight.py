@@ -80,34 +80,38 @@ def _look(
     """Fill `seen`, and return how many; -1 if there is no room."""
     x, y = target[0], target[1]
     counts = np.zeros(2, dtype=np.int64)
-    for is_up in (True, False):
-        if not _pass_on(
-            rectangles, numbers, rectangle, is_up, (-np.inf, np.inf), target, waiting, seen, counts
-        ):
-            return -1
-    while counts[0]:
+    # Sides that are seen of one rectangle: whether the upper one, and from where to where.
+    spans = np.empty((3, 3))
+    spans[0, 0], spans[0, 1], spans[0, 2] = 1.0, -np.inf, np.inf
+    spans[1, 0], spans[1, 1], spans[1, 2] = 0.0, -np.inf, np.inf
+    here, sides = rectangle, 2
+    while True:
+        for k in range(sides):
+            is_up = spans[k, 0] != 0.0
+            span = (spans[k, 1], spans[k, 2])
+            if not _pass_on(rectangles, numbers, here, is_up, span, target, waiting, seen, counts):
+                return -1
+        if counts[0] == 0:
+            break
         counts[0] -= 1
         interval = waiting[counts[0]]
-        here, is_up = interval.rectangle, interval.is_up != 0
+        here, is_up, sides = interval.rectangle, interval.is_up != 0, 1
         left, right = interval.left, interval.right
         near = float(rectangles.bounds[here, BOTTOM if is_up else TOP])
         far = float(rectangles.bounds[here, TOP if is_up else BOTTOM])
-        if y == near:
-            if x < left or x > right:
-                continue
+        spans[0, 0] = 1.0 if is_up else 0.0
+        if y != near:
+            spans[0, 1] = crossing(x, y, left, near, far)
+            spans[0, 2] = crossing(x, y, right, near, far)
+        elif left <= x <= right:
             # In the opening: all of the rectangle is seen.
-            low, high = -np.inf, np.inf
-            for span in ((-np.inf, left - 0.5), (right + 0.5, np.inf)):
-                if not _pass_on(
-                    rectangles, numbers, here, not is_up, span, target, waiting, seen, counts
-                ):
-                    return -1
+            spans[0, 1], spans[0, 2], sides = -np.inf, np.inf, 3
+            spans[1, 0] = spans[2, 0] = 0.0 if is_up else 1.0
+            spans[1, 1], spans[1, 2] = -np.inf, left - 0.5
+            spans[2, 1], spans[2, 2] = right + 0.5, np.inf
         else:
-            low, high = crossing(x, y, left, near, far), crossing(x, y, right, near, far)
-        if not _pass_on(
-            rectangles, numbers, here, is_up, (low, high), target, waiting, seen, counts
-        ):
-            return -1
+            # Along the side nothing is seen past the opening's end, which is noted.
+            sides = 0
     return int(counts[1])
 
 
