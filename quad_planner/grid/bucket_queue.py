@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.compiled import compiled_part
+from quad_planner.grid.compiled import inlined_part
 
 Integers = NDArray[np.int64]
 
@@ -60,19 +60,19 @@ def with_room(queue: BucketQueue, pushes: int) -> BucketQueue:
     return queue._replace(entries=entries)
 
 
-@compiled_part
+@inlined_part
 def has_room(entries: Integers, state: Integers, pushes: int) -> bool:
     """Return whether so many cells may be pushed."""
     return bool(state[_USED] + pushes <= len(entries))
 
 
-@compiled_part
+@inlined_part
 def is_empty(state: Integers) -> bool:
     """Return whether no cell waits."""
     return bool(state[_WAITING] == 0)
 
 
-@compiled_part
+@inlined_part
 def push(
     heads: Integers, entries: Integers, state: Integers, cell: int, key: int, bucket: int
 ) -> None:
@@ -91,7 +91,7 @@ def push(
     state[_WAITING] += 1
 
 
-@compiled_part
+@inlined_part
 def next_bucket(heads: Integers, state: Integers) -> int:
     """Return the first bucket that has a cell; there must be one."""
     while heads[state[_BUCKET] & (len(heads) - 1)] < 0:
@@ -99,7 +99,7 @@ def next_bucket(heads: Integers, state: Integers) -> int:
     return int(state[_BUCKET])
 
 
-@compiled_part
+@inlined_part
 def pop(heads: Integers, entries: Integers, state: Integers) -> tuple[int, int]:
     """Take a cell of the first bucket that has one: the cell, and the number that came with it."""
     place = next_bucket(heads, state) & (len(heads) - 1)

@@ -8,7 +8,7 @@ stay on the map all the same. Whoever wants a wall around the map draws one.
 Two distances are used, and the first is never larger than the second:
 
 - from a *cell* to the nearest blocked cell (`inflate`): one look-up tells it for every
-  point of the cell, so it serves for thousands of segments (`segments_allowed`);
+  point of the cell, so it serves for thousands of segments;
 - from a *point or segment* to the nearest blocked cell, exactly (`clearance`,
   `segment_clearance`): for the few that the robot's own place asks about.
 """
@@ -22,16 +22,12 @@ from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
 from quad_common.maps.occupancy_grid import FREE, OCCUPIED_THRESHOLD, OccupancyGrid
-from quad_planner.grid.array_types import Mask, Points
+from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bit_grid import BitMask, packed_cells
 from quad_planner.grid.dilation import dilated
 
 _SLACK = 1e-6
 """Relative slack of the inflation radius, for a radius that is a whole number of cells."""
-
-
-_EPSILON = 1e-6
-"""A point so near to a cell's edge counts as on it [cells]."""
 
 
 def blocked_cells(
@@ -171,68 +167,3 @@ def _reaches(radius: float) -> NDArray[np.int64]:
         return np.empty(0, dtype=np.int64)
     reaches: NDArray[np.int64] = np.ceil(np.sqrt(radius**2 - between_rows**2)).astype(np.int64)
     return reaches
-
-
-def points_allowed(allowed: Mask, points: Points) -> Mask:
-    """
-    Return which points lie in an allowed cell, whose edges belong to it.
-
-    Parameters
-    ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells.
-    points : ndarray, shape (..., 2)
-        Cell coordinates on the map.
-
-    Returns
-    -------
-    ndarray of bool, shape (...)
-        True where one of the one, two or four cells that hold the point is allowed.
-    """
-    last = np.array(allowed.shape[::-1]) - 1
-    low = np.clip(np.floor(points - _EPSILON).astype(np.intp), 0, last)
-    high = np.clip(np.floor(points + _EPSILON).astype(np.intp), 0, last)
-    result: Mask = (
-        allowed[low[..., 1], low[..., 0]]
-        | allowed[low[..., 1], high[..., 0]]
-        | allowed[high[..., 1], low[..., 0]]
-        | allowed[high[..., 1], high[..., 0]]
-    )
-    return result
-
-
-def segments_allowed(allowed: Mask, starts: Points, step: NDArray[np.float64]) -> Mask:
-    """
-    Return which segments of one shape stay in allowed cells all along.
-
-    A segment is cut where it crosses the lines between the cells. A piece lies in one
-    cell, and its midpoint tells which: nothing is sampled, nothing can be missed. As no
-    point of an allowed cell is nearer to an obstacle than the safety distance, no point
-    of the segment is.
-
-    Parameters
-    ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells.
-    starts : ndarray, shape (n, 2)
-        Starts of the segments, in cell coordinates.
-    step : ndarray, shape (2,)
-        Vectors from start to end of each [cells].
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-        Whether the robot fits along the whole segment.
-    """
-    cuts = [np.zeros((len(starts), 1)), np.ones((len(starts), 1))]
-    for axis in (0, 1):
-        if step[axis] != 0.0:
-            first = np.floor(np.minimum(starts[:, axis], starts[:, axis] + step[axis]))
-            lines = first[:, None] + np.arange(1, math.ceil(abs(step[axis])) + 1)
-            cuts.append(np.clip((lines - starts[:, axis, None]) / step[axis], 0.0, 1.0))
-    t = np.sort(np.concatenate(cuts, axis=1), axis=1)
-    midpoints = starts[:, None] + 0.5 * (t[:, 1:] + t[:, :-1])[..., None] * step
-    # A piece of no length is where the segment touches a corner: the next piece decides.
-    touches = np.diff(t, axis=1) * np.abs(step).max() < _EPSILON
-    result: Mask = (touches | points_allowed(allowed, midpoints)).all(axis=1)
-    return result

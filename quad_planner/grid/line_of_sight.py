@@ -58,7 +58,8 @@ def sees(forbidden: Bits, width: int, x0: float, y0: float, x1: float, y1: float
                 other = line - 1 if column == line else column
                 beside = 0 <= other < width and not is_set(forbidden, row, other)
             line = math.floor(y0 + 0.5)
-            if y1 - y0 <= _EPSILON and abs(y0 - line) <= _EPSILON and row > 0:
+            # Not on the map's upper edge: below that is the row itself.
+            if y1 - y0 <= _EPSILON and abs(y0 - line) <= _EPSILON and 0 < line <= row:
                 beside = beside or (column < width and not is_set(forbidden, row - 1, column))
             if not beside:
                 return False

@@ -14,10 +14,8 @@ every turn on the spot costs gait cycles.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,39 +26,22 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.grid.inflation import points_allowed, segments_allowed
 from quad_planner.methods.cell_request import CellRequest
+from quad_planner.methods.mesh_moves import MOVES, mesh_moves
 from quad_planner.methods.planner_options import PlannerOptions
-from quad_planner.search.dijkstra import shortest_path
+from quad_planner.search.mesh_search import CIRCLE, Ends, Legs, Mesh, mesh_path
 
 MAX_CROSSINGS = 2**20
 """The finest mesh that is laid over a map."""
 
-# A cost is one whole number: length in micrometres times _MICROMETRE, plus the number of
-# turns. Whole numbers add without rounding, so equal lengths are equal and turns decide.
-_MICROMETRE = 1 << 20
-_TURN = 1
-
-# Bearings, in the map frame, are whole numbers too: parts of a circle that 8 divides.
-_CIRCLE = 6400
-
-# Move k goes (columns, rows) to the neighbour at k times 45 degrees; k + 4 is its reverse.
-_MOVES = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
-
-_AT_ONCE = 1 << 14
-"""Segments that are checked in one go, to bound the memory."""
-
-# A state of the search is a crossing's number and the bearing on which it was reached.
-_State = tuple[int, int]
-_START, _GOAL = -1, -2
-
 
 def _bearing(angle: float) -> int:
-    return round(angle / math.tau * _CIRCLE) % _CIRCLE
+    return round(angle / math.tau * CIRCLE) % CIRCLE
 
 
-def _cost(length: float) -> int:
-    return round(length * 1e6) * _MICROMETRE
+def _micrometres(length: float) -> int:
+    """Return a length in whole micrometres, so that equal lengths are equal."""
+    return round(length * 1e6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,21 +52,15 @@ class PreparedMesh(InflatedMap):
     """Width of the mesh [cells]."""
     candidates: Mask
     """Crossings that the robot may stand on, by row and column, shape (n, m)."""
-    exits: bytes
-    """Free moves of each crossing, row after row: bit k is set if move k of the eight is free."""
+    exits: NDArray[np.uint8]
+    """Free moves of each crossing: bit k is set if move k of the eight is free, shape (n, m)."""
 
     @cached_property
-    def moves(self) -> tuple[tuple[tuple[int, int, int], ...], ...]:
-        """Return, for each value in `exits`, the moves: crossings on, bearing, cost."""
-        row = self.candidates.shape[1]
+    def lines(self) -> Mesh:
+        """Return the moves, and their lengths, as the search wants them."""
         width = self.spacing * self.grid.resolution
-        every = [
-            (dr * row + dc, k * _CIRCLE // 8, _cost(width * math.hypot(dc, dr)))
-            for k, (dc, dr) in enumerate(_MOVES)
-        ]
-        return tuple(
-            tuple(move for k, move in enumerate(every) if exits >> k & 1) for exits in range(256)
-        )
+        straight, diagonal = (_micrometres(width * math.hypot(dc, dr)) for dc, dr in MOVES[:2])
+        return Mesh(self.exits, straight, diagonal)
 
     def crossing(self, number: int) -> Points:
         """Return where a crossing is, in cell coordinates, shape (2,)."""
@@ -159,7 +134,7 @@ class MeshPlanner(PlannerOptions):
                 'mesh_size', self.mesh_size, f'above {least:.3f} m on a map of this size'
             )
         safety = self.inflated_map(grid)
-        candidates, exits = _lay(safety.allowed, spacing, (0, rows), columns)
+        candidates, exits = mesh_moves(safety.forbidden_bits, spacing, (0, rows), columns)
         return PreparedMesh(
             grid,
             self.clearance_radius,
@@ -167,7 +142,7 @@ class MeshPlanner(PlannerOptions):
             safety.forbidden_bits,
             spacing,
             candidates,
-            exits.tobytes(),
+            exits,
         )
 
     def update(
@@ -177,14 +152,13 @@ class MeshPlanner(PlannerOptions):
         blocked, forbidden, (low, high) = self.zones_changed_to(prepared, grid, changed)
         spacing, candidates = prepared.spacing, prepared.candidates.copy()
         rows, columns = candidates.shape
-        exits = np.frombuffer(prepared.exits, dtype=np.uint8).reshape(rows, columns).copy()
+        exits = prepared.exits.copy()
         # Crossings from which a move leads into the rows that changed, or along their edge.
         first = max(math.floor(low / spacing) - 1, 0)
         last = min(math.ceil(high / spacing) + 2, rows)
-        allowed = InflatedMap(grid, self.clearance_radius, blocked, forbidden).allowed
         # One row more to either side, for their moves; its own moves are not all seen.
         below, above = max(first - 1, 0), min(last + 1, rows)
-        band = _lay(allowed, spacing, (below, above), columns)
+        band = mesh_moves(forbidden, spacing, (below, above), columns)
         candidates[first:last], exits[first:last] = (
             part[first - below : last - below] for part in band
         )
@@ -195,7 +169,7 @@ class MeshPlanner(PlannerOptions):
             forbidden,
             spacing,
             candidates,
-            exits.tobytes(),
+            exits,
         )
 
     def plan(self, prepared: PreparedMesh | OccupancyGrid, start: Pose2D, goal: Pose2D) -> Plan:
@@ -243,15 +217,18 @@ class MeshPlanner(PlannerOptions):
         goals = self._connections(mesh, g, reach, request.arrive_at)
         direct = np.linalg.norm(g - s) <= reach and mesh.fits(s, g, leave_at)
 
-        heading, final = (_bearing(p.yaw - grid.origin.yaw) for p in (start, goal))
-        ends = _Ends(s, g, starts, goals, bool(direct), final)
-        neighbours = _neighbours(mesh, ends)
-        found = shortest_path(neighbours, (_START, heading), (_GOAL, 0), request.check)
-        if found is None:
+        yaw = grid.origin.yaw
+        ends = Ends(
+            _legs([(u, p - s) for u, p in starts.items()], grid.resolution),
+            _legs([(u, g - p) for u, p in goals.items()], grid.resolution),
+            *(_leg(g - s, grid.resolution) if direct else (-1, -1)),
+            (_bearing(start.yaw - yaw), _bearing(goal.yaw - yaw)),
+        )
+        crossings = mesh_path(mesh.lines, ends, request.check)
+        if crossings is None:
             why = self._why_not(mesh, s, g, bool(starts), bool(goals))
             raise NoPathFound((start.x, start.y), (goal.x, goal.y), why)
-        between = [mesh.crossing(u) for u, _ in found.path[1:-1]]
-        return request.plan(np.array([s, *between, g]))
+        return request.plan(np.array([s, *map(mesh.crossing, crossings), g]))
 
     def _connections(
         self, mesh: PreparedMesh, point: Points, reach: float, keep: float
@@ -274,88 +251,13 @@ class MeshPlanner(PlannerOptions):
         return f'both are in one free area, but no path over the mesh connects them; {coarse}'
 
 
-def _lay(
-    allowed: Mask, spacing: float, between: tuple[int, int], columns: int
-) -> tuple[Mask, NDArray[np.uint8]]:
-    """
-    Lay rows of a mesh over a map.
-
-    Parameters
-    ----------
-    allowed : ndarray of bool, shape (height, width)
-        The allowed cells.
-    spacing : float
-        Width of the mesh [cells].
-    between : tuple of int
-        Rows of crossings, from the first up to, but without, the second.
-    columns : int
-        Number of columns of crossings.
-
-    Returns
-    -------
-    tuple of ndarray, both of shape (n, columns)
-        Crossings that are candidates; moves, of eight, that are free between them.
-    """
-    first, last = between
-    lines = [spacing * np.arange(*ends, dtype=np.float64) for ends in ((0, columns), between)]
-    candidates = points_allowed(allowed, np.stack(np.meshgrid(*lines), axis=-1))
-    exits = np.zeros((last - first, columns), dtype=np.uint8)
-    for k, (dc, dr) in enumerate(_MOVES[:4]):
-        ends = np.zeros_like(candidates)
-        left, right = max(-dc, 0), columns - max(dc, 0)
-        ends[: last - first - dr, left:right] = candidates[dr:, left + dc : right + dc]
-        r, c = np.nonzero(candidates & ends)
-        for part in range(0, len(r), _AT_ONCE):
-            r_, c_ = r[part : part + _AT_ONCE], c[part : part + _AT_ONCE]
-            starts = np.column_stack((c_, r_ + first)).astype(float) * spacing
-            free = segments_allowed(allowed, starts, np.array([float(dc), float(dr)]) * spacing)
-            exits[r_[free], c_[free]] |= 1 << k
-            exits[r_[free] + dr, c_[free] + dc] |= 1 << (k + 4)
-    return candidates, exits
+def _leg(step: Points, resolution: float) -> tuple[int, int]:
+    """Return the length of a segment [um] and its bearing, -1 if it has no length."""
+    length = _micrometres(float(np.linalg.norm(step)) * resolution)
+    return length, _bearing(math.atan2(step[1], step[0])) if length else -1
 
 
-class _Ends(NamedTuple):
-    """Start and goal of a search, and how they join the mesh."""
-
-    s: Points
-    """Place of the start [cells]."""
-    g: Points
-    """Place of the goal [cells]."""
-    starts: dict[int, Points]
-    """Candidates straight ahead of the start, and their places."""
-    goals: dict[int, Points]
-    """Candidates from which the goal is straight ahead, and their places."""
-    direct: bool
-    """Whether the goal is straight ahead of the start."""
-    final: int
-    """Bearing of the goal's heading."""
-
-
-def _neighbours(
-    mesh: PreparedMesh, ends: _Ends
-) -> Callable[[_State], Iterator[tuple[_State, int]]]:
-    """Return what lists the states after a state, and what they cost."""
-    moves, exits = mesh.moves, mesh.exits
-
-    def leg(a: Points, b: Points, arrived: int) -> _State:
-        """Return the cost of a segment off the mesh, and the bearing along it."""
-        cost = _cost(float(np.linalg.norm(b - a)) * mesh.grid.resolution)
-        if cost == 0:
-            return 0, arrived
-        bearing = _bearing(math.atan2(b[1] - a[1], b[0] - a[0]))
-        return cost + (bearing != arrived) * _TURN, bearing
-
-    def neighbours(state: _State) -> Iterator[tuple[_State, int]]:
-        u, arrived = state
-        if u == _START:
-            for v, point in ends.starts.items():
-                cost, bearing = leg(ends.s, point, arrived)
-                yield (v, bearing), cost
-        else:
-            for step, bearing, cost in moves[exits[u]]:
-                yield (u + step, bearing), cost + (bearing != arrived) * _TURN
-        if u in ends.goals or (u == _START and ends.direct):
-            cost, bearing = leg(ends.s if u == _START else ends.goals[u], ends.g, arrived)
-            yield (_GOAL, 0), cost + (bearing != ends.final) * _TURN
-
-    return neighbours
+def _legs(steps: list[tuple[int, Points]], resolution: float) -> Legs:
+    """Return segments by the numbers of their crossings, each with its vector [cells]."""
+    legs = [(number, *_leg(step, resolution)) for number, step in steps]
+    return Legs(*np.array(legs, dtype=np.int64).reshape(-1, 3).T.copy())

@@ -3,7 +3,7 @@ The quickest path: the fewest gait cycles, of walking straight and of turning on
 
 S0 (sec. 3) says that a path should cost the least time, and minimises distance. Here it
 is the time: over cells and eight headings (:mod:`quad_planner.search.lattice_search`), or at any
-angle over corners (:mod:`quad_planner.search.corner_search`).
+angle over corners (:mod:`quad_planner.any_angle.corner_search`).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy as np
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_planner.any_angle.corner_search import quickest_corners
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
-from quad_planner.search.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
 
@@ -92,8 +92,9 @@ class QuickestPlanner(ShortestPlanner):
         """Return the quickest plan over corners and a known plan's turning points."""
         between = prepared.grid.world_to_map(known.corners[1:-1])
         path = quickest_corners(
+            prepared.space,
             prepared.forbidden_bits,
-            np.vstack((*request.tips, between, prepared.corners)),
+            np.vstack((*request.tips, between)),
             self._terms(prepared, request, bound),
             request.check,
         )

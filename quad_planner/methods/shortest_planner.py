@@ -3,7 +3,7 @@ The shortest path over the cells of the map, or at any angle.
 
 Over cells: straight and diagonal steps from center to center, no corner cut, exact
 (:mod:`quad_planner.search.jump_points`). At any angle: taut around the safety boundary
-(:mod:`quad_planner.search.any_angle`).
+(:mod:`quad_planner.any_angle.interval_search`).
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.any_angle.free_space import FreeSpace
+from quad_planner.any_angle.interval_search import any_angle_path
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.grid.compiled import compiled, compiled_part
@@ -25,7 +27,6 @@ from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.cell_costs import Floats, cell_costs
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
-from quad_planner.search.any_angle import any_angle_path, convex_corners
 from quad_planner.search.cell_path import without_straights
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns
@@ -42,9 +43,9 @@ class PreparedCells(InflatedMap):
     """Factors by which a path through each cell costs more; None if no cell does."""
 
     @cached_property
-    def corners(self) -> Points:
-        """Corners where a path at any angle may turn, shape (n, 2) [cells]."""
-        return convex_corners(self.forbidden_bits)
+    def space(self) -> FreeSpace:
+        """Allowed cells as searches at any angle want them, made when they are first needed."""
+        return FreeSpace.outside(self.forbidden_bits)
 
 
 @dataclass(frozen=True)
@@ -141,20 +142,24 @@ class ShortestPlanner(PlannerOptions):
 
     def _line(self, prepared: PreparedCells, request: CellRequest) -> Points:
         """Return start, turning points and goal, shape (n, 2) [cells]."""
+        if self.any_angle and prepared.costs is None:
+            return self._taut(prepared, request)
         centers = self._centers(prepared, request)
-        over_cells = request.joined(centers)
-        if not self.any_angle:
-            return over_cells
-        forbidden = prepared.forbidden_bits
-        if prepared.costs is not None:
-            return request.joined(straightened(centers, prepared.costs, forbidden, request.check))
-        first, last = request.tips
-        bound = _length(np.vstack((first, centers, last)))
-        taut = any_angle_path(forbidden, prepared.corners, first, last, bound, request.check)
+        if self.any_angle and prepared.costs is not None:
+            forbidden = prepared.forbidden_bits
+            centers = straightened(centers, prepared.costs, forbidden, request.check)
+        return request.joined(centers)
+
+    def _taut(self, prepared: PreparedCells, request: CellRequest) -> Points:
+        """Return the same of the shortest path at any angle."""
+        taut = any_angle_path(prepared.space, *request.tips, check=request.check)
         if taut is None:
-            return over_cells
-        # Only where start or goal is not in an allowed cell the other may be shorter.
-        return min(request.joined(taut), over_cells, key=_length)
+            raise request.no_path()
+        taut = request.joined(taut)
+        if prepared.is_allowed(request.s) and prepared.is_allowed(request.g):
+            return taut
+        # A start or goal beside the allowed cells may join the path over cells at less length.
+        return min(taut, request.joined(self._centers(prepared, request)), key=_length)
 
     def _centers(self, prepared: PreparedCells, request: CellRequest) -> Points:
         """Return where the path over the cells turns, shape (n, 2) [cells]."""

@@ -1,9 +1,8 @@
 """
 Costs of steps, turns and whole gait cycles for searches over cells and eight headings.
 
-Costs are whole numbers, so equal costs are equal. The bound on what is left
-(:func:`least_turns_of`) is the length over free ground, and the least turns that a path over
-free ground takes.
+Costs are whole numbers, so equal costs are equal. The bound on what is left (:func:`total_cost`)
+is the length of the shortest path, and the least turns that a path over free ground takes.
 """
 
 from __future__ import annotations
@@ -15,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot_files.walking_time import LENGTH_SLACK
-from quad_planner.grid.compiled import compiled_part
+from quad_planner.grid.compiled import inlined_part
+from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
 from quad_planner.search.walk_terms import WalkTerms
 
 Numbers = NDArray[np.int64]
@@ -60,6 +60,8 @@ class Costs(NamedTuple):
     """States wait together whose costs, with the bound on what is left, are so near."""
     longest: int
     """A path must cost less."""
+    scale: float
+    """Cost of a step, of its length in :mod:`quad_planner.search.cell_steps`, at least."""
     turns: Numbers
     """Costs of a turn and the pause of the stretch that follows it, shape (8, 8)."""
     first_turns: Numbers
@@ -88,8 +90,18 @@ def costs_of(terms: WalkTerms) -> Costs:
     last = np.array([pace.last_turn_cycles(terms.goal_yaw - a) * cycle for a in headings])
     longest = min(bound * cycle, LARGEST // cycle * cycle)
     least = least_turns_of(np.array(turns), last)
+    least_scale = min(straight / STRAIGHT, diagonal / DIAGONAL)
     return Costs(
-        straight, diagonal, cycle, cycle, longest, np.array(turns), np.array(first), last, least
+        straight,
+        diagonal,
+        cycle,
+        cycle,
+        longest,
+        least_scale,
+        np.array(turns),
+        np.array(first),
+        last,
+        least,
     )
 
 
@@ -120,7 +132,7 @@ def least_turns_of(turns: Numbers, last_turns: Numbers) -> Numbers:
     return np.column_stack((over_ground, least_last))
 
 
-@compiled_part
+@inlined_part
 def _sector(dx: int, dy: int) -> int:
     """
     Return where a displacement points.
@@ -140,10 +152,15 @@ def _sector(dx: int, dy: int) -> int:
     return 16 - quarter if dx > 0 else 8 + quarter
 
 
-@compiled_part
-def total_cost(cost: int, dx: int, dy: int, heading: int, costs: Costs) -> int:
-    """Return a cost and the least that is left, so far from the goal in a heading."""
-    along, across = abs(dx), abs(dy)
-    length = costs.straight * max(along, across)
-    length += (costs.diagonal - costs.straight) * min(along, across)
-    return cost + length + int(costs.least_turns[heading, _sector(dx, dy)])
+@inlined_part
+def total_cost(cost: int, left: int, dx: int, dy: int, heading: int, costs: Costs) -> int:
+    """
+    Return a cost and the least that is left.
+
+    The length is that of the shortest path, `left`, one more than in `cell_steps`; so far from the
+    goal a heading needs turns. Cells with a 0 there are on no path that is short enough.
+    """
+    if left == 0:
+        return NOT_REACHED
+    least = int(costs.scale * (left - 1))
+    return cost + least + int(costs.least_turns[heading, _sector(dx, dy)])

@@ -8,14 +8,15 @@ each step and is rounded up to a whole cycle at each turn; of two paths to one s
 cheaper is the better one for all that may follow, and A* is exact.
 
 Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
-for a cycle, so equal costs are equal. The bound on what is left (:func:`least_turns_of`) is
-the length over free ground, and the least turns that a path over free ground takes. States
-wait in one bucket for each whole cycle of cost and bound together, so the first bucket in
-which the goal is reached holds the least time.
+for a cycle, so equal costs are equal. The bound on what is left (:func:`total_cost`) is the
+length of the shortest path to the goal, and the least turns that a path over free ground takes.
+States wait in one bucket for each whole cycle of cost and bound together, so the first bucket
+in which the goal is reached holds the least time.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -23,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
+from quad_planner.grid.bit_grid import BitGrid, BitMask, Bits, is_set
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -33,8 +34,9 @@ from quad_planner.grid.bucket_queue import (
     pop,
     push,
 )
-from quad_planner.grid.compiled import compiled, compiled_part
+from quad_planner.grid.compiled import compiled, inlined_part
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
+from quad_planner.search.distance_field import distance_field
 from quad_planner.search.lattice_costs import (
     HEADINGS,
     LARGEST,
@@ -158,6 +160,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
         cycle=1,
         bucket=STRAIGHT * most // 4,
         longest=length * most + most - 1,
+        scale=float(most),
         turns=turns,
         first_turns=none,
         last_turns=none,
@@ -177,17 +180,20 @@ def _find(
     """Search; return where the path begins, turns and ends, its cost, and expansions."""
     width = grid.width + 2
     cells = width * (grid.height + 2)
+    first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
+    left = _lengths_left(grid, start, goal, costs, check)
+    if left[first] == 0:
+        return None
     queue = bucket_queue(costs.longest // costs.bucket + 1)
     reached = _Reached(
         np.zeros(HEADINGS * cells, dtype=np.int32),
         np.zeros(HEADINGS * cells, dtype=np.uint8),
         np.array([NOT_REACHED, 0, 0]),
     )
-    first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
-    _begin(grid.rows, width, first, last, costs, reached, queue)
+    _begin(grid.rows, width, first, last, costs, left, reached, queue)
 
     def expand(queue: BucketQueue) -> int:
-        return _search(grid.rows, width, last, costs, reached, queue, _AT_A_TIME)
+        return _search(grid.rows, width, last, costs, left, reached, queue, _AT_A_TIME)
 
     run_search(expand, queue, 0, check)
     best, heading, expansions = reached.best.tolist()
@@ -196,7 +202,36 @@ def _find(
     return _turning_points(reached.by, width, last, heading), best, expansions
 
 
-@compiled_part
+def _lengths_left(
+    grid: BitGrid,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    costs: Costs,
+    check: Callable[[], None],
+) -> Numbers:
+    """
+    Measure how far it is from each cell to the goal, where a path could be short enough.
+
+    Returns, for each cell of the grid with its wall, the length plus one, or 0.
+    """
+    along, across = (abs(a - b) for a, b in zip(start, goal))
+    least = max(along, across) + (math.sqrt(2.0) - 1.0) * min(along, across)
+    # A detour to the side costs this least where it replaces straight steps by diagonal ones.
+    spare = costs.longest / costs.straight - least
+    margin = math.ceil(max(spare, 0.0) / (2.0 * (math.sqrt(2.0) - 1.0))) + 2
+    sizes = (grid.width + 2, grid.height + 2)
+    # In the grid with its wall, cells are one farther.
+    low = [max(min(a, b) + 1 - margin, 0) for a, b in zip(start, goal)]
+    high = [min(max(a, b) + 2 + margin, size) for a, b, size in zip(start, goal, sizes)]
+    free = BitMask(grid.rows, sizes[0]).window(low[0], low[1], high[0], high[1])
+    lengths = distance_field(free, (goal[0] + 1 - low[0], goal[1] + 1 - low[1]), check)
+    left = np.zeros(sizes[::-1], dtype=np.int64)
+    # What is not reached has a length of -1.
+    np.add(lengths, 1, out=left[low[1] : high[1], low[0] : high[0]])
+    return left.reshape(-1)
+
+
+@inlined_part
 def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
     """Return whether a step from a free cell is free; a diagonal needs both beside it."""
     dx, dy = int(DX[heading]), int(DY[heading])
@@ -207,7 +242,7 @@ def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
     return True
 
 
-@compiled_part
+@inlined_part
 def _wait(queue: BucketQueue, bucket: int, state: int) -> None:
     push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
@@ -218,6 +253,7 @@ def _begin(
     start: int,
     goal: int,
     costs: Costs,
+    left: Numbers,
     reached: _Reached,
     queue: BucketQueue,
 ) -> None:
@@ -227,7 +263,7 @@ def _begin(
     cycle = costs.cycle
     for k in range(HEADINGS):
         cost = int(costs.first_turns[k])
-        total = total_cost(cost, dx, dy, k, costs)
+        total = total_cost(cost, int(left[start]), dx, dy, k, costs)
         if total > costs.longest - cycle or not _may_step(rows, x, y, k):
             continue
         state = HEADINGS * start + k
@@ -242,6 +278,7 @@ def _search(
     width: int,
     goal: int,
     costs: Costs,
+    left: Numbers,
     reached: _Reached,
     queue: BucketQueue,
     at_a_time: int,
@@ -279,31 +316,33 @@ def _search(
                 best[0], best[1] = total, k
             continue
         if by & _PREVIOUS == _BY_A_STEP:
+            left_here = int(left[cell])
             for j in range(HEADINGS):
                 if j != k:
                     turned = rest + int(costs.turns[k, j])
-                    total = total_cost(turned, goal_x - x, goal_y - y, j, costs)
+                    total = total_cost(turned, left_here, goal_x - x, goal_y - y, j, costs)
                     other = HEADINGS * cell + j
                     if _is_new(other, turned, total, costs, reached) and _may_step(rows, x, y, j):
                         _reach(other, turned, np.uint8(k), total, bucket, costs, reached, queue)
         if _may_step(rows, x, y, k):
             x, y = x + int(DX[k]), y + int(DY[k])
             cost += costs.diagonal if k & 1 else costs.straight
-            total = total_cost(cost, goal_x - x, goal_y - y, k, costs)
+            left_there = int(left[y * width + x])
+            total = total_cost(cost, left_there, goal_x - x, goal_y - y, k, costs)
             state = HEADINGS * (y * width + x) + k
             if _is_new(state, cost, total, costs, reached):
                 _reach(state, cost, _BY_A_STEP, total, bucket, costs, reached, queue)
     return PAUSED
 
 
-@compiled_part
+@inlined_part
 def _is_new(state: int, cost: int, total: int, costs: Costs, reached: _Reached) -> bool:
     """Return whether a state was not reached as cheaply, and may be on a path in the bound."""
     known = int(reached.cost[state])
     return total <= costs.longest - costs.cycle and (known == 0 or cost + 1 < known)
 
 
-@compiled_part
+@inlined_part
 def _reach(
     state: int,
     cost: int,

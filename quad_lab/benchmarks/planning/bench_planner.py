@@ -25,6 +25,7 @@ from quad_lab.benchmarks.planning.bench_fields import field_bars
 from quad_lab.benchmarks.planning.bench_first_call import first_call_times
 from quad_lab.benchmarks.planning.bench_quickest import walking_bars
 from quad_lab.benchmarks.planning.bench_searches import scenario_bars, search_bars
+from quad_lab.benchmarks.planning.bench_worst_case import worst_case_bars
 from quad_lab.benchmarks.planning.planner_peers import available_peers
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import end_with_parent
@@ -32,6 +33,9 @@ from quad_planner.grid.inflation import inflate
 from quad_planner.methods.shortest_planner import ShortestPlanner
 
 Mask = NDArray[np.bool_]
+
+PARTS = ('peers', 'searches', 'worst', 'start', 'node', 'walks')
+"""Parts that can be run alone."""
 
 _RADIUS = 8.0
 """That the robot keeps from occupied cells [cells]."""
@@ -88,7 +92,9 @@ def noise(size: int, seed: int) -> Mask:
     return occupied
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
+def measure(
+    console: Console, quick: bool, seed: int, only: tuple[str, ...] = PARTS
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Time whole requests: inflation, search and turning points, from the occupied cells.
 
@@ -100,17 +106,48 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], 
         Smaller maps, fewer requests.
     seed : int
         Of the maps and of what is drawn on them.
+    only : tuple of str
+        Parts to run, of `PARTS`.
 
     Returns
     -------
     tuple
         The bars, and details for JSON.
     """
+    largest = 512 if quick else 4096
+    makes = {'streets': streets, 'noise': noise}
+    bars: list[Criterion] = []
+    details: dict[str, object] = {'quick': quick, 'seed': seed}
+    if 'peers' in only:
+        part, details['ratios'] = _peer_bars(console, quick, seed)
+        bars += part
+    if 'searches' in only:
+        bars += field_bars(makes, quick, seed) + search_bars(makes, quick, seed)
+        bars += scenario_bars(quick)
+    if 'worst' in only:
+        bars += worst_case_bars(console, quick, seed)
+    if 'start' in only:
+        bars += first_call_times(console, quick)
+        memory = _memory_of_a_plan(largest)
+        bars.append(at_most(f'memory of a plan on a map of {largest}', memory, 'MiB', 512.0))
+    if 'node' in only:
+        bars += _node_bars(largest, seed)
+    if 'walks' in only:
+        part, walks = walking_bars(console, quick, seed)
+        bars += part
+        details.update(walks)
+    return bars, details
+
+
+def _peer_bars(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], list[dict[str, object]]]:
+    """Time ourselves beside other libraries; return ratios for JSON, too."""
     sizes = (512,) if quick else (1024, 4096)
     requests = 4 if quick else 8
     bars: list[Criterion] = []
     table = Table('map', 'who', 'median [ms]', 'times as long', 'mean length, of ours')
-    noted = []
+    noted: list[dict[str, object]] = []
     for kind, make in (('streets', streets), ('noise', noise)):
         for size in sizes:
             occupied = make(size, seed)
@@ -128,15 +165,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], 
             bars.append(_inflation_bar(name, occupied))
             console.print(f'{name}: done')
     console.print(table)
-    bars += field_bars({'streets': streets, 'noise': noise}, quick, seed)
-    bars += search_bars({'streets': streets, 'noise': noise}, quick, seed)
-    bars += scenario_bars(quick)
-    bars += first_call_times(console, quick)
-    memory = _memory_of_a_plan(sizes[-1])
-    bars.append(at_most(f'memory of a plan on a map of {sizes[-1]}', memory, 'MiB', 512.0))
-    bars += _node_bars(sizes[-1], seed)
-    walk_bars, walks = walking_bars(console, quick, seed)
-    return bars + walk_bars, {'quick': quick, 'seed': seed, 'ratios': noted, **walks}
+    return bars, noted
 
 
 def _node_bars(size: int, seed: int) -> list[Criterion]:

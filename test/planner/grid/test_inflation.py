@@ -10,7 +10,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.clearance import clearance, segment_clearance
 from quad_planner.grid.combined_obstacles import combined_obstacles
-from quad_planner.grid.inflation import inflate, segments_allowed
+from quad_planner.grid.inflation import inflate
 
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
@@ -131,37 +131,6 @@ def test_an_obstacle_far_off_is_found_too():
         outside = np.array([x, 7.5])
         assert segment_clearance(blocked, outside, outside) == pytest.approx(apart)
         assert segment_clearance(blocked, outside, outside, within=40.0) > 40.0
-
-
-def test_a_segment_is_allowed_if_and_only_if_all_its_points_are():
-    rng = np.random.default_rng(10)
-    for _ in range(60):
-        allowed = rng.random((30, 30)) < 0.9
-        step = rng.uniform(-8.0, 8.0, 2)
-        starts = rng.uniform(8.0, 22.0, (50, 2))
-        t = np.linspace(0.0, 1.0, 4001)[:, None]
-        index = np.floor(starts[:, None] + t * step).astype(int)
-        fraction = allowed[index[..., 1], index[..., 0]].mean(axis=1)
-        told = segments_allowed(allowed, starts, step)
-        assert (fraction[told] == 1.0).all()
-        # What is refused may touch a forbidden cell between two samples.
-        assert (~told[fraction < 1.0]).all()
-        assert (fraction[~told] == 1.0).mean() < 0.2 if (~told).any() else True
-
-
-def test_a_segment_may_run_along_the_edge_of_the_allowed_zone():
-    allowed = np.zeros((3, 3), dtype=bool)
-    allowed[:, 1] = True
-    starts = np.array([[1.0, 0.0], [1.5, 0.0], [2.0, 0.0], [0.99, 0.0], [2.01, 0.0]])
-    told = segments_allowed(allowed, starts, np.array([0.0, 3.0]))
-    assert told.tolist() == [True, True, True, False, False]
-
-
-def test_a_diagonal_may_pass_the_corner_of_a_forbidden_cell():
-    allowed = np.eye(3, dtype=bool)
-    diagonal = np.array([3.0, 3.0])
-    assert segments_allowed(allowed, np.array([[0.0, 0.0]]), diagonal).all()
-    assert not segments_allowed(allowed, np.array([[0.1, 0.0]]), diagonal - 0.1).any()
 
 
 @pytest.mark.parametrize(('gap', 'count'), [(6, 1), (9, 2)])

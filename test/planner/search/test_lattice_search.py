@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from walk_requests import CRAWL, RESOLUTION, random_requests
 
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.bit_grid import BitGrid
@@ -14,8 +15,6 @@ from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path
 from quad_planner.search.walk_terms import WalkTerms
 
-RESOLUTION = 0.05
-CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
 
 
@@ -67,26 +66,6 @@ def cycles_of(cells, start_yaw, goal_yaw, pace):
         total += pace.straight_cycles(math.hypot(to_x - x, to_y - y) * RESOLUTION)
         heading = onward
     return total + pace.last_turn_cycles(goal_yaw - heading)
-
-
-def random_requests(seed, count):
-    """Draw small maps with two free cells, headings and paces."""
-    rng = np.random.default_rng(seed)
-    while count:
-        height, width = rng.integers(4, 26, 2)
-        free = rng.random((height, width)) >= rng.choice([0.0, 0.1, 0.2, 0.3, 0.4])
-        cells = np.argwhere(free)[:, ::-1]
-        if len(cells) < 2:
-            continue
-        start, goal = (tuple(map(int, cells[k])) for k in rng.choice(len(cells), 2, replace=False))
-        pace = WalkingTimeModel(
-            cycle_period=1.0,
-            stride=float(rng.choice([0.2261, 0.07, 0.439, 0.1])),
-            turn=math.radians(rng.choice([44.2, 30.0, 56.0, 91.0])),
-            stopping=float(rng.choice([0.0, 0.0, 0.7])),
-        )
-        yield free, start, goal, *rng.uniform(-math.pi, math.pi, 2).tolist(), pace
-        count -= 1
 
 
 @pytest.mark.parametrize('seed', range(10))

@@ -6,17 +6,22 @@ import math
 
 import numpy as np
 import pytest
-from test_lattice_search import CRAWL, RESOLUTION, random_requests
+from walk_requests import CRAWL, RESOLUTION, random_requests
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot_files.walking_time import LENGTH_SLACK, WalkingTimeModel
+from quad_planner.any_angle.corner_search import quickest_corners as search_corners
+from quad_planner.any_angle.free_space import FreeSpace
+from quad_planner.any_angle.rectangles import corners_of
 from quad_planner.grid.bit_grid import BitGrid, BitMask
 from quad_planner.grid.line_of_sight import sees
-from quad_planner.search.any_angle import convex_corners
-from quad_planner.search.corner_search import quickest_corners
 from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
+
+
+def quickest_corners(forbidden, points, terms, **more):
+    return search_corners(FreeSpace.outside(forbidden), forbidden, points, terms, **more)
 
 
 def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
@@ -87,8 +92,9 @@ def test_no_path_takes_fewer_cycles(seed):
         if lattice is None:
             continue
         points = np.vstack(([start, goal], lattice.cells[1:-1])) + 0.5
-        points = np.vstack((points, convex_corners(BitMask.of(~free))))
-        least = least_cycles(BitMask.of(~free), points, start_yaw, goal_yaw, pace)
+        corners = corners_of(FreeSpace.outside(BitMask.of(~free)).rectangles)
+        everywhere = np.vstack((points, np.unique(corners, axis=0)))
+        least = least_cycles(BitMask.of(~free), everywhere, start_yaw, goal_yaw, pace)
         # The lattice's own path leads over these points.
         assert least <= lattice.cycles
         path = quickest_corners(
@@ -113,7 +119,7 @@ def test_bends_cost_nothing():
     y, x = np.mgrid[:60, :120]
     free[(x + 0.5 - 60) ** 2 / 50**2 + (y + 0.5) ** 2 / 20**2 < 1.0] = False
     start, goal = np.array([2.5, 5.5]), np.array([117.5, 5.5])
-    points = np.vstack((start, goal, convex_corners(BitMask.of(~free))))
+    points = np.vstack((start, goal))
     bending = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
     never = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2), bend=0.0)
     yaw = math.radians(30.0)

@@ -10,7 +10,6 @@ points: the bound on what is left is the length of the shortest path, without tu
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -19,8 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot_files.walking_time import LENGTH_SLACK
+from quad_planner.any_angle.free_space import FreeSpace
+from quad_planner.any_angle.interval_search import lengths_from
+from quad_planner.any_angle.rectangles import corner_places
+from quad_planner.any_angle.sight import Sight
 from quad_planner.grid.array_types import Mask, Points
-from quad_planner.grid.bit_grid import BitMask, Bits
+from quad_planner.grid.bit_grid import BitMask
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -31,7 +34,7 @@ from quad_planner.grid.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.grid.compiled import compiled, compiled_part
+from quad_planner.grid.compiled import compiled, inlined_part
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms
@@ -79,20 +82,23 @@ class _Cycles(NamedTuple):
 
 
 def quickest_corners(
+    space: FreeSpace,
     forbidden: BitMask,
     points: Points,
     terms: WalkTerms,
     check: Callable[[], None] = lambda: None,
 ) -> Points | None:
     """
-    Find a path over points that takes the fewest gait cycles.
+    Find a path over corners, and points that are given, that takes the fewest gait cycles.
 
     Parameters
     ----------
+    space : FreeSpace
+        The free cells.
     forbidden : BitMask
-        The forbidden cells; their edges are allowed.
+        The other cells; their edges are allowed.
     points : ndarray, shape (n, 2)
-        The start, the goal, and the points where the path may turn [cells].
+        The start, the goal, and points besides the corners where the path may turn [cells].
     terms : WalkTerms
         Times by which its gait cycles are counted.
     check : callable
@@ -108,12 +114,9 @@ def quickest_corners(
     stride = pace.stride * (1.0 + LENGTH_SLACK) / terms.resolution
     # In `bound - 1` cycles the robot gets no farther than this, even without a turn.
     longest = (bound - 1 - pace.stopping) * stride + _TINY
-    to_goal = np.hypot(*(points - points[1]).T)
-    near = np.hypot(*(points - points[0]).T) + to_goal <= longest
-    if not near[0]:
+    if not float(np.hypot(*(points[1] - points[0]))) <= longest:
         return None
-    points = points[near]
-    edges = _edges(forbidden, points, longest, stride, check)
+    points, edges = _edges(space, forbidden, points, longest, stride, check)
     turn = pace.turn * (1.0 + LENGTH_SLACK)
     cycles = _Cycles(turn, pace.stopping, pace.bend, terms.goal_yaw, pace.heading_tolerance)
     costs = np.full(len(edges.ends), np.inf)
@@ -144,72 +147,74 @@ def _path_to(edge: int, points: Points, edges: _Edges, parents: Indices) -> Poin
 
 
 def _edges(
-    forbidden: BitMask, points: Points, longest: float, stride: float, check: Callable[[], None]
-) -> _Edges:
+    space: FreeSpace,
+    forbidden: BitMask,
+    given: Points,
+    longest: float,
+    stride: float,
+    check: Callable[[], None],
+) -> tuple[Points, _Edges]:
     """
     Find out which points see which, as far as they may be on a short enough path.
 
-    Dijkstra's algorithm from the goal: a point's view is looked at only if the shortest
-    path from it to the goal, and the straight line from the start, are short enough.
+    A corner may be if the shortest paths to it from the start and from the goal are short
+    enough together. Returns the points, the given ones first, and their edges.
     """
-    count = len(points)
-    from_start = np.hypot(*(points - points[0]).T)
-    left = np.full(count, np.inf)
-    left[1] = 0.0
-    is_done = np.zeros(count, dtype=np.bool_)
-    views: dict[int, Indices] = {}
-    sights: dict[int, list[int]] = {}
-    heap = [(0.0, 1)]
-    while heap:
-        length, at = heapq.heappop(heap)
-        if is_done[at]:
-            continue
-        is_done[at] = True
+    from_start = lengths_from(space, given[0], given[1], longest, check=check)
+    to_goal = lengths_from(space, given[1], given[0], longest, from_start, check)
+    kept = np.flatnonzero(from_start + to_goal <= longest + _TINY)
+    count = len(given)
+    points = np.vstack((given, corner_places(space.rectangles, kept)))
+    numbers = np.full(len(from_start), -1)
+    numbers[kept] = np.arange(count, count + len(kept))
+    sight = Sight(space.rectangles, numbers)
+    # Of given points the straight line is known only.
+    start_lengths = np.concatenate((np.hypot(*(given - given[0]).T), from_start[kept]))
+    left = np.concatenate((np.hypot(*(given - given[1]).T), to_goal[kept]))
+    rectangles = [space.rectangle_at(point) for point in given] + (kept >> 2).tolist()
+    starts, ends = [], []
+    for at, rectangle in enumerate(rectangles):
         check()
-        # What was looked from before has seen this point, or not.
-        is_open = (~is_done) & (from_start <= longest - length)
-        new = _view(forbidden.words, forbidden.width, points, at, np.flatnonzero(is_open))
-        views[at] = np.concatenate((new, np.array(sights.pop(at, []), dtype=np.int64)))
-        further = length + np.hypot(*(points[new] - points[at]).T)
-        for seen, total in zip(new.tolist(), further.tolist()):
-            sights.setdefault(seen, []).append(at)
-            if total < left[seen] and total + from_start[seen] <= longest:
-                left[seen] = total
-                heapq.heappush(heap, (total, seen))
-    firsts: Indices = np.zeros(count + 1, dtype=np.int64)
-    for at, view in views.items():
-        # Only to points from which the path goes on.
-        views[at] = view[is_done[view]]
-        firsts[at + 1] = len(views[at])
-    firsts = np.cumsum(firsts)
-    starts = np.repeat(np.arange(count), np.diff(firsts))
-    ends = np.concatenate([views[at] for at in sorted(views)] or [np.empty(0, dtype=np.int64)])
-    steps = points[ends] - points[starts]
+        # A given point is looked at from the others by the same look: all of it counts.
+        limit = longest - start_lengths[at] + _TINY if at >= count else np.inf
+        target = np.array([*points[at], *points[1], limit])
+        seen = sight.seen_from(rectangle, target)
+        if at < count:
+            others = _view(forbidden, given, at)
+            # What a given point sees sees that point.
+            starts += [seen, np.full(len(others), at)]
+            ends += [np.full(len(seen), at), others]
+        starts.append(np.full(len(seen), at))
+        ends.append(seen)
+    start, end = np.concatenate(starts), np.concatenate(ends)
+    steps = points[end] - points[start]
+    lengths = np.hypot(*steps.T)
+    short = (lengths > 0.0) & (start_lengths[start] + lengths + left[end] <= longest + _TINY)
+    order = np.flatnonzero(short)[np.argsort(start[short], kind='stable')]
+    start, end, steps, lengths = start[order], end[order], steps[order], lengths[order]
+    firsts = np.searchsorted(start, np.arange(len(points) + 1))
     angles = np.arctan2(steps[:, 1], steps[:, 0])
-    return _Edges(firsts, ends, starts, np.hypot(*steps.T) / stride, angles, left / stride)
+    return points, _Edges(firsts, end, start, lengths / stride, angles, left / stride)
 
 
-@compiled
-def _view(forbidden: Bits, width: int, points: Floats, at: int, others: Indices) -> Indices:
-    """Return which of the others a point sees, other than those in the same place."""
-    seen = np.empty(len(others), dtype=np.int64)
-    count = 0
-    x, y = points[at, 0], points[at, 1]
-    for other in others:
-        to_x, to_y = points[other, 0], points[other, 1]
-        if (to_x != x or to_y != y) and sees(forbidden, width, x, y, to_x, to_y):
-            seen[count] = other
-            count += 1
-    return seen[:count]
+def _view(forbidden: BitMask, points: Points, at: int) -> Indices:
+    """Return which of a few points one of them sees, other than those in the same place."""
+    place = points[at]
+    seen = [
+        other
+        for other, point in enumerate(points)
+        if (point != place).any() and sees(forbidden.words, forbidden.width, *place, *point)
+    ]
+    return np.array(seen, dtype=np.int64)
 
 
-@compiled_part
+@inlined_part
 def _apart(a: float, b: float) -> float:
     """Return the angle between two directions, 0 to pi [rad]."""
     return float(abs((a - b + np.pi) % (2.0 * np.pi) - np.pi))
 
 
-@compiled_part
+@inlined_part
 def _turn_cycles(angle: float, cycles: _Cycles) -> float:
     """Return how many cycles a change of heading takes (`WalkingTimeModel.turn_cycles`)."""
     if angle <= cycles.bend:
@@ -217,13 +222,13 @@ def _turn_cycles(angle: float, cycles: _Cycles) -> float:
     return float(max(1, math.ceil(angle / cycles.turn + cycles.stopping)))
 
 
-@compiled_part
+@inlined_part
 def _rest(cost: float) -> float:
     """Return what a state costs when the robot has come to rest there."""
     return float(math.ceil(cost - _TINY))
 
 
-@compiled_part
+@inlined_part
 def _leaving(cost: float, direction: float, onward: float, cycles: _Cycles) -> float:
     """Return what a state costs when the robot leaves it in another direction."""
     angle = _apart(direction, onward)
@@ -232,13 +237,12 @@ def _leaving(cost: float, direction: float, onward: float, cycles: _Cycles) -> f
     return _rest(cost) + _turn_cycles(angle, cycles) + cycles.stopping
 
 
-@compiled_part
+@inlined_part
 def _bucket(cost: float, left: float, least: int) -> int:
     """Return how many whole cycles a state will cost at least, no less than before."""
     return max(least, int(_rest(cost + left)))
 
 
-@compiled
 def _begin(
     edges: _Edges,
     start_yaw: float,
@@ -248,7 +252,7 @@ def _begin(
     queue: BucketQueue,
 ) -> None:
     """Let the edges from the start wait; there must be room."""
-    for edge in range(edges.firsts[0], edges.firsts[1]):
+    for edge in range(int(edges.firsts[0]), int(edges.firsts[1])):
         turns = _turn_cycles(_apart(start_yaw, edges.angles[edge]), cycles)
         cost = turns + cycles.stopping + edges.strides[edge]
         bucket = _bucket(cost, edges.left[edges.ends[edge]], 0)
@@ -313,7 +317,7 @@ def _search(
     return PAUSED
 
 
-@compiled_part
+@inlined_part
 def _is_no_better(
     cost: float, direction: float, best: float, best_direction: float, cycles: _Cycles
 ) -> bool:

@@ -1,0 +1,3 @@
+"""
+Paths at any angle: the free cells as rectangles, and searches through their openings.
+"""
