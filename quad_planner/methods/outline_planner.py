@@ -34,12 +34,13 @@ from quad_planner.grid.dilation import dilated
 from quad_planner.grid.inflated_map import SAME_PLACE, InflatedMap
 from quad_planner.grid.inflation import inflated
 from quad_planner.methods.planner_options import PlannerOptions
+from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.outline.arcs import ArcTurns, with_short_arcs
 from quad_planner.outline.heading_kernels import CLASSES, Kernels, class_of, kernels_of
 from quad_planner.outline.heading_moves import LONGEST_MOVE, inside_cell, moves_from
-from quad_planner.outline.leg_choice import LegCosts, LegEnds, chosen_legs
-from quad_planner.outline.outline_search import Ends, free_for_smallest, outline_path
-from quad_planner.outline.outline_zones import Zones, at_start, fits_in, new_memory
+from quad_planner.outline.leg_choice import LegCosts, LegEnds, chosen_legs, with_approaches
+from quad_planner.outline.outline_search import ROOM, Ends, free_for_smallest, outline_path
+from quad_planner.outline.outline_zones import Zones, around_start, fits_in, zones_of
 from quad_planner.outline.robot_outline import inner_radius, outer_radius
 from quad_planner.outline.turn_rule import may_turn
 
@@ -65,8 +66,10 @@ class OutlineOptions:
     """Corners of a convex polygon in the body frame, counter-clockwise, shape (n, 2) [m]."""
     safety_distance: float
     """Distance that it keeps from obstacles, >= 0 [m]."""
-    start_tolerance: float
+    start_tolerance: float = 0.0
     """Distance by which a start may be nearer [m]."""
+    circle_radius: float = 0.0
+    """Radius of the circle that holds it, where the robot's own does not [m]."""
     keeps_heading: bool = False
     """Whether the robot keeps its heading while it walks, as with turning ``crab``."""
     arcs: ArcTurns | None = None
@@ -90,8 +93,8 @@ class PreparedOutline(InflatedMap):
     """The map as the planning method prepared it."""
     options: OutlineOptions
     """The outline."""
-    kernels: Kernels
-    """Cells that it reaches."""
+    kernels: tuple[Kernels, Kernels]
+    """Cells that it reaches, and those around a start that may be nearer to obstacles."""
 
     @cached_property
     def inner_bits(self) -> BitMask:
@@ -108,21 +111,14 @@ class PreparedOutline(InflatedMap):
     @cached_property
     def zones(self) -> Zones:
         """Return the map for compiled code."""
-        kernels, nowhere = self.kernels, np.array([0, -1, 0, -1])
-        return Zones(
-            self.grid.width,
-            self.grid.height,
+        narrow = dilated(self.forbidden_bits.words, np.full(LONGEST_MOVE + 1, LONGEST_MOVE))
+        layers = (
             self.blocked_bits.words,
             self.forbidden_bits.words,
             self.inner_bits.words,
-            dilated(self.forbidden_bits.words, np.full(LONGEST_MOVE + 1, LONGEST_MOVE)),
-            kernels.low,
-            kernels.high,
-            kernels.low,
-            kernels.high,
-            nowhere,
-            new_memory(self.grid.width * self.grid.height),
+            narrow,
         )
+        return zones_of(layers, self.grid.width, self.kernels)
 
 
 class OutlinePlanner(Generic[Prepared]):
@@ -140,7 +136,9 @@ class OutlinePlanner(Generic[Prepared]):
     def __init__(self, method: Any, options: OutlineOptions) -> None:
         self._method = method
         self._options = options
-        self._kernels: tuple[float, Kernels, Kernels] | None = None
+        # What it compares is not the time.
+        self._prefers_circle = bool(method.costs) or isinstance(method, PotentialPlanner)
+        self._kernels: tuple[float, tuple[Kernels, Kernels]] | None = None
 
     @property
     def clearance_radius(self) -> float:
@@ -165,7 +163,7 @@ class OutlinePlanner(Generic[Prepared]):
             by_circle.forbidden_bits,
             by_circle,
             self._options,
-            self._kernels_for(by_circle.grid.resolution)[0],
+            self._kernels_for(by_circle.grid.resolution),
         )
 
     def _kernels_for(self, resolution: float) -> tuple[Kernels, Kernels]:
@@ -175,10 +173,12 @@ class OutlinePlanner(Generic[Prepared]):
             nearer = max(0.0, options.safety_distance - options.start_tolerance)
             self._kernels = (
                 resolution,
-                kernels_of(options.outline, options.safety_distance, resolution),
-                kernels_of(options.outline, nearer, resolution),
+                (
+                    kernels_of(options.outline, options.safety_distance, resolution),
+                    kernels_of(options.outline, nearer, resolution),
+                ),
             )
-        return self._kernels[1:]
+        return self._kernels[1]
 
     def plan(self, prepared: PreparedOutline, start: Pose2D, goal: Pose2D) -> Plan:
         """
@@ -212,6 +212,10 @@ class OutlinePlanner(Generic[Prepared]):
             if not isinstance(error, (NoPathFound, StartOccupied, GoalOccupied)):
                 raise
             problem = error
+        if by_circle is not None and (
+            self._prefers_circle or self._cost(start, by_circle) <= self._least_cost(start, goal)
+        ):
+            return by_circle
         by_outline = self._by_outline(prepared, start, goal)
         if by_outline is None:
             if by_circle is None:
@@ -225,6 +229,11 @@ class OutlinePlanner(Generic[Prepared]):
     def _cost(self, start: Pose2D, plan: Plan) -> float:
         pace = self._options.pace
         return plan.length if pace is None else float(pace.cycles(start, plan))
+
+    def _least_cost(self, start: Pose2D, goal: Pose2D) -> float:
+        """Return a cost that no plan is below: straight on."""
+        distance, pace = start.distance_to(goal), self._options.pace
+        return distance if pace is None else float(pace.straight_cycles(distance))
 
     def _by_outline(self, prepared: PreparedOutline, start: Pose2D, goal: Pose2D) -> Plan | None:
         """Plan by the outline alone; None if it does not fit, or finds no path."""
@@ -240,12 +249,12 @@ class OutlinePlanner(Generic[Prepared]):
         if not fits_in(zones, goal_x, goal_y, goal_class):
             return None
         if not fits_in(zones, x, y, start_class):
-            zones = at_start(zones, self._kernels_for(grid.resolution)[1], x, y)
+            zones = around_start(zones, x, y)
             if not fits_in(zones, x, y, start_class):
                 return None
-            left, right, bottom, top = np.maximum(zones.around_start, 0) // 2
+            left, bottom = max(zones.left, 0) // 2, max(zones.bottom, 0) // 2
             small = small.copy()
-            small[bottom : top + 1, left : right + 1] = True
+            small[bottom : zones.top // 2 + 1, left : zones.right // 2 + 1] = True
         check = self._method.timer()
         ends = Ends(x, y, start_class, goal_x, goal_y, goal_class, options.keeps_heading)
         if start.distance_to(goal) < SAME_PLACE:
@@ -253,7 +262,9 @@ class OutlinePlanner(Generic[Prepared]):
         cells = outline_path(zones, moves_from(*s), ends, small, check)
         if cells is None:
             return None
-        path = cells + (s - np.floor(s))
+        path = cells[:, :2] + (s - np.floor(s))
+        reach = outer_radius(options.outline) / grid.resolution + 1.0
+        path = with_approaches(path, cells[:, 2] == ROOM, reach)
         if len(path) == 1:
             path = np.vstack((s, s))
         fixed = start_class if options.keeps_heading else -1

@@ -11,7 +11,7 @@ import numpy as np
 
 from quad_planner.grid.compiled import compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers, class_of
-from quad_planner.outline.outline_zones import Zones, fits
+from quad_planner.outline.outline_zones import Zones, fits, is_room
 from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
 
 LONGEST_MOVE = 8
@@ -113,6 +113,7 @@ def moves_from(x: float, y: float) -> Moves:
 def may_move(zones: Zones, moves: Moves, x: int, y: int, move: int, heading_class: int) -> bool:
     """Return whether the robot fits in all cells that a move from a cell touches."""
     for at in range(moves.begins[move], moves.begins[move + 1]):
-        if not fits(zones, x + moves.touched[at, 0], y + moves.touched[at, 1], heading_class):
+        to_x, to_y = x + moves.touched[at, 0], y + moves.touched[at, 1]
+        if not (is_room(zones, to_x, to_y) or fits(zones, to_x, to_y, heading_class)):
             return False
     return True

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot_files.walking_time import WalkingTimeModel
-from quad_planner.grid.array_types import Points
+from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers
 from quad_planner.outline.outline_zones import Zones, fitting_classes, leg_fits
@@ -22,6 +22,12 @@ Floats = NDArray[np.float64]
 
 _TURN_COST = 0.15
 """Length that a turn by one radian counts where the gait's pace is not known [m]."""
+
+_TIGHT_CYCLES = 2.0
+"""Cycles that a turn counts more where not every heading fits."""
+
+_TIGHT_LENGTH = 0.5
+"""The same where lengths are counted [m]."""
 
 _NEAR_GOAL = 12
 """Turning points before the goal that may be moved as the goal is."""
@@ -38,13 +44,16 @@ class LegCosts(NamedTuple):
     """Part of a cycle that is added to each."""
     bend: float
     """Smaller turns cost nothing [rad]."""
+    tight: float
+    """Cost of a turn where not every heading fits: it is better made where there is room."""
 
     @classmethod
     def of(cls, pace: WalkingTimeModel | None, resolution: float) -> LegCosts:
         """Take the costs of a gait, or lengths if there is none; resolution in [m]."""
         if pace is None:
-            return cls(0.0, _TURN_COST / resolution, 0.0, 0.0)
-        return cls(pace.stride / resolution, pace.turn, pace.stopping, pace.bend)
+            return cls(0.0, _TURN_COST / resolution, 0.0, 0.0, _TIGHT_LENGTH / resolution)
+        stride = pace.stride / resolution
+        return cls(stride, pace.turn, pace.stopping, pace.bend, _TIGHT_CYCLES)
 
 
 @dataclass(frozen=True)
@@ -121,6 +130,41 @@ def chosen_legs(
         chosen.append(int(before[chosen[-1], chosen[-2]]))
     result: Points = points[chosen[::-1]]
     return result
+
+
+def with_approaches(path: Points, has_room: Mask, distance: float) -> Points:
+    """
+    Add places before and after narrow passages, from where they are walked through straight.
+
+    Parameters
+    ----------
+    path : ndarray, shape (n, 2)
+        Places where moves begin and end [cells].
+    has_room : ndarray of bool, shape (n,)
+        Where every heading fits.
+    distance : float
+        Distance of those places from the passage [cells].
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        The path, with places that a leg may begin or end at, or pass over [cells].
+    """
+    places = [path[0]]
+    for at in range(1, len(path)):
+        step = path[at] - path[at - 1]
+        ahead = distance * step / max(float(np.hypot(*step)), 1e-9)
+        if has_room[at - 1] and not has_room[at]:
+            places[-1:] = [path[at - 1] - ahead, path[at - 1]]
+        places.append(path[at])
+        if has_room[at] and not has_room[at - 1]:
+            places.append(path[at] + ahead)
+    if places[-1] is not path[-1]:
+        places.append(path[-1])
+    # The start comes first.
+    if places[0] is not path[0]:
+        places.insert(0, path[0])
+    return np.array(places)
 
 
 def _corners(path: Points) -> Points:
@@ -205,6 +249,8 @@ def _choose(
                     cost = cheapest[h, at]
                     if fixed_class < 0:
                         cost += _turn_cost(heading - headings[h, at], costs)
+                        if free < CLASSES and _class(headings[h, at]) != k:
+                            cost += costs.tight
                     if cost < least and (
                         fixed_class >= 0
                         or may_turn(fitting, free, _class(headings[h, at]), k, False)

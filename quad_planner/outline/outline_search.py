@@ -26,11 +26,10 @@ from quad_planner.grid.bucket_queue import (
     pop,
     push,
 )
-from quad_planner.grid.bit_grid import is_set
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 from quad_planner.outline.heading_moves import Moves, may_move
-from quad_planner.outline.outline_zones import Zones, fits, fitting_classes, is_room
+from quad_planner.outline.outline_zones import Zones, fits, fitting_classes, is_narrow, is_room
 from quad_planner.outline.turn_rule import may_turn
 from quad_planner.search.cell_steps import STRAIGHT
 from quad_planner.search.distance_field import NOT_REACHED, distance_field
@@ -120,8 +119,9 @@ def outline_path(
 
     Returns
     -------
-    ndarray of int, shape (n, 2), or None
-        Cells where its moves begin and end; None if no path leads to the goal.
+    ndarray of int, shape (n, 3), or None
+        Cells where its moves begin and end, x and y, and the class there or :data:`ROOM`; None if
+        no path leads to the goal.
     """
     left = distance_field(small, (ends.goal_x // 2, ends.goal_y // 2), check)
     reached = _table(1 << 14)
@@ -250,7 +250,7 @@ def _search(
                 reached.counts[_FOUND] = state + 1
                 return DONE
         stride = 1
-        if ends.keeps_heading or k == ROOM and not is_set(zones.narrow, y, x):
+        if ends.keeps_heading or k == ROOM and not is_narrow(zones, x, y):
             stride = CLASSES // 8
         for j in range(0, CLASSES, stride):
             heading = j
@@ -262,7 +262,7 @@ def _search(
                     continue
                 turn = 0 if j == k else _TURN
             to_x, to_y = x + moves.x[j], y + moves.y[j]
-            if not fits(zones, to_x, to_y, heading):
+            if not (is_room(zones, to_x, to_y) or fits(zones, to_x, to_y, heading)):
                 continue
             goes_to_room = is_room(zones, to_x, to_y) and not ends.keeps_heading
             if k == ROOM and goes_to_room and j % 9 != 0:
@@ -288,10 +288,11 @@ def _is_between_rooms(zones: Zones, moves: Moves, x: int, y: int, move: int) -> 
 
 def _path_to(last: int, width: int, reached: Reached) -> Integers:
     """Go back from a state; return the cells of the path to it."""
-    cells = []
+    places = []
     state, before = last, -1
     while state != before:
-        cells.append(((state // _STATES) % width, (state // _STATES) // width))
+        cell = state // _STATES
+        places.append((cell % width, cell // width, state % _STATES))
         before = state
         state = int(reached.before[_place(reached.states, state)])
-    return np.array(cells[::-1])
+    return np.array(places[::-1])
