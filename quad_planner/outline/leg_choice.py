@@ -155,15 +155,10 @@ def with_approaches(path: Points, has_room: Mask, distance: float) -> Points:
         step = path[at] - path[at - 1]
         ahead = distance * step / max(float(np.hypot(*step)), 1e-9)
         if has_room[at - 1] and not has_room[at]:
-            places[-1:] = [path[at - 1] - ahead, path[at - 1]]
+            places += [path[at - 1] - ahead, path[at - 1]]
         places.append(path[at])
-        if has_room[at] and not has_room[at - 1]:
-            places.append(path[at] + ahead)
-    if places[-1] is not path[-1]:
-        places.append(path[-1])
-    # The start comes first.
-    if places[0] is not path[0]:
-        places.insert(0, path[0])
+        if has_room[at] and not has_room[at - 1] and at + 1 < len(path):
+            places += [path[at] + ahead, path[at]]
     return np.array(places)
 
 

@@ -23,6 +23,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_lab.benchmarks.planning.bench_fields import field_bars
 from quad_lab.benchmarks.planning.bench_first_call import first_call_times
+from quad_lab.benchmarks.planning.bench_footprint import footprint_bars
 from quad_lab.benchmarks.planning.bench_quickest import walking_bars
 from quad_lab.benchmarks.planning.bench_searches import scenario_bars, search_bars
 from quad_lab.benchmarks.planning.planner_peers import available_peers
@@ -88,7 +89,45 @@ def noise(size: int, seed: int) -> Mask:
     return occupied
 
 
-def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], dict[str, object]]:
+PARTS = ('searches', 'footprint')
+"""Parts that may be run alone."""
+
+
+def measure(
+    console: Console, quick: bool, seed: int, only: tuple[str, ...] = PARTS
+) -> tuple[list[Criterion], dict[str, object]]:
+    """
+    Measure searches beside other libraries, and plans by the robot's outline.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress and tables go.
+    quick : bool
+        Smaller maps, fewer requests.
+    seed : int
+        Of the maps and of what is drawn on them.
+    only : tuple of str
+        The parts to measure, of :data:`PARTS`.
+
+    Returns
+    -------
+    tuple
+        The bars, and details for JSON.
+    """
+    bars: list[Criterion] = []
+    details: dict[str, object] = {'quick': quick, 'seed': seed}
+    for name, part in (('searches', _search_parts), ('footprint', footprint_bars)):
+        if name in only:
+            more, values = part(console, quick, seed)
+            bars += more
+            details.update(values)
+    return bars, details
+
+
+def _search_parts(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Time whole requests: inflation, search and turning points, from the occupied cells.
 
@@ -136,7 +175,7 @@ def measure(console: Console, quick: bool, seed: int) -> tuple[list[Criterion], 
     bars.append(at_most(f'memory of a plan on a map of {sizes[-1]}', memory, 'MiB', 512.0))
     bars += _node_bars(sizes[-1], seed)
     walk_bars, walks = walking_bars(console, quick, seed)
-    return bars + walk_bars, {'quick': quick, 'seed': seed, 'ratios': noted, **walks}
+    return bars + walk_bars, {'ratios': noted, **walks}
 
 
 def _node_bars(size: int, seed: int) -> list[Criterion]:
