@@ -39,7 +39,7 @@ from quad_planner.outline.arcs import ArcTurns, with_short_arcs
 from quad_planner.outline.heading_kernels import CLASSES, Kernels, class_of, kernels_of
 from quad_planner.outline.heading_moves import LONGEST_MOVE, inside_cell, moves_from
 from quad_planner.outline.leg_choice import LegCosts, LegEnds, chosen_legs, with_approaches
-from quad_planner.outline.outline_search import ROOM, Ends, free_for_smallest, outline_path
+from quad_planner.outline.outline_search import Ends, free_for_smallest, outline_path
 from quad_planner.outline.outline_zones import Zones, around_start, fits_in, zones_of
 from quad_planner.outline.robot_outline import inner_radius, outer_radius
 from quad_planner.outline.turn_rule import may_turn
@@ -264,18 +264,18 @@ class OutlinePlanner(Generic[Prepared]):
             return None
         path = cells[:, :2] + (s - np.floor(s))
         reach = outer_radius(options.outline) / grid.resolution + 1.0
-        path = with_approaches(path, cells[:, 2] == ROOM, reach)
         if len(path) == 1:
             path = np.vstack((s, s))
         fixed = start_class if options.keeps_heading else -1
         leg_ends = LegEnds(s, start.yaw - yaw, g, goal.yaw - yaw, fixed)
         costs = LegCosts.of(options.pace, grid.resolution)
-        points: Points | None = path
-        for window in (6, 30):
-            if points is not None:
-                points = chosen_legs(zones, points, leg_ends, costs, window)
-        if points is None:
+        # Few legs first, for then places to turn may be added to each.
+        few = chosen_legs(zones, path, leg_ends, costs, 8)
+        if few is None:
             return None
+        points = chosen_legs(zones, with_approaches(few, reach), leg_ends, costs, 40)
+        if points is None:
+            points = few
         if options.arcs is not None:
             points = with_short_arcs(zones, points, options.arcs, grid.resolution)
         return self._plan(grid, points, start, goal)

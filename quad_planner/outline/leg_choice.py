@@ -6,16 +6,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot_files.walking_time import WalkingTimeModel
-from quad_planner.grid.array_types import Mask, Points
+from quad_planner.grid.array_types import Points
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers
-from quad_planner.outline.outline_zones import Zones, fitting_classes, leg_fits
+from quad_planner.outline.outline_zones import Zones, fitting_classes, has_room_to_turn, leg_fits
 from quad_planner.outline.turn_rule import may_turn
 
 Floats = NDArray[np.float64]
@@ -23,10 +24,13 @@ Floats = NDArray[np.float64]
 _TURN_COST = 0.15
 """Length that a turn by one radian counts where the gait's pace is not known [m]."""
 
-_TIGHT_CYCLES = 2.0
-"""Cycles that a turn counts more where not every heading fits."""
+_OVERSHOOT = 0.1
+"""Distance that a robot may walk on before it comes to rest for a turn [m]."""
 
-_TIGHT_LENGTH = 0.5
+_TIGHT_CYCLES = 6.0
+"""Cycles that a turn counts more where there is little room."""
+
+_TIGHT_LENGTH = 2.0
 """The same where lengths are counted [m]."""
 
 _NEAR_GOAL = 12
@@ -45,15 +49,18 @@ class LegCosts(NamedTuple):
     bend: float
     """Smaller turns cost nothing [rad]."""
     tight: float
-    """Cost of a turn where not every heading fits: it is better made where there is room."""
+    """Cost of a turn where there is little room: it is better made elsewhere."""
+    overshoot: float
+    """Distance that a robot may walk on before it comes to rest for a turn [cells]."""
 
     @classmethod
     def of(cls, pace: WalkingTimeModel | None, resolution: float) -> LegCosts:
         """Take the costs of a gait, or lengths if there is none; resolution in [m]."""
+        far = _OVERSHOOT / resolution
         if pace is None:
-            return cls(0.0, _TURN_COST / resolution, 0.0, 0.0, _TIGHT_LENGTH / resolution)
+            return cls(0.0, _TURN_COST / resolution, 0.0, 0.0, _TIGHT_LENGTH / resolution, far)
         stride = pace.stride / resolution
-        return cls(stride, pace.turn, pace.stopping, pace.bend, _TIGHT_CYCLES)
+        return cls(stride, pace.turn, pace.stopping, pace.bend, _TIGHT_CYCLES, far)
 
 
 @dataclass(frozen=True)
@@ -132,18 +139,16 @@ def chosen_legs(
     return result
 
 
-def with_approaches(path: Points, has_room: Mask, distance: float) -> Points:
+def with_approaches(path: Points, distance: float) -> Points:
     """
-    Add places before and after narrow passages, from where they are walked through straight.
+    Add places before and after each leg on its line, from where it is walked straight.
 
     Parameters
     ----------
-    path : ndarray, shape (n, 2)
-        Places where moves begin and end [cells].
-    has_room : ndarray of bool, shape (n,)
-        Where every heading fits.
+    path : ndarray, shape (n, 2), n >= 2
+        Where legs begin and end [cells].
     distance : float
-        Distance of those places from the passage [cells].
+        Distance of those places from the leg [cells].
 
     Returns
     -------
@@ -151,14 +156,13 @@ def with_approaches(path: Points, has_room: Mask, distance: float) -> Points:
         The path, with places that a leg may begin or end at, or pass over [cells].
     """
     places = [path[0]]
-    for at in range(1, len(path)):
-        step = path[at] - path[at - 1]
-        ahead = distance * step / max(float(np.hypot(*step)), 1e-9)
-        if has_room[at - 1] and not has_room[at]:
-            places += [path[at - 1] - ahead, path[at - 1]]
-        places.append(path[at])
-        if has_room[at] and not has_room[at - 1] and at + 1 < len(path):
-            places += [path[at] + ahead, path[at]]
+    for at, (begin, end) in enumerate(pairwise(path)):
+        ahead = distance * (end - begin) / max(float(np.hypot(*(end - begin))), 1e-9)
+        if at > 0:
+            places += [begin - ahead, begin]
+        places.append(end)
+        if at + 2 < len(path):
+            places += [end + ahead, end]
     return np.array(places)
 
 
@@ -196,6 +200,13 @@ def _leg_cost(length: float, costs: LegCosts) -> float:
     return math.ceil(length / costs.stride + costs.stopping - 1e-5) + 1e-5 * length
 
 
+@compiled_part
+def _may_overshoot(zones: Zones, x: float, y: float, heading: float, costs: LegCosts) -> bool:
+    """Return whether a robot that does not stop in time fits where it comes to."""
+    to_x, to_y = x + costs.overshoot * math.cos(heading), y + costs.overshoot * math.sin(heading)
+    return leg_fits(zones, x, y, to_x, to_y, _class(heading))
+
+
 @compiled
 def _choose(
     zones: Zones,
@@ -216,6 +227,7 @@ def _choose(
     for at in range(count):
         x, y = points[at]
         free = fitting_classes(zones, math.floor(x), math.floor(y), fitting)
+        is_roomy = has_room_to_turn(zones, math.floor(x), math.floor(y)) if free else False
         if at == count - 1:
             for h in range(at):
                 if cheapest[h, at] < np.inf:
@@ -244,7 +256,9 @@ def _choose(
                     cost = cheapest[h, at]
                     if fixed_class < 0:
                         cost += _turn_cost(heading - headings[h, at], costs)
-                        if free < CLASSES and _class(headings[h, at]) != k:
+                        if _class(headings[h, at]) != k and not (
+                            is_roomy and _may_overshoot(zones, x, y, headings[h, at], costs)
+                        ):
                             cost += costs.tight
                     if cost < least and (
                         fixed_class >= 0

@@ -29,7 +29,7 @@ from quad_planner.grid.bucket_queue import (
 from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 from quad_planner.outline.heading_moves import Moves, may_move
-from quad_planner.outline.outline_zones import Zones, fits, fitting_classes, is_narrow, is_room
+from quad_planner.outline.outline_zones import Zones, classes_beside, fits, is_narrow, is_room
 from quad_planner.outline.turn_rule import may_turn
 from quad_planner.search.cell_steps import STRAIGHT
 from quad_planner.search.distance_field import NOT_REACHED, distance_field
@@ -267,7 +267,7 @@ def _search(
         if k == ROOM:
             fitting[:] = 1
         elif x == ends.goal_x and y == ends.goal_y or not ends.keeps_heading:
-            count = fitting_classes(zones, x, y, fitting)
+            count = classes_beside(zones, x, y, k, fitting)
         if x == ends.goal_x and y == ends.goal_y:
             if k == ROOM or may_turn(fitting, count, k, ends.goal_class, True):
                 reached.counts[_FOUND] = state + 1

@@ -167,6 +167,15 @@ def fits(zones: Zones, x: int, y: int, heading_class: int) -> bool:
     return clear
 
 
+@compiled_part
+def has_room_to_turn(zones: Zones, x: int, y: int) -> bool:
+    """Return whether the outline itself fits in a cell of the map at every heading."""
+    for k in range(CLASSES):
+        if not _is_clear(zones, x, y, k):
+            return False
+    return True
+
+
 @compiled
 def fits_in(zones: Zones, x: int, y: int, heading_class: int) -> bool:
     """Return whether the robot fits in a cell at a class of headings."""
@@ -201,4 +210,25 @@ def fitting_classes(zones: Zones, x: int, y: int, result: Integers) -> int:
     for k in range(CLASSES):
         result[k] = fits(zones, x, y, k)
         count += result[k]
+    return count
+
+
+@compiled_part
+def classes_beside(zones: Zones, x: int, y: int, heading_class: int, result: Integers) -> int:
+    """
+    Fill an array of 72 with 1 where a class fits in a cell, and all from a given one to it.
+
+    Returns how many do: all, or those to either side up to the first that does not fit.
+    """
+    for k in range(CLASSES):
+        result[k] = 0
+    result[heading_class] = 1
+    count = 1
+    for side in (-1, 1):
+        for step in range(1, CLASSES):
+            k = (heading_class + side * step) % CLASSES
+            if result[k] or not fits(zones, x, y, k):
+                break
+            result[k] = 1
+            count += 1
     return count
