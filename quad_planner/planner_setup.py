@@ -205,9 +205,7 @@ def outline_for(
     if not text.strip():
         return OutlineOptions(standing_outline(robot), safety_distance, **options)
     outline = outline_from_text(text)
-    return OutlineOptions(
-        outline, safety_distance, circle_radius=outer_radius(outline), **options
-    )
+    return OutlineOptions(outline, safety_distance, circle_radius=outer_radius(outline), **options)
 
 
 def _outline_from_parameters(

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -33,7 +34,6 @@ from quad_planner.grid.bit_grid import BitMask
 from quad_planner.grid.dilation import dilated
 from quad_planner.grid.inflated_map import SAME_PLACE, InflatedMap
 from quad_planner.grid.inflation import inflated
-from quad_planner.methods.planner_options import PlannerOptions
 from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.outline.arcs import ArcTurns, with_short_arcs
 from quad_planner.outline.heading_kernels import CLASSES, Kernels, class_of, kernels_of
@@ -216,7 +216,7 @@ class OutlinePlanner(Generic[Prepared]):
             self._prefers_circle or self._cost(start, by_circle) <= self._least_cost(start, goal)
         ):
             return by_circle
-        by_outline = self._by_outline(prepared, start, goal)
+        by_outline = self.plan_by_outline(prepared, start, goal)
         if by_outline is None:
             if by_circle is None:
                 assert problem is not None
@@ -235,7 +235,9 @@ class OutlinePlanner(Generic[Prepared]):
         distance, pace = start.distance_to(goal), self._options.pace
         return distance if pace is None else float(pace.straight_cycles(distance))
 
-    def _by_outline(self, prepared: PreparedOutline, start: Pose2D, goal: Pose2D) -> Plan | None:
+    def plan_by_outline(
+        self, prepared: PreparedOutline, start: Pose2D, goal: Pose2D
+    ) -> Plan | None:
         """Plan by the outline alone; None if it does not fit, or finds no path."""
         options, grid = self._options, prepared.grid
         s, g = (
@@ -287,16 +289,11 @@ class OutlinePlanner(Generic[Prepared]):
         if self._options.arcs is None:
             return replace(Plan.through(corners, goal.yaw), remark=BY_OUTLINE)
         places = [Pose2D(px, py, goal.yaw) for px, py in corners]
-        poses = [
-            Pose2D(here.x, here.y, here.heading_to(there))
-            for here, there in zip(places, places[1:])
-        ]
+        poses = [Pose2D(here.x, here.y, here.heading_to(there)) for here, there in pairwise(places)]
         return Plan((*poses, goal), remark=BY_OUTLINE)
 
 
 def may_turn_at(zones: Zones, ends: Ends) -> bool:
     """Return whether the robot may turn from its heading to the goal's where it stands."""
     fitting = np.array([fits_in(zones, ends.x, ends.y, k) for k in range(CLASSES)], dtype=np.int64)
-    return bool(
-        may_turn(fitting, int(fitting.sum()), ends.heading_class, ends.goal_class, True)
-    )
+    return bool(may_turn(fitting, int(fitting.sum()), ends.heading_class, ends.goal_class, True))

@@ -89,9 +89,7 @@ def with_short_arcs(zones: Zones, points: Points, arcs: ArcTurns, resolution: fl
 
 
 @compiled
-def arc_fits(
-    zones: Zones, x: float, y: float, heading: float, turn: float, tangent: float
-) -> bool:
+def arc_fits(zones: Zones, x: float, y: float, heading: float, turn: float, tangent: float) -> bool:
     """
     Return whether the robot fits along a circle that rounds a corner.
 
@@ -120,7 +118,7 @@ def arc_fits(
         ax, ay = center_x + side * radius * math.sin(a), center_y - side * radius * math.cos(a)
         bx, by = center_x + side * radius * math.sin(b), center_y - side * radius * math.cos(b)
         for angle in (a, b):
-            k = int(math.floor(angle / STEP + 0.5)) % CLASSES
+            k = math.floor(angle / STEP + 0.5) % CLASSES
             if not leg_fits(zones, ax, ay, bx, by, k):
                 return False
     return True

@@ -179,7 +179,7 @@ def _corners(path: Points) -> Points:
 
 @compiled_part
 def _class(heading: float) -> int:
-    return int(math.floor(heading / STEP + 0.5)) % CLASSES
+    return math.floor(heading / STEP + 0.5) % CLASSES
 
 
 @compiled_part

@@ -219,9 +219,7 @@ def _reach(
 
 
 @compiled
-def _begin(
-    zones: Zones, ends: Ends, left: Integers, reached: Reached, queue: BucketQueue
-) -> None:
+def _begin(zones: Zones, ends: Ends, left: Integers, reached: Reached, queue: BucketQueue) -> None:
     """Let the start wait."""
     in_room = is_room(zones, ends.x, ends.y) and not ends.keeps_heading
     state = _STATES * (ends.y * zones.width + ends.x)
@@ -266,14 +264,14 @@ def _search(
         count = CLASSES
         if k == ROOM:
             fitting[:] = 1
-        elif x == ends.goal_x and y == ends.goal_y or not ends.keeps_heading:
+        elif (x == ends.goal_x and y == ends.goal_y) or not ends.keeps_heading:
             count = classes_beside(zones, x, y, k, fitting)
-        if x == ends.goal_x and y == ends.goal_y:
-            if k == ROOM or may_turn(fitting, count, k, ends.goal_class, True):
-                reached.counts[_FOUND] = state + 1
-                return DONE
+        is_at_goal = x == ends.goal_x and y == ends.goal_y
+        if is_at_goal and (k == ROOM or may_turn(fitting, count, k, ends.goal_class, True)):
+            reached.counts[_FOUND] = state + 1
+            return DONE
         stride = every
-        if ends.keeps_heading or k == ROOM and not is_narrow(zones, x, y):
+        if ends.keeps_heading or (k == ROOM and not is_narrow(zones, x, y)):
             stride = _EIGHTH
         for j in range(0, CLASSES, stride):
             heading = j
@@ -288,10 +286,10 @@ def _search(
             if not (is_room(zones, to_x, to_y) or fits(zones, to_x, to_y, heading)):
                 continue
             goes_to_room = is_room(zones, to_x, to_y) and not ends.keeps_heading
-            if k == ROOM and goes_to_room and j % _EIGHTH != 0:
-                if _is_between_rooms(zones, moves, x, y, j):
-                    # Shorter moves lead there.
-                    continue
+            is_long = k == ROOM and goes_to_room and j % _EIGHTH != 0
+            if is_long and _is_between_rooms(zones, moves, x, y, j):
+                # Shorter moves lead there.
+                continue
             rest = left[to_y >> 1, to_x >> 1]
             if rest == NOT_REACHED or not may_move(zones, moves, x, y, j, heading):
                 continue

@@ -59,7 +59,9 @@ class Zones(NamedTuple):
     """
 
 
-def zones_of(layers: tuple[Bits, Bits, Bits, Bits], width: int, kernels: tuple[Kernels, Kernels]) -> Zones:
+def zones_of(
+    layers: tuple[Bits, Bits, Bits, Bits], width: int, kernels: tuple[Kernels, Kernels]
+) -> Zones:
     """
     Put together what compiled code needs.
 
@@ -170,10 +172,10 @@ def fits(zones: Zones, x: int, y: int, heading_class: int) -> bool:
 @compiled_part
 def has_room_to_turn(zones: Zones, x: int, y: int) -> bool:
     """Return whether the outline itself fits in a cell of the map at every heading."""
-    for k in range(CLASSES):
-        if not _is_clear(zones, x, y, k):
-            return False
-    return True
+    k = 0
+    while k < CLASSES and _is_clear(zones, x, y, k):
+        k += 1
+    return k == CLASSES
 
 
 @compiled
@@ -183,9 +185,7 @@ def fits_in(zones: Zones, x: int, y: int, heading_class: int) -> bool:
 
 
 @compiled_part
-def leg_fits(
-    zones: Zones, x0: float, y0: float, x1: float, y1: float, heading_class: int
-) -> bool:
+def leg_fits(zones: Zones, x0: float, y0: float, x1: float, y1: float, heading_class: int) -> bool:
     """Return whether the robot fits in all cells that a segment touches, at a class [cells]."""
     if y1 < y0:
         x0, y0, x1, y1 = x1, y1, x0, y0

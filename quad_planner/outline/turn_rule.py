@@ -43,7 +43,7 @@ def may_turn(fitting: Integers, count: int, before: int, after: int, is_last: bo
     if size >= _EITHER_SIDE or (0 < size <= _BEND and not is_last):
         return False
     side = 1 if turn > 0 else -1
+    fits = True
     for step in range(size + 1):
-        if not fitting[(before + side * step) % CLASSES]:
-            return False
-    return True
+        fits = fits and fitting[(before + side * step) % CLASSES] == 1
+    return fits

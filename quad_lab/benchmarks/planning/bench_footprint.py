@@ -22,8 +22,9 @@ from quad_lab.benchmarks.planning.footprint_maps import free_classes, office, re
 from quad_lab.closed_loop.map_walk import MapWalk
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
-from quad_planner.methods.outline_planner import BY_OUTLINE
+from quad_planner.methods.outline_planner import BY_OUTLINE, OutlinePlanner
 from quad_planner.methods.planner import Planner
+from quad_planner.methods.shortest_planner import ShortestPlanner
 from quad_planner.outline.heading_kernels import STEP
 from quad_planner.outline.heading_moves import moves_from
 from quad_planner.parameters import PlannerParameters
@@ -144,20 +145,22 @@ def _plan(planner: Planner[Any], start: Pose2D, goal: Pose2D) -> Plan | None:
 
 def _against_brute_force(robot: str, maps: int, seed: int) -> list[Criterion]:
     """Compare which goals are reached with a flood over all cells and headings."""
-    planner = _planner(robot)
+    made = load_robot(robot)
+    circle = ShortestPlanner(clearance_radius=made.footprint_radius + _SAFETY)
+    planner = OutlinePlanner(circle, outline_for(made, _SAFETY))
     moves = moves_from(0.5, 0.5)
     reached = missed = wrong = 0
     for at in range(maps):
         rng = np.random.default_rng((seed, at))
-        planner.set_map(office(_SMALL, _RESOLUTION, rng))
-        prepared = planner.prepared
+        prepared = planner.prepare(office(_SMALL, _RESOLUTION, rng))
         free = free_classes(prepared.blocked, prepared.allowed, prepared.kernels[0])
         states = np.argwhere(free)
         start = tuple(map(int, states[rng.integers(len(states))]))
         ends = reachable(free, moves, (start[0], start[1], start[2]))
         for _ in range(_REQUESTS):
             goal = tuple(map(int, states[rng.integers(len(states))]))
-            found = _plan(planner, _pose(*start), _pose(*goal)) is not None
+            plan = planner.plan_by_outline(prepared, _pose(*start), _pose(*goal))
+            found = plan is not None
             reached += bool(ends[goal])
             missed += bool(ends[goal]) and not found
             wrong += found and not ends[goal]

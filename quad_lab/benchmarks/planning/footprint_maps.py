@@ -4,7 +4,7 @@ Offices with doors of all widths, and everything that brute force reaches on the
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -65,13 +65,13 @@ def office(size: int, resolution: float, rng: np.random.Generator) -> OccupancyG
     for at, (edges, others) in enumerate((lines, lines[::-1])):
         rows = cells if at == 0 else cells.T
         for edge in edges[1:-1]:
-            for low, high in zip(others, others[1:]):
+            for low, high in pairwise(others):
                 width = round(rng.uniform(*_DOORS) / resolution)
                 first = int(rng.integers(low + 2 * wall, max(high - width - wall, low + 3 * wall)))
                 if rng.random() > _WITHOUT_DOOR:
                     rows[edge : edge + wall, first : min(first + width, high)] = 0
-    for low, high in zip(lines[0], lines[0][1:]):
-        for left, right in zip(lines[1], lines[1][1:]):
+    for low, high in pairwise(lines[0]):
+        for left, right in pairwise(lines[1]):
             if rng.random() < 0.4:
                 y, x = rng.integers((low, left), (high, right))
                 table = rng.integers(6, 20, 2) * 0.05 / resolution
@@ -110,7 +110,9 @@ def free_classes(blocked: Mask, circle_free: Mask, kernels: Kernels) -> NDArray[
     return free
 
 
-def reachable(free: NDArray[np.uint8], moves: Moves, start: tuple[int, int, int]) -> NDArray[np.uint8]:
+def reachable(
+    free: NDArray[np.uint8], moves: Moves, start: tuple[int, int, int]
+) -> NDArray[np.uint8]:
     """
     Reach all cells and headings from one.
 
@@ -185,10 +187,10 @@ def _may_turn(free: NDArray[np.uint8], x: int, y: int, k: int, turn: int) -> boo
     if abs(turn) >= 34:
         return False
     side = 1 if turn > 0 else -1
+    fits = True
     for step in range(abs(turn) + 1):
-        if not free[(k + side * step) % CLASSES, y, x]:
-            return False
-    return True
+        fits = fits and free[(k + side * step) % CLASSES, y, x] == 1
+    return fits
 
 
 @compiled_part
