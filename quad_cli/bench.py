@@ -35,6 +35,7 @@ EXAMPLES = """examples:
   quadwalk bench walk --json > walk.json
   quadwalk bench gaits
   quadwalk bench planner --quick
+  quadwalk bench planner --only footprint
   quadwalk bench camera --quick
   quadwalk bench terrain --quick
   quadwalk bench terrain --backend mujoco

@@ -14,6 +14,9 @@ LOW_OBSTACLES = ('keep', 'step_over')
 FOOTPRINTS = ('circle', 'outline')
 """What of the robot keeps its distance from obstacles."""
 
+TURNINGS = ('in_place', 'crab', 'arc')
+"""Manners in which the gait follows a plan."""
+
 PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Names of the planning methods."""
 
@@ -93,7 +96,7 @@ class PlannerParameters:
     turning: str = parameter(
         'in_place',
         "How the gait follows a plan, as gait_node's turning: footprint 'outline' plans for it.",
-        choices=('in_place', 'crab', 'arc'),
+        choices=TURNINGS,
         is_dynamic=True,
     )
     corner_deviation: float = parameter(

@@ -130,8 +130,8 @@ def _is_clear(zones: Zones, x: int, y: int, kernel: int) -> bool:
     rows = zones.rows
     for row in range(max(0, y - rows), min(zones.height, y + rows + 1)):
         at = zones.kernels_at + 2 * (kernel * (2 * rows + 1) + row - y + rows)
-        first = max(0, x + np.int64(zones.data[at]))
-        last = min(zones.width - 1, x + np.int64(zones.data[at + 1]))
+        first = max(0, x + int(np.int64(zones.data[at])))
+        last = min(zones.width - 1, x + int(np.int64(zones.data[at + 1])))
         if first > last:
             continue
         for word_at in range(first >> 6, (last >> 6) + 1):

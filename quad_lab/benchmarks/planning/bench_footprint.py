@@ -147,7 +147,7 @@ def _against_brute_force(robot: str, maps: int, seed: int) -> list[Criterion]:
     """Compare which goals are reached with a flood over all cells and headings."""
     made = load_robot(robot)
     circle = ShortestPlanner(clearance_radius=made.footprint_radius + _SAFETY)
-    planner = OutlinePlanner(circle, outline_for(made, _SAFETY))
+    planner: OutlinePlanner[Any] = OutlinePlanner(circle, outline_for(made, _SAFETY))
     moves = moves_from(0.5, 0.5)
     reached = missed = wrong = 0
     for at in range(maps):
@@ -183,6 +183,7 @@ def _against_circle(robot: str, seed: int, maps: int) -> list[Criterion]:
         grid = office(_SMALL, _RESOLUTION, rng)
         for planner in (outline, circle):
             planner.set_map(grid)
+        assert circle.prepared is not None
         cells = np.argwhere(circle.prepared.allowed)
         for _ in range(_REQUESTS):
             start, goal = (
@@ -211,6 +212,7 @@ def _times(robot: str, seed: int, requests: int) -> list[Criterion]:
     began = time.perf_counter()
     planner.set_map(grid)
     prepared = planner.prepared
+    assert prepared is not None
     _ = prepared.zones, prepared.small
     took = time.perf_counter() - began
     cells = np.argwhere(prepared.allowed)
