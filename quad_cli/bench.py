@@ -37,6 +37,7 @@ EXAMPLES = """examples:
   quadwalk bench gaits
   quadwalk bench planner --quick
   quadwalk bench planner --only worst
+  quadwalk bench planner --only footprint
   quadwalk bench camera --quick
   quadwalk bench terrain --quick
   quadwalk bench terrain --backend mujoco

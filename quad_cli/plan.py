@@ -34,16 +34,19 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.traversability import Ground
+from quad_planner.methods.outline_planner import OutlineOptions
 from quad_planner.methods.planner import METHODS, Planner
 from quad_planner.methods.potential_planner import POTENTIALS
-from quad_planner.parameters import LOW_OBSTACLES, PlannerParameters
-from quad_planner.planner_setup import planner_for, start_tolerance
+from quad_planner.outline.arcs import ArcTurns
+from quad_planner.parameters import FOOTPRINTS, LOW_OBSTACLES, TURNINGS, PlannerParameters
+from quad_planner.planner_setup import outline_for, planner_for, start_tolerance
 
 EXAMPLES = """examples:
   quadwalk plan --start 1.2,1.2,0 --goal 6.8,4.8,90deg --picture plan.png
   quadwalk plan --map warehouse.yaml --start 0,0,0 --goal 5,3,0 --json
   quadwalk plan --method potential --start 1.2,1.2,0 --goal 6.8,4.8,0
   quadwalk plan --map room.yaml --height-map hills.yaml --start 1,1,0 --goal 5,3,0 --picture p.png
+  quadwalk plan --robot a1 --footprint outline --map office.yaml --start 1,1,0 --goal 5,3,0
   quadwalk plan --method mesh shortest quickest --any-angle --start 1.2,1.2,0 --goal 6.8,4.8,0
 """
 
@@ -96,6 +99,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_parameter(
         parser, PlannerParameters, 'safety_distance', 'distance kept free around the feet [m]'
+    )
+    parser.add_argument(
+        '--footprint',
+        choices=FOOTPRINTS,
+        default=PlannerParameters().footprint,
+        help="what keeps that distance: the circle around the feet, or also the robot's outline",
+    )
+    parser.add_argument(
+        '--turning',
+        choices=TURNINGS,
+        default=PlannerParameters().turning,
+        help='how the gait follows the plan, for footprint outline',
     )
     parser.add_argument(
         '--picture', type=drawing_argument, default=None, help='picture of the plans to write'
@@ -154,6 +169,7 @@ def run(arguments: argparse.Namespace) -> int:
     methods = list(dict.fromkeys(arguments.method))
     pace = _pace(arguments.robot, arguments.gait, is_needed='quickest' in methods)
     clearance = robot.footprint_radius + arguments.safety_distance
+    outline = _outline(arguments, robot, pace)
     outcomes = []
     for method in methods:
         planner = planner_for(
@@ -165,6 +181,7 @@ def run(arguments: argparse.Namespace) -> int:
             path_deviation=arguments.path_deviation,
             pace=pace,
             start_tolerance=start_tolerance(arguments.safety_distance, pace),
+            outline=outline,
         )
         outcome = _attempt(method, planner, grid, arguments.start, arguments.goal)
         if outcome.error is not None and len(methods) == 1:
@@ -183,10 +200,28 @@ def run(arguments: argparse.Namespace) -> int:
 
         plans = {outcome.method: outcome.plan for outcome in outcomes if outcome.plan is not None}
         scene = Scene(grid, robot, clearance, arguments.start, arguments.goal)
+        if outline is not None:
+            scene = replace(scene, outline=outline.outline)
         if ground is not None:
             scene = replace(scene, heights=ground.heights, level_grid=of_map)
         draw_plans(arguments.picture, scene, plans)
     return 1 if any(outcome.plan is None for outcome in outcomes) else 0
+
+
+def _outline(
+    arguments: argparse.Namespace, robot: Robot, pace: WalkingTimeModel | None
+) -> OutlineOptions | None:
+    """Return the robot's outline if it is planned for."""
+    if arguments.footprint == 'circle':
+        return None
+    return outline_for(
+        robot,
+        arguments.safety_distance,
+        start_tolerance=start_tolerance(arguments.safety_distance, pace),
+        keeps_heading=arguments.turning == 'crab',
+        arcs=ArcTurns() if arguments.turning == 'arc' else None,
+        pace=pace,
+    )
 
 
 def _ground(arguments: argparse.Namespace, robot: Robot) -> Ground | None:

@@ -11,6 +11,12 @@ from quad_planner.grid.ground_limits import LARGEST_SLOPE, STEEPEST
 LOW_OBSTACLES = ('keep', 'step_over')
 """Choices for obstacles of the map that the height map shows to be low."""
 
+FOOTPRINTS = ('circle', 'outline')
+"""What of the robot keeps its distance from obstacles."""
+
+TURNINGS = ('in_place', 'crab', 'arc')
+"""Manners in which the gait follows a plan."""
+
 PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Names of the planning methods."""
 
@@ -72,6 +78,41 @@ class PlannerParameters:
         'm',
         lower=0.0,
         upper=10.0,
+        is_dynamic=True,
+    )
+    footprint: str = parameter(
+        'circle',
+        'What keeps the distance: the circle that holds the feet, or also the outline, which fits '
+        'through narrower passages and is planned for with its heading.',
+        choices=FOOTPRINTS,
+        is_dynamic=True,
+    )
+    outline: str = parameter(
+        '',
+        "Corners of the robot with its load about base_link, in m, for footprint 'outline': "
+        "[[x, y], ...], of which the convex hull counts; empty for the robot's own.",
+        is_dynamic=True,
+    )
+    turning: str = parameter(
+        'in_place',
+        "How the gait follows a plan, as gait_node's turning: footprint 'outline' plans for it.",
+        choices=TURNINGS,
+        is_dynamic=True,
+    )
+    corner_deviation: float = parameter(
+        0.1,
+        "As gait_node's corner_deviation, for footprint 'outline' with turning 'arc'.",
+        'm',
+        lower=0.001,
+        upper=10.0,
+        is_dynamic=True,
+    )
+    corner_radius: float = parameter(
+        1.0,
+        "As gait_node's corner_radius, for footprint 'outline' with turning 'arc'.",
+        'm',
+        lower=0.01,
+        upper=100.0,
         is_dynamic=True,
     )
     start_tolerance: float = parameter(

@@ -14,7 +14,10 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
+from quad_planner.methods.outline_planner import OutlineOptions
 from quad_planner.methods.planner import Planner, make_planner
+from quad_planner.outline.arcs import ArcTurns
+from quad_planner.outline.robot_outline import outer_radius, outline_from_text, standing_outline
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.planning_session import PlanningSession, SessionOptions
@@ -126,17 +129,15 @@ def change_planner(
 
 
 def _frees_other_cells(a: PlannerParameters, b: PlannerParameters) -> bool:
-    return (a.safety_distance, a.occupied_threshold, a.unknown_is_free) != (
-        b.safety_distance,
-        b.occupied_threshold,
-        b.unknown_is_free,
-    )
+    names = ('safety_distance', 'occupied_threshold', 'unknown_is_free', 'footprint', 'outline')
+    return any(getattr(a, name) != getattr(b, name) for name in (*names, 'turning'))
 
 
 def planner_for(
     robot: Robot,
     method: str,
     safety_distance: float = PlannerParameters().safety_distance,
+    outline: OutlineOptions | None = None,
     **options: Any,
 ) -> Planner[Any]:
     """
@@ -150,6 +151,8 @@ def planner_for(
         Name of the planning method.
     safety_distance : float
         Distance kept free around the circle that holds the robot's feet [m].
+    outline : OutlineOptions, optional
+        The robot's outline, to plan by it where that is of use.
     **options
         As :func:`~quad_planner.methods.planner.make_planner` takes them.
 
@@ -158,8 +161,71 @@ def planner_for(
     Planner
         The planner; it has no map yet.
     """
-    clearance = robot.footprint_radius + safety_distance
-    return make_planner(method, mesh_size=robot.mesh_size, clearance_radius=clearance, **options)
+    radius = max(robot.footprint_radius, 0.0 if outline is None else outline.circle_radius)
+    return make_planner(
+        method,
+        outline,
+        mesh_size=robot.mesh_size,
+        clearance_radius=radius + safety_distance,
+        **options,
+    )
+
+
+def outline_for(
+    robot: Robot,
+    safety_distance: float = PlannerParameters().safety_distance,
+    text: str = '',
+    **options: Any,
+) -> OutlineOptions:
+    """
+    Take the outline of a robot, or of a robot with its load.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    safety_distance : float
+        Distance that the outline keeps from obstacles [m].
+    text : str
+        Corners, as of :func:`~quad_planner.outline.robot_outline.outline_from_text`; empty for
+        the robot's own outline, standing.
+    **options
+        The other fields of `OutlineOptions`.
+
+    Returns
+    -------
+    OutlineOptions
+        What :func:`planner_for` takes.
+
+    Raises
+    ------
+    ParameterError
+        If the corners are not valid.
+    """
+    if not text.strip():
+        return OutlineOptions(standing_outline(robot), safety_distance, **options)
+    outline = outline_from_text(text)
+    return OutlineOptions(outline, safety_distance, circle_radius=outer_radius(outline), **options)
+
+
+def _outline_from_parameters(
+    parameters: PlannerParameters,
+    robot: Robot,
+    pace: WalkingTimeModel | None,
+    start_tolerance: float,
+) -> OutlineOptions | None:
+    p = parameters
+    if p.footprint == 'circle':
+        return None
+    return outline_for(
+        robot,
+        p.safety_distance,
+        p.outline,
+        start_tolerance=start_tolerance,
+        keeps_heading=p.turning == 'crab',
+        arcs=ArcTurns(p.corner_deviation, p.corner_radius) if p.turning == 'arc' else None,
+        pace=pace,
+    )
 
 
 def planner_from_parameters(
@@ -196,6 +262,7 @@ def planner_from_parameters(
         robot,
         p.method,
         p.safety_distance,
+        _outline_from_parameters(p, robot, pace, tolerance),
         pace=pace,
         any_angle=p.any_angle,
         fewest_turns=p.fewest_turns,

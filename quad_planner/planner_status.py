@@ -8,6 +8,7 @@ from quad_common.errors import QuadError
 from quad_common.plan import Plan
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_common.status import Level, Status
+from quad_planner.methods.outline_planner import BY_OUTLINE
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_session import PlanningSession
 
@@ -60,14 +61,21 @@ def session_status(
         return Status(Level.WARN, f'old localisation: {old_correction}')
     if session.plan is None:
         return Status(Level.OK, "ready: waiting for a goal on 'goal_pose'")
-    values = {'error_code': 0}
+    values = {'error_code': 0, 'footprint': footprint_of(session.plan)}
     return Status(Level.OK, _described(session, session.plan, parameters.gait, pace), values)
+
+
+def footprint_of(plan: Plan) -> str:
+    """Return by which footprint a plan was made: ``circle`` or ``outline``."""
+    return 'outline' if plan.remark == BY_OUTLINE else 'circle'
 
 
 def _described(
     session: PlanningSession, plan: Plan, gait: str, pace: WalkingTimeModel | None
 ) -> str:
     text = f'plan of {len(plan.poses)} turning points, {plan.length:.2f} m'
+    if footprint_of(plan) == 'outline':
+        text += ', by the outline'
     if session.planned_from is not None and pace is not None:
         text += f', {pace.walking_time(session.planned_from, plan):.0f} s to walk ({gait})'
     return f'{text}: it has ended' if session.has_ended else text

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import cycle, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,9 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_lab.topic_walk.walk_record import WalkRecord
 from quad_planner.grid.inflation import inflate
+
+_BETWEEN_OUTLINES = 0.5
+"""Distance between two outlines on a leg [m]."""
 
 _MARGIN = 1.0
 """Around what is of interest [m]."""
@@ -47,6 +50,8 @@ class Scene:
     """Ground, if it is uneven."""
     level_grid: OccupancyGrid | None = None
     """Map without the obstacles of the ground; the same as the map if not given."""
+    outline: NDArray[np.float64] | None = None
+    """Corners of the robot's outline in the body frame, if it was planned for, shape (n, 2) [m]."""
 
 
 def draw_walk(path: Path, scene: Scene, record: WalkRecord, title: str = '') -> None:
@@ -103,6 +108,9 @@ def draw_plans(path: Path, scene: Scene, plans: Mapping[str, Plan]) -> None:
         _draw_mesh(axes, scene.grid, scene.robot.mesh_size)
     for (name, plan), color in zip(plans.items(), cycle(_COLORS)):
         _draw_plan(axes, plan, color, name if len(plans) > 1 else 'plan with turning points')
+    if scene.outline is not None:
+        for plan in plans.values():
+            _draw_outlines(axes, plan, scene.outline)
     _finish(figure, axes, scene, plans.values(), path)
 
 
@@ -124,6 +132,20 @@ def _draw_plan(axes: Axes, plan: Plan, color: str, label: str) -> None:
     axes.plot(
         points[:, 0], points[:, 1], 'o-', color=color, linewidth=1.0, markersize=4, label=label
     )
+
+
+def _draw_outlines(axes: Axes, plan: Plan, outline: NDArray[np.float64]) -> None:
+    """Draw the robot at turning points, in both headings, and on the legs between."""
+    places = []
+    for here, there in pairwise(plan.poses):
+        parts = max(1, round(here.distance_to(there) / _BETWEEN_OUTLINES))
+        for part in np.arange(parts + 1) / parts:
+            x, y = here.x + part * (there.x - here.x), here.y + part * (there.y - here.y)
+            places.append(Pose2D(x, y, here.yaw))
+    for pose in (*places, plan.poses[-1]):
+        cos, sin = np.cos(pose.yaw), np.sin(pose.yaw)
+        corners = outline @ np.array([[cos, sin], [-sin, cos]]) + (pose.x, pose.y)
+        axes.fill(*corners.T, facecolor='none', edgecolor='#8a6d3b', linewidth=0.6)
 
 
 def _finish(figure: Figure, axes: Axes, scene: Scene, plans: Iterable[Plan], path: Path) -> None:

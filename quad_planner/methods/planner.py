@@ -22,6 +22,7 @@ from quad_common.planar_pose import Pose2D
 from quad_planner.grid.bit_grid import changed_rows
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.mesh_planner import MeshPlanner
+from quad_planner.methods.outline_planner import OutlineOptions, OutlinePlanner
 from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.methods.quickest_planner import QuickestPlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner
@@ -164,7 +165,9 @@ class Planner(Generic[Prepared]):
         return self._method.plan(self._prepared, start, goal)
 
 
-def make_planner(method: str, **options: Any) -> Planner[Any]:
+def make_planner(
+    method: str, outline: OutlineOptions | None = None, **options: Any
+) -> Planner[Any]:
     """
     Make a planner by its method's name.
 
@@ -172,6 +175,8 @@ def make_planner(method: str, **options: Any) -> Planner[Any]:
     ----------
     method : str
         A key of `METHODS`.
+    outline : OutlineOptions, optional
+        The robot's outline, to plan by it where that is of use.
     **options
         The fields of the methods' classes, for example `mesh_size` of `MeshPlanner`; those
         of other methods are left aside.
@@ -194,7 +199,8 @@ def make_planner(method: str, **options: Any) -> Planner[Any]:
     unknown = set(options) - set().union(*map(_options, METHODS.values()))
     if unknown:
         raise TypeError(f'no planning method has the options {sorted(unknown)}')
-    return Planner(METHODS[method](**taken))
+    made = METHODS[method](**taken)
+    return Planner(made if outline is None else OutlinePlanner(made, outline))
 
 
 def _options(method: Any) -> set[str]:

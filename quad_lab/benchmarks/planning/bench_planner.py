@@ -23,6 +23,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_lab.benchmarks.planning.bench_fields import field_bars
 from quad_lab.benchmarks.planning.bench_first_call import first_call_times
+from quad_lab.benchmarks.planning.bench_footprint import footprint_bars
 from quad_lab.benchmarks.planning.bench_quickest import walking_bars
 from quad_lab.benchmarks.planning.bench_searches import scenario_bars, search_bars
 from quad_lab.benchmarks.planning.bench_worst_case import worst_case_bars
@@ -34,7 +35,7 @@ from quad_planner.methods.shortest_planner import ShortestPlanner
 
 Mask = NDArray[np.bool_]
 
-PARTS = ('peers', 'searches', 'worst', 'start', 'node', 'walks')
+PARTS = ('peers', 'searches', 'worst', 'footprint', 'start', 'node', 'walks')
 """Parts that can be run alone."""
 
 _RADIUS = 8.0
@@ -126,6 +127,10 @@ def measure(
         bars += scenario_bars(quick)
     if 'worst' in only:
         bars += worst_case_bars(console, quick, seed)
+    if 'footprint' in only:
+        part, plans = footprint_bars(console, quick, seed)
+        bars += part
+        details.update(plans)
     if 'start' in only:
         bars += first_call_times(console, quick)
         memory = _memory_of_a_plan(largest)

@@ -1,0 +1,272 @@
+"""
+The legs of a plan: which turning points of a path are kept.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_planner.grid.array_types import Points
+from quad_planner.grid.compiled import compiled, compiled_part
+from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers
+from quad_planner.outline.outline_zones import Zones, fitting_classes, has_room_to_turn, leg_fits
+from quad_planner.outline.turn_rule import may_turn
+
+Floats = NDArray[np.float64]
+
+_TURN_COST = 0.15
+"""Length that a turn by one radian counts where the gait's pace is not known [m]."""
+
+_OVERSHOOT = 0.1
+"""Distance that a robot may walk on before it comes to rest for a turn [m]."""
+
+_TIGHT_CYCLES = 6.0
+"""Cycles that a turn counts more where there is little room."""
+
+_TIGHT_LENGTH = 2.0
+"""The same where lengths are counted [m]."""
+
+_NEAR_GOAL = 12
+"""Turning points before the goal that may be moved as the goal is."""
+
+
+class LegCosts(NamedTuple):
+    """Costs of legs and turns, in cycles or in lengths."""
+
+    stride: float
+    """Length of a cycle; 0 to count lengths [cells]."""
+    turn: float
+    """Turn of a cycle [rad]; or the cost of a radian."""
+    stopping: float
+    """Part of a cycle that is added to each."""
+    bend: float
+    """Smaller turns cost nothing [rad]."""
+    tight: float
+    """Cost of a turn where there is little room: it is better made elsewhere."""
+    overshoot: float
+    """Distance that a robot may walk on before it comes to rest for a turn [cells]."""
+
+    @classmethod
+    def of(cls, pace: WalkingTimeModel | None, resolution: float) -> LegCosts:
+        """Take the costs of a gait, or lengths if there is none; resolution in [m]."""
+        far = _OVERSHOOT / resolution
+        if pace is None:
+            return cls(0.0, _TURN_COST / resolution, 0.0, 0.0, _TIGHT_LENGTH / resolution, far)
+        stride = pace.stride / resolution
+        return cls(stride, pace.turn, pace.stopping, pace.bend, _TIGHT_CYCLES, far)
+
+
+@dataclass(frozen=True)
+class LegEnds:
+    """Start and goal of the legs, in the axes of the cells."""
+
+    start: Points
+    """Place of the start [cells]."""
+    start_yaw: float
+    """Heading there [rad]."""
+    goal: Points
+    """Place of the goal [cells]."""
+    goal_yaw: float
+    """Heading there [rad]."""
+    fixed_class: int
+    """Class of the heading that is kept all along; -1 where the robot walks ahead."""
+
+
+def chosen_legs(
+    zones: Zones, path: Points, ends: LegEnds, costs: LegCosts, window: int
+) -> Points | None:
+    """
+    Choose the turning points that cost least, of those of a path.
+
+    Parameters
+    ----------
+    zones : Zones
+        The map.
+    path : ndarray, shape (n, 2)
+        Places where moves begin and end, from the start to the cell of the goal [cells].
+    ends : LegEnds
+        Start and goal.
+    costs : LegCosts
+        Costs of legs and turns.
+    window : int
+        Turning points that one leg passes over, at most.
+
+    Returns
+    -------
+    ndarray, shape (m, 2), or None
+        From the start to the goal [cells]; None where no legs lead to the goal's very place.
+    """
+    inner = _corners(path)[1:]
+    shift = ends.goal - inner[-1]
+    is_off = bool(np.abs(shift).max() > 1e-9)
+    nodes, ranks = [ends.start], [0]
+    for rank, point in enumerate(inner[: None if is_off else -1], start=1):
+        nodes.append(point)
+        ranks.append(rank)
+        if is_off and len(inner) - rank <= _NEAR_GOAL and rank < len(inner):
+            nodes.append(point + shift)
+            ranks.append(rank)
+    nodes.append(ends.goal)
+    ranks.append(len(inner) + 1)
+    points = np.array(nodes)
+    count = len(points)
+    before = np.full((count, count), -1, dtype=np.int64)
+    last = _choose(
+        zones,
+        points,
+        np.array(ranks),
+        np.array([ends.start_yaw, ends.goal_yaw]),
+        ends.fixed_class,
+        window,
+        costs,
+        np.full((count, count), np.inf),
+        before,
+        np.full((count, count), np.nan),
+    )
+    if last < 0:
+        return None
+    chosen = [count - 1, last]
+    while chosen[-1] != 0:
+        chosen.append(int(before[chosen[-1], chosen[-2]]))
+    result: Points = points[chosen[::-1]]
+    return result
+
+
+def with_approaches(path: Points, distance: float) -> Points:
+    """
+    Add places before and after each leg on its line, from where it is walked straight.
+
+    Parameters
+    ----------
+    path : ndarray, shape (n, 2), n >= 2
+        Where legs begin and end [cells].
+    distance : float
+        Distance of those places from the leg [cells].
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        The path, with places that a leg may begin or end at, or pass over [cells].
+    """
+    places = [path[0]]
+    for at, (begin, end) in enumerate(pairwise(path)):
+        ahead = distance * (end - begin) / max(float(np.hypot(*(end - begin))), 1e-9)
+        if at > 0:
+            places += [begin - ahead, begin]
+        places.append(end)
+        if at + 2 < len(path):
+            places += [end + ahead, end]
+    return np.array(places)
+
+
+def _corners(path: Points) -> Points:
+    """Leave out places where a path goes straight on."""
+    steps = np.diff(path, axis=0)
+    across = steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0]
+    ahead = (steps[:-1] * steps[1:]).sum(axis=1)
+    turns = (np.abs(across) > 1e-9) | (ahead < 0.0)
+    keeps = np.concatenate(([True], turns, [True]))
+    result: Points = path[keeps]
+    return result
+
+
+@compiled_part
+def _class(heading: float) -> int:
+    return math.floor(heading / STEP + 0.5) % CLASSES
+
+
+@compiled_part
+def _turn_cost(angle: float, costs: LegCosts) -> float:
+    size = abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
+    if costs.stride == 0.0:
+        return size * costs.turn
+    if size <= costs.bend:
+        return 0.0
+    return max(1.0, math.ceil(size / costs.turn + costs.stopping - 1e-5))
+
+
+@compiled_part
+def _leg_cost(length: float, costs: LegCosts) -> float:
+    if costs.stride == 0.0:
+        return length
+    # The length decides among equals.
+    return math.ceil(length / costs.stride + costs.stopping - 1e-5) + 1e-5 * length
+
+
+@compiled_part
+def _may_overshoot(zones: Zones, x: float, y: float, heading: float, costs: LegCosts) -> bool:
+    """Return whether a robot that does not stop in time fits where it comes to."""
+    to_x, to_y = x + costs.overshoot * math.cos(heading), y + costs.overshoot * math.sin(heading)
+    return leg_fits(zones, x, y, to_x, to_y, _class(heading))
+
+
+@compiled
+def _choose(
+    zones: Zones,
+    points: Floats,
+    ranks: Integers,
+    yaws: Floats,
+    fixed_class: int,
+    window: int,
+    costs: LegCosts,
+    cheapest: Floats,
+    before: Integers,
+    headings: Floats,
+) -> int:
+    """Fill costs of legs and the turning points before them; return the one before the goal."""
+    count = len(points)
+    fitting = np.empty(CLASSES, dtype=np.int64)
+    best, last = np.inf, -1
+    for at in range(count):
+        x, y = points[at]
+        free = fitting_classes(zones, math.floor(x), math.floor(y), fitting)
+        is_roomy = has_room_to_turn(zones, math.floor(x), math.floor(y)) if free else False
+        if at == count - 1:
+            for h in range(at):
+                if cheapest[h, at] < np.inf:
+                    heading = yaws[0] if fixed_class >= 0 else headings[h, at]
+                    cost = cheapest[h, at] + _turn_cost(yaws[1] - heading, costs)
+                    if cost < best and may_turn(
+                        fitting, free, _class(heading), _class(yaws[1]), True
+                    ):
+                        best, last = cost, h
+            return last
+        for to in range(at + 1, count):
+            far = ranks[to] - ranks[at]
+            if far == 0 or far > window:
+                continue
+            dx, dy = points[to, 0] - x, points[to, 1] - y
+            heading = math.atan2(dy, dx)
+            k = _class(heading) if fixed_class < 0 else fixed_class
+            least, via = np.inf, -1
+            if at == 0:
+                if fixed_class >= 0:
+                    least = 0.0
+                elif may_turn(fitting, free, _class(yaws[0]), k, False):
+                    least = _turn_cost(heading - yaws[0], costs)
+            for h in range(at):
+                if cheapest[h, at] < np.inf:
+                    cost = cheapest[h, at]
+                    if fixed_class < 0:
+                        cost += _turn_cost(heading - headings[h, at], costs)
+                        if _class(headings[h, at]) != k and not (
+                            is_roomy and _may_overshoot(zones, x, y, headings[h, at], costs)
+                        ):
+                            cost += costs.tight
+                    if cost < least and (
+                        fixed_class >= 0
+                        or may_turn(fitting, free, _class(headings[h, at]), k, False)
+                    ):
+                        least, via = cost, h
+            if least < np.inf and leg_fits(zones, x, y, points[to, 0], points[to, 1], k):
+                cheapest[at, to] = least + _leg_cost(math.hypot(dx, dy), costs)
+                before[at, to] = via
+                headings[at, to] = heading
+    return last
