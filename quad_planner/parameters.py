@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from quad_common.maps.occupancy_grid import MAX_CELLS
 from quad_common.parameters import parameter
 from quad_planner.grid.ground_limits import LARGEST_SLOPE, STEEPEST
+from quad_planner.navigation.navigator_options import NavigatorOptions
 
 LOW_OBSTACLES = ('keep', 'step_over')
 """Choices for obstacles of the map that the height map shows to be low."""
@@ -180,3 +181,33 @@ class PlannerParameters:
         5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
     )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
+    navigation_patience: float = parameter(
+        10.0,
+        "An action's goal fails when the robot does nothing for it for so long.",
+        's',
+        lower=1.0,
+        is_dynamic=True,
+    )
+    navigation_retries: int = parameter(
+        3,
+        'So many times a robot that is stuck on its way to the goal of an action is planned for '
+        'again.',
+        lower=0,
+        upper=100,
+        is_dynamic=True,
+    )
+    passing_distance: float = parameter(
+        0.3,
+        'Distance at which a pose that is walked through counts as reached.',
+        'm',
+        lower=0.0,
+        upper=10.0,
+        is_dynamic=True,
+    )
+
+    @property
+    def navigator_options(self) -> NavigatorOptions:
+        """Conditions under which goals of actions are pursued."""
+        return NavigatorOptions(
+            self.navigation_patience, self.navigation_retries, self.passing_distance
+        )

@@ -38,6 +38,7 @@ from quad_common.ros.ros_node import STALE, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_planner import planner_setup
 from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import PlannerTopics
 from quad_planner.ros_conversions import ends_from_request, path_message
@@ -74,6 +75,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
+        self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_HEARTBEAT, self._on_heartbeat, clock=clock)
         # Once the executor has the node: what is answered before would not be received.
@@ -94,6 +96,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._pace = planner_setup.change_planner(
             self._session, self.parameters, parameters, self._requests, time.monotonic
         )
+        self._actions.take_parameters(parameters)
 
     def _on_map(self, message: OccupancyGrid) -> None:
         grid = grid_from_message(message, self.parameters.largest_map)
@@ -144,6 +147,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
     def destroy_node(self) -> None:
         """Give up what is being searched, and end."""
         self._requests.close()
+        self._actions.close()
         super().destroy_node()
 
 
