@@ -20,6 +20,7 @@ from sensor_msgs.msg import Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
 from quad_common.frames.map_frame import MapFrame
+from quad_common.plan import Plan
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
@@ -32,6 +33,7 @@ from quad_common.ros.pose_conversions import (
 )
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
+from quad_gait.gait_actions import GaitActions
 from quad_gait.gait_status import GaitStatus
 from quad_gait.gait_topics import GaitServices, GaitTopics
 from quad_gait.parameters import GaitParameters
@@ -79,6 +81,7 @@ class GaitNode(QuadNode[GaitParameters]):
             self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         self.create_subscription(Header, 'plan/heartbeat', self._planner.take_heartbeat, 10)
         GaitServices(self, supervisor, self._topics)
+        self._actions = GaitActions(self, supervisor, self._topics, self._read_plan)
         self.update_status()
 
     def take_parameters(self, parameters: GaitParameters) -> None:
@@ -91,11 +94,18 @@ class GaitNode(QuadNode[GaitParameters]):
         notes = self._map.problem(), self._topics.cmd_vel_problem()
         self.report_status(self._diagnosis.status(self.clock_problem(), *notes))
 
-    def _on_plan(self, message: Path) -> None:
+    def _read_plan(self, message: Path) -> Plan | None:
         plan = plan_from_message(message, self.parameters.longest_plan)
         if plan is not None:
             plan = self._map.frame.plan_on_map(message.header.frame_id, plan)
         self._planner.take_plan()
+        return plan
+
+    def _on_plan(self, message: Path) -> None:
+        plan = self._read_plan(message)
+        if plan is None and self._actions.is_followed:
+            # It takes back what came on the topic.
+            return
         self._supervisor.set_plan(plan)
         is_followed = plan is not None and self._supervisor.wanted_plan is plan
         self._topics.publish_followed(message if is_followed else None)
@@ -135,6 +145,7 @@ class GaitNode(QuadNode[GaitParameters]):
         # What is computed from the pose on the map is in its frame.
         name = self._odom_frame if frame.correction is None else frame.name
         self._topics.publish_decision(trajectory, state, name, stamp)
+        self._actions.update(state, message)
         if self._diagnosis.has_changed(pose):
             self.update_status()
 

@@ -19,7 +19,7 @@ from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_common.ros.goal_actions import GoalAction, GoalPort
 from quad_common.ros.pose_conversions import duration_from_seconds, pose_message
 from quad_common.ros.ros_node import QuadNode
-from quad_planner.navigation.navigator import Navigator, Outcome, Result
+from quad_planner.navigation.navigator import Navigator
 from quad_planner.navigation.robot_report import RobotReport
 from quad_planner.parameters import PlannerParameters
 from quad_planner.ros_conversions import goals_of
@@ -29,6 +29,9 @@ try:
     from nav2_msgs.action import NavigateThroughPoses, NavigateToPose
 except ImportError:
     NavigateThroughPoses = NavigateToPose = None
+
+IS_INSTALLED = NavigateToPose is not None
+"""Whether there are Nav2's actions."""
 
 _PERIOD = 0.1
 """Time between two looks at a task, and two feedbacks, on the wall clock [s]."""
@@ -66,7 +69,9 @@ class NavigationActions:
         )
         node.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 10)
         self._began = node.get_clock().now()
-        self._timer = node.create_timer(_PERIOD, self._on_timer, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._timer = node.create_timer(
+            _PERIOD, self._on_timer, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
         self._timer.cancel()
 
     def take_parameters(self, parameters: PlannerParameters) -> None:
@@ -90,7 +95,7 @@ class NavigationActions:
         result = self._navigator.update(time.monotonic(), clock)
         for action in self._actions:
             if action.is_active and result is not None:
-                _finish(action, result)
+                action.finish(result)
             elif action.is_active and self._session.pose is not None:
                 action.report(self._feedback(action, self._session.pose))
         if not self._navigator.is_active:
@@ -112,12 +117,3 @@ class NavigationActions:
         if hasattr(feedback, 'number_of_poses_remaining'):
             feedback.number_of_poses_remaining = progress.poses_left
         return feedback
-
-
-def _finish(action: GoalAction, result: Result) -> None:
-    end = {
-        Outcome.SUCCEEDED: action.succeed,
-        Outcome.CANCELED: action.canceled,
-        Outcome.ABORTED: action.abort,
-    }[result.outcome]
-    end(action.type.Result(error_code=result.code, error_msg=result.message))

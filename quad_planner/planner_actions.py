@@ -9,7 +9,7 @@ from typing import Any
 
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_common.ros.ros_node import QuadNode
-from quad_planner.navigation_actions import NavigateToPose, NavigationActions
+from quad_planner.navigation_actions import IS_INSTALLED, NavigationActions
 from quad_planner.parameters import PlannerParameters
 from quad_planner.path_actions import PathActions
 from quad_planner.session.latest_request import LatestRequest
@@ -43,7 +43,7 @@ class PlannerActions:
         self._navigation: NavigationActions | None = None
         # Paths that are asked for do not end the search for the robot's, nor the reverse.
         self._requests = requests or LatestRequest[Any](node.call_soon)
-        if NavigateToPose is None:
+        if not IS_INSTALLED:
             node.get_logger().info('nav2_msgs is not installed: no actions are served')
             return
         self._navigation = NavigationActions(node, session, pace)

@@ -12,7 +12,9 @@ from typing import Any
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 
 from quad_common.errors import QuadError
+from quad_common.errors.quoting import clipped
 from quad_common.ros.guarded_node import GuardedNode
+from quad_common.task_result import Outcome, TaskResult
 
 
 @dataclass(frozen=True)
@@ -83,9 +85,14 @@ class GoalAction:
         is_asked = self._handle is not None and self._handle.is_cancel_requested
         self._end('canceled' if is_asked else 'abort', result)
 
-    def destroy(self) -> None:
-        """Serve no more."""
-        self._server.destroy()
+    def finish(self, result: TaskResult) -> None:
+        """End the goal as a task has ended."""
+        end = {
+            Outcome.SUCCEEDED: self.succeed,
+            Outcome.CANCELED: self.canceled,
+            Outcome.ABORTED: self.abort,
+        }[result.outcome]
+        end(self.type.Result(error_code=int(result.code), error_msg=clipped(result.message)))
 
     def _end(self, how: str, result: Any) -> None:
         handle, self._handle = self._handle, None

@@ -7,49 +7,21 @@ both together, and decides when to try again and when to give up. It knows no to
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_common.task_result import FollowCode, Outcome, TaskResult
 from quad_planner.navigation.navigator_options import NavigatorOptions
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.navigation.robot_report import RobotReport
 from quad_planner.session.given_goal import GivenGoal, GoalEnd
 from quad_planner.session.planning_session import PlanningSession
 
-NO_ERROR = 0
-UNKNOWN_ERROR = 100
-NO_POSE = 102
-PATIENCE_EXCEEDED = 104
-NO_PROGRESS = 105
-NO_CONTROL = 106
-"""Error codes of Nav2's FollowPath action (Jazzy); those of planners come with their errors."""
-
 _SETTLED = 1.5
 """Time after a plan in which what the robot says may still be about the one before [s]."""
-
-
-class Outcome(enum.Enum):
-    """How a task has ended, as an action says it."""
-
-    SUCCEEDED = 'succeeded'
-    CANCELED = 'canceled'
-    ABORTED = 'aborted'
-
-
-@dataclass(frozen=True)
-class Result:
-    """End of a task."""
-
-    outcome: Outcome
-    """Kind of end."""
-    code: int = NO_ERROR
-    """Error code of Nav2; 0 for none."""
-    message: str = ''
-    """Reason, as a sentence; empty if it succeeded."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +95,7 @@ class Navigator:
         self._report = report
         self._is_report_new = True
 
-    def update(self, wall: float, clock: float) -> Result | None:
+    def update(self, wall: float, clock: float) -> TaskResult | None:
         """
         Let time go on, and look how the task goes.
 
@@ -136,7 +108,7 @@ class Navigator:
 
         Returns
         -------
-        Result or None
+        TaskResult or None
             The end of the task; None while it goes on, or if there is none.
         """
         self._count(wall, clock)
@@ -145,7 +117,7 @@ class Navigator:
         result = self._canceled() if self._is_canceled else self._checked(self._given)
         if result is not None:
             self._given = None
-            if result.outcome is Outcome.ABORTED and result.code != NO_ERROR:
+            if result.outcome is Outcome.ABORTED and result.code != FollowCode.NONE:
                 # Whoever gave it up for lost must not find that it walks there after all.
                 self._session.withdraw_goal()
         return result
@@ -195,27 +167,29 @@ class Navigator:
         is_on_its_way = plan is not None and is_moving and not self._session.silence
         self._idle = 0.0 if is_on_its_way and not self._is_canceled else self._idle + passed
 
-    def _canceled(self) -> Result | None:
+    def _canceled(self) -> TaskResult | None:
         """Return the end of a task that was given up, once the robot stands."""
         stands = self._is_report_new and self._report is not None and not self._report.is_moving
         if stands or self._idle > self.options.patience:
-            return Result(Outcome.CANCELED)
+            return TaskResult(Outcome.CANCELED)
         return None
 
-    def _checked(self, given: GivenGoal) -> Result | None:
+    def _checked(self, given: GivenGoal) -> TaskResult | None:
         """Return the end of a task that runs, if it has come."""
         if given.end is GoalEnd.ARRIVED or (given.end is None and self._passes_a_goal()):
             if not self._goals:
-                return Result(Outcome.SUCCEEDED)
+                return TaskResult(Outcome.SUCCEEDED)
             self._go_to_next()
             return None
         if given.end is GoalEnd.REFUSED:
-            code = UNKNOWN_ERROR if given.error is None else given.error.code
-            return Result(Outcome.ABORTED, code, given.reason)
+            code = FollowCode.UNKNOWN if given.error is None else given.error.code
+            return TaskResult(Outcome.ABORTED, code, given.reason)
         if given.end in (GoalEnd.REPLACED, GoalEnd.WITHDRAWN):
-            return Result(Outcome.ABORTED, NO_ERROR, f'preempted: {given.reason}')
+            return TaskResult(Outcome.ABORTED, FollowCode.NONE, f'preempted: {given.reason}')
         if given.end is not None:
-            return Result(Outcome.ABORTED, UNKNOWN_ERROR, f'{given.reason}{self._robots_words()}')
+            return TaskResult(
+                Outcome.ABORTED, FollowCode.UNKNOWN, f'{given.reason}{self._robots_words()}'
+            )
         return self._troubled()
 
     def _passes_a_goal(self) -> bool:
@@ -226,15 +200,15 @@ class Navigator:
             return False
         return pose.distance_to(plan.poses[-1]) <= self.options.passing_distance
 
-    def _troubled(self) -> Result | None:
+    def _troubled(self) -> TaskResult | None:
         """Do something about trouble; return the end of the task where there is nothing to do."""
         session, report = self._session, self._report
         if session.plan is not None and report is not None and self._since_plan > _SETTLED:
             if report.is_disabled:
-                return Result(Outcome.ABORTED, NO_CONTROL, report.reason)
+                return TaskResult(Outcome.ABORTED, FollowCode.NO_CONTROL, report.reason)
             if report.is_stuck and session.pending_goal is None:
                 if self._recoveries >= self.options.retries:
-                    return Result(Outcome.ABORTED, NO_PROGRESS, report.reason)
+                    return TaskResult(Outcome.ABORTED, FollowCode.NO_PROGRESS, report.reason)
                 self._recoveries += 1
                 self._since_plan = 0.0
                 session.plan_again()
@@ -242,18 +216,18 @@ class Navigator:
         if self._idle <= self.options.patience:
             return None
         code, why = self._lack()
-        return Result(Outcome.ABORTED, code, f'nothing happened for {self._idle:.0f} s: {why}')
+        return TaskResult(Outcome.ABORTED, code, f'nothing happened for {self._idle:.0f} s: {why}')
 
     def _lack(self) -> tuple[int, str]:
         """Say what is missing, with its code."""
         session = self._session
         if session.problem is not None:
-            return getattr(session.problem, 'code', UNKNOWN_ERROR), str(session.problem)
+            return getattr(session.problem, 'code', FollowCode.UNKNOWN), str(session.problem)
         if not session.map.is_ready:
-            return UNKNOWN_ERROR, 'there is no map'
+            return FollowCode.UNKNOWN, 'there is no map'
         if not session.has_pose or session.silence:
-            return NO_POSE, 'there is no odometry'
-        return PATIENCE_EXCEEDED, f'the plan is not followed{self._robots_words()}'
+            return FollowCode.NO_POSE, 'there is no odometry'
+        return FollowCode.PATIENCE_EXCEEDED, f'the plan is not followed{self._robots_words()}'
 
     def _robots_words(self) -> str:
         return '' if self._report is None else f'; the robot says: {self._report.reason}'
