@@ -25,6 +25,7 @@ BENCHMARKS = {
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
     'view': 'quad_lab.benchmarks.bench_view',
+    'fleet': 'quad_lab.benchmarks.bench_fleet',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }
@@ -41,6 +42,7 @@ EXAMPLES = """examples:
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
   quadwalk bench view --only updates
+  quadwalk bench fleet --only cancels
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
   quadwalk bench robots --only imports broken
