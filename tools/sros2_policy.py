@@ -3,7 +3,7 @@ Writes the SROS2 policy of quadwalk from the pages of its interfaces.
 
 ``python tools/sros2_policy.py`` writes ``config/sros2_policy.xml`` again; ``--namespace``
 and ``--output`` make one for a robot in a namespace. Each node gets an enclave in which it
-may publish, hear and offer what ``msg_docs`` says, and what every node of rclpy has;
+may publish, subscribe to and serve what ``msg_docs`` says, and what every node of rclpy has;
 people with their tools and a real robot's own nodes get one each. The format is that of "ROS 2
 Access Control Policies" (design.ros2.org), version 0.2.0.
 """
@@ -57,7 +57,7 @@ _COMMENT = """
 
 @dataclass(frozen=True)
 class Page:
-    """What a page says of one topic or service."""
+    """What a page says of one topic, service or action."""
 
     name: str
     """As the page writes it: absolute with a leading slash."""
@@ -73,7 +73,7 @@ class Page:
 
 def pages(folder: Path = ROOT / 'msg_docs') -> list[Page]:
     """
-    Read the pages of topics and services.
+    Read the pages of topics, services and actions.
 
     Parameters
     ----------
@@ -83,14 +83,14 @@ def pages(folder: Path = ROOT / 'msg_docs') -> list[Page]:
     Returns
     -------
     list of Page
-        One for each topic or service, by name.
+        One for each topic, service or action, by name.
     """
     found = []
     for path in sorted(folder.glob('*.md')):
         parts = path.read_text(encoding='utf-8').split('\n\n')
         lines = [line.strip('|').split('|', 1) for line in parts[1].splitlines() if '|' in line]
         rows = {line[0].strip(): line[1].strip() for line in lines if len(line) == 2}
-        if rows.keys() & {'published by', 'subscribed by', 'offered by'}:
+        if rows.keys() & {'published by', 'subscribed by', 'offered by', 'served by'}:
             found += [Page(name, rows) for name in re.findall('`([^`]+)`', parts[0])]
     return sorted(found, key=lambda page: page.name)
 
@@ -116,6 +116,8 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
             ('topic', 'subscribe'): {'/clock', '/parameter_events'},
             ('service', 'reply'): {f'{owner}/{service}' for service in _OF_EVERY_NODE},
             ('service', 'request'): set(),
+            ('action', 'execute'): set(),
+            ('action', 'call'): set(),
         }
     operator = rights[OPERATOR]
     operator['topic', 'subscribe'].add('/rosout')
@@ -128,7 +130,10 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
             rights[owner]['service', 'reply'].add(page.name)
             operator['service', 'request'].add(page.name)
             rights[VIEWER]['service', 'request'].add(page.name)
-        if 'offered by' not in page.rows:
+        for owner in page.names_in('served by'):
+            rights[owner]['action', 'execute'].add(page.name)
+            operator['action', 'call'].add(page.name)
+        if not page.rows.keys() & {'offered by', 'served by'}:
             operator['topic', 'subscribe'].add(page.name)
     for node in NODES:
         operator['service', 'request'] |= {f'{node}/{service}' for service in _OF_EVERY_NODE}

@@ -51,8 +51,9 @@ class NavigatedRobot:
         """What the gait says that it does."""
         self.has_fallen = False
         """Whether the simulator said that the robot has fallen."""
-        self._node.create_subscription(Odometry, 'odom', self._on_odometry, _EVERY_POSE)
-        self._node.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
+        subscribe = self._node.create_subscription
+        subscribe(Odometry, 'odom', self._on_odometry, _EVERY_POSE)
+        subscribe(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
 
     def close(self) -> None:
         """Give back what it has; the processes are ended by who started them."""

@@ -23,12 +23,15 @@ SHELLS = {
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 
-_SHELL_NAMES = ('_node', '_conversions', '_topics')
+_SHELL_NAMES = ('_node', '_conversions', '_topics', '_actions')
 
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
     'quad_lab.topic_walk.walk_observer',
     'quad_lab.topic_walk.walk_notes',
+    'quad_lab.topic_walk.navigation_client',
+    'quad_lab.topic_walk.navigated_robot',
+    'quad_lab.benchmarks.bench_fleet',
     'quad_lab.topic_walk.recorded_walk',
     'quad_lab.recordings.recorder',
     'quad_lab.recordings.subscription',
