@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_common.maps.occupancy_grid import MAX_CELLS
+from quad_common.maps.occupancy_grid import MAX_CELLS, OCCUPIED
 from quad_common.parameters import parameter
 from quad_planner.grid.ground_limits import LARGEST_SLOPE, STEEPEST
 from quad_planner.navigation.navigator_options import NavigatorOptions
 
 LOW_OBSTACLES = ('keep', 'step_over')
 """Choices for obstacles of the map that the height map shows to be low."""
+
+MAP_VALUES = ('occupancy', 'costmap')
+"""Choices for what the values of a map mean."""
 
 PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Names of the planning methods."""
@@ -90,6 +93,21 @@ class PlannerParameters:
         '%',
         lower=1,
         upper=100,
+        is_dynamic=True,
+    )
+    map_values: str = parameter(
+        'occupancy',
+        "What the values of the map mean. 'costmap': those of Nav2's costmaps, where 100 (lethal) "
+        'alone is an obstacle, and 1 to 99 are costs of walking there.',
+        choices=MAP_VALUES,
+        is_dynamic=True,
+    )
+    map_cost: float = parameter(
+        5.0,
+        "A path through cells of a costmap's highest cost, 99, counts so many times its length; "
+        "less, where it is lower. For 'shortest' and the navigation function of 'potential'.",
+        lower=1.0,
+        upper=15.0,
         is_dynamic=True,
     )
     unknown_is_free: bool = parameter(
@@ -204,6 +222,11 @@ class PlannerParameters:
         upper=10.0,
         is_dynamic=True,
     )
+
+    @property
+    def obstacle_threshold(self) -> int:
+        """Least value of an obstacle on the map [%]."""
+        return OCCUPIED if self.map_values == 'costmap' else self.occupied_threshold
 
     @property
     def navigator_options(self) -> NavigatorOptions:

@@ -14,18 +14,15 @@ import time
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.msg import Odometry, Path
 from nav_msgs.srv import GetPlan
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from sensor_msgs.msg import PointCloud2
 
 from quad_common.errors import PlannerError, QuadError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot_files.robot_file import load_robot
-from quad_common.ros.height_map_conversions import height_map_from_message
-from quad_common.ros.map_conversions import grid_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (
     most_plan_bytes,
@@ -37,6 +34,7 @@ from quad_common.ros.pose_conversions import (
 from quad_common.ros.ros_node import STALE, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_planner import planner_setup
+from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
@@ -45,7 +43,6 @@ from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
 
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _EVERY_PLAN = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _HEARTBEAT = 0.5
@@ -66,8 +63,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._session = planner_setup.session_from_parameters(
             p, load_robot(p.robot), frame, self._requests, self._topics, time.monotonic
         )
-        self.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
-        self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
+        MapTopics(self, self._session)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
         self.create_subscription(
             Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
@@ -97,14 +93,6 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self._session, self.parameters, parameters, self._requests, time.monotonic
         )
         self._actions.take_parameters(parameters)
-
-    def _on_map(self, message: OccupancyGrid) -> None:
-        grid = grid_from_message(message, self.parameters.largest_map)
-        self._session.take_grid(grid, message.header.frame_id or 'map')
-
-    def _on_height_map(self, message: PointCloud2) -> None:
-        frame = message.header.frame_id
-        self._session.take_heights(height_map_from_message(message, (frame,)), frame)
 
     def _on_goal(self, message: PoseStamped) -> None:
         try:

@@ -13,8 +13,8 @@ from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
-from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
-from quad_planner.methods.planner import Planner, make_planner
+from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, MapCost, UnknownCost
+from quad_planner.methods.planner import METHODS, Planner, make_planner
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.planning_session import PlanningSession, SessionOptions
@@ -67,7 +67,7 @@ def session_from_parameters(
         planner_from_parameters(p, robot, clock, requests.is_superseded),
         frame,
         GroundLimits.of(robot, p.step_height, p.largest_slope),
-        p.occupied_threshold,
+        p.obstacle_threshold,
         steps_over_low=p.low_obstacles == 'step_over',
         warn=output.warn,
     )
@@ -117,7 +117,7 @@ def change_planner(
     pace = pace_from_parameters(parameters)
     robot = load_robot(parameters.robot)
     planner = planner_from_parameters(parameters, robot, clock, requests.is_superseded)
-    session.map.use(planner, parameters.occupied_threshold)
+    session.map.use(planner, parameters.obstacle_threshold)
     session.options = _session_options(parameters)
     session.warm_up(clock)
     if session.map.is_ready and _frees_other_cells(before, parameters):
@@ -126,9 +126,9 @@ def change_planner(
 
 
 def _frees_other_cells(a: PlannerParameters, b: PlannerParameters) -> bool:
-    return (a.safety_distance, a.occupied_threshold, a.unknown_is_free) != (
+    return (a.safety_distance, a.obstacle_threshold, a.unknown_is_free) != (
         b.safety_distance,
-        b.occupied_threshold,
+        b.obstacle_threshold,
         b.unknown_is_free,
     )
 
@@ -203,7 +203,7 @@ def planner_from_parameters(
         influence=p.influence,
         path_deviation=p.path_deviation,
         start_tolerance=tolerance,
-        occupied_threshold=p.occupied_threshold,
+        occupied_threshold=p.obstacle_threshold,
         unknown_is_free=p.unknown_is_free,
         time_limit=p.planning_timeout,
         clock=clock,
@@ -248,4 +248,12 @@ def _costs(parameters: PlannerParameters) -> tuple[CostLayer, ...]:
         layers.append(UnknownCost(parameters.unknown_cost))
     if parameters.clearance_cost > 1.0:
         layers.append(ClearanceCost(parameters.clearance_cost, parameters.clearance_cost_distance))
+    if parameters.map_values == 'costmap' and _takes_costs(parameters):
+        layers.append(MapCost(parameters.map_cost))
     return tuple(layers)
+
+
+def _takes_costs(parameters: PlannerParameters) -> bool:
+    """Return whether the method compares paths by costs; others go by the obstacles alone."""
+    is_any_potential = parameters.method == 'potential' and parameters.potential != 'navigation'
+    return bool(getattr(METHODS[parameters.method], 'knows_costs', False)) and not is_any_potential

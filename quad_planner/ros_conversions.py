@@ -19,6 +19,7 @@ from quad_common.errors import InvalidMessage, NoGoals
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_from_message, pose_message
+from quad_planner.grid.grid_update import GridUpdate
 
 _MOST_POSES = 1000
 """Poses that a goal of an action may have."""
@@ -65,6 +66,34 @@ def goals_of(request: Any) -> list[tuple[str, Pose2D]]:
 def placed_pose(stamped: PoseStamped, what: str) -> tuple[str, Pose2D]:
     """Return a pose with its frame; InvalidPose if it is none."""
     return stamped.header.frame_id, pose_from_message(stamped.pose, what)
+
+
+def update_from_message(message: Any) -> GridUpdate:
+    """
+    Read an update of a map.
+
+    Parameters
+    ----------
+    message : map_msgs/OccupancyGridUpdate
+        The update.
+
+    Returns
+    -------
+    GridUpdate
+        The same update.
+
+    Raises
+    ------
+    InvalidMessage
+        If it has no cells, or not as many as its sizes say.
+    """
+    cells = np.frombuffer(message.data, dtype=np.int8)
+    if not cells.size or cells.size != message.width * message.height:
+        raise InvalidMessage(
+            'map update',
+            f'it has {cells.size} cells, and is {message.width} x {message.height} cells in size',
+        )
+    return GridUpdate(message.x, message.y, cells.reshape(message.height, message.width))
 
 
 def path_message(plan: Plan | None, frame: str, stamp: Time) -> Path:

@@ -16,6 +16,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.session.given_goal import GivenGoal, GoalEnd
 from quad_planner.session.own_plans import Followed, OwnPlans
 from quad_planner.session.planning_map import PlanningMap
@@ -152,6 +153,16 @@ class PlanningSession:
         if self.map.take_grid(grid, frame):
             self.plan_on_new_map()
         if self.map.take_waiting_heights():
+            self.plan_on_new_map()
+
+    def take_update(self, update: GridUpdate, frame: str) -> None:
+        """Plan on the map with some cells changed; see :meth:`PlanningMap.take_update`."""
+        if self.map.take_update(update, frame):
+            self.plan_on_new_map()
+
+    def take_mask(self, mask: OccupancyGrid, frame: str) -> None:
+        """Keep out of the zones of a mask; see :meth:`PlanningMap.take_mask`."""
+        if self.map.take_mask(mask, frame):
             self.plan_on_new_map()
 
     def take_heights(self, heights: HeightMap, frame: str) -> None:

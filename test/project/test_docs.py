@@ -50,6 +50,7 @@ SHARED = {
     'gait_actions': ('gait_node',),
     'navigation_actions': ('planner_node',),
     'path_actions': ('planner_node',),
+    'map_topics': ('planner_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
     'robot_topics': ('viewer_node',),
@@ -136,7 +137,7 @@ def interfaces() -> Iterator[Interface]:
 
 
 def imported_types(tree: ast.Module) -> dict[str, str]:
-    """List the messages, services and actions that a module imports, by the name they have in it."""
+    """List the messages, services and actions that a module imports, by their names in it."""
     return {
         alias.asname or alias.name: f'{node.module.replace(".", "/")}/{alias.name}'
         for node in ast.walk(tree)
@@ -384,7 +385,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from quad_common.ros import map_frame_listener, transform_publisher
     from quad_gait import gait_node, gait_topics
     from quad_perception import camera_topics, ceiling_camera_node
-    from quad_planner import planner_node, planner_topics
+    from quad_planner import map_topics, planner_node, planner_topics
     from quad_sim import sim_node, sim_topics
     from quad_view import robot_topics
 
@@ -397,7 +398,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
                 camera_topics,
                 gait_node,
                 gait_topics,
-                planner_node,
+                map_topics,
                 planner_topics,
                 robot_topics,
                 sim_node,
