@@ -17,8 +17,9 @@ from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, MapCost, U
 from quad_planner.methods.planner import METHODS, Planner, make_planner
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.planning_session import PlanningSession, SessionOptions
+from quad_planner.session.planning_session import PlanningSession
 from quad_planner.session.session_ports import Output, Requests
+from quad_planner.session.session_state import SessionOptions
 
 
 def no_clock() -> float:

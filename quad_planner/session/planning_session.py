@@ -8,10 +8,9 @@ decides; searches run wherever the requests are worked on.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
-from quad_common.errors import PlannerError, QuadError, without_frames
+from quad_common.errors import PlannerError, without_frames
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
@@ -20,8 +19,8 @@ from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.session.given_goal import GivenGoal, GoalEnd
 from quad_planner.session.own_plans import Followed, OwnPlans
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.pose_age import PoseAge
 from quad_planner.session.session_ports import Output, Requests
+from quad_planner.session.session_state import SessionOptions, SessionState, Wish
 
 _CHECK_PERIOD = 0.2
 """Time between two checks whether the robot has left its path [s]."""
@@ -36,27 +35,7 @@ _LONG = 3.0
 """Time in which compiled searches are ready at the latest [s]."""
 
 
-@dataclass(frozen=True)
-class _Wish:
-    """A goal to plan to."""
-
-    frame: str
-    goal: Pose2D
-    is_given: bool
-    """Whether it was just given; else it is an older one that is planned to again."""
-
-
-@dataclass(frozen=True)
-class SessionOptions:
-    """Conditions under which a session plans, and its map."""
-
-    replan_distance: float = 0.3
-    """Distance from its path at which a robot is planned for again [m]."""
-    odom_timeout: float = 1.0
-    """Age of a pose from which no plan is made any more [s]."""
-
-
-class PlanningSession:
+class PlanningSession(SessionState):
     """
     Plans when a goal comes, when a map changes, and when the robot leaves its path.
 
@@ -79,65 +58,14 @@ class PlanningSession:
         output: Output,
         options: SessionOptions,
     ) -> None:
-        self.map = planning_map
-        """Map that is planned on."""
-        self.options = options
-        """Conditions under which it plans."""
-        self._requests = requests
+        super().__init__(planning_map, requests, options)
         self._output = output
-        self._pose: Pose2D | None = None
-        self._age = PoseAge()
         self._checked_at = 0.0
-        self._waiting: _Wish | None = None
-        self._pending: _Wish | None = None
-        self._goal: Pose2D | None = None
         self._is_plan_void = False
         self._void_at: Pose2D | None = None
         self._given = GivenGoal()
         self._own = OwnPlans()
         self._is_new = True
-        self.plan: Plan | None = None
-        """Plan that was published last, unless it was taken back."""
-        self.planned_from: Pose2D | None = None
-        """Pose of the robot from which it was planned."""
-        self.problem: QuadError | None = None
-        """Reason why the last goal was refused, or has no plan."""
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether a search, or what makes searches ready, is under way."""
-        return self._requests.is_busy
-
-    @property
-    def pending_goal(self) -> Pose2D | None:
-        """Goal that is being searched for."""
-        return None if self._pending is None else self._pending.goal
-
-    @property
-    def pose(self) -> Pose2D | None:
-        """Pose of the robot in the map that was received last."""
-        return self._pose
-
-    @property
-    def has_pose(self) -> bool:
-        """Whether the robot's pose was received."""
-        return self._pose is not None
-
-    @property
-    def silence(self) -> float:
-        """Time since the last pose [s]; 0 as long as it is recent enough to plan from."""
-        seconds = self._age.seconds
-        return seconds if self.has_pose and seconds > self.options.odom_timeout else 0.0
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether the plan that was published last leads to no goal any more."""
-        return self.plan is not None and self._goal is None
-
-    @property
-    def is_waiting(self) -> bool:
-        """Whether a goal waits for a map, or for a pose."""
-        return self._waiting is not None
 
     # Maps
 
@@ -177,7 +105,7 @@ class PlanningSession:
         self._output.show_map(self.map.planner.prepared)
         wish = self._pending
         if wish is None and self._goal is not None:
-            wish = _Wish(self.map.frame.name, self._goal, is_given=False)
+            wish = Wish(self.map.frame.name, self._goal, is_given=False)
         if self._waiting is None and wish is not None and self._pose is not None:
             self._search(wish, is_plan_void=True)
         self._try_waiting_goal()
@@ -190,7 +118,7 @@ class PlanningSession:
         self._is_new = False
         self._given.conclude(GoalEnd.REPLACED, 'a newer goal has taken its place')
         self._given = given = GivenGoal()
-        self._waiting = _Wish(frame, goal, is_given=True)
+        self._waiting = Wish(frame, goal, is_given=True)
         self._try_waiting_goal()
         self._output.update_status()
         return given
@@ -208,7 +136,7 @@ class PlanningSession:
     def plan_again(self) -> None:
         """Plan to the goal in force from where the robot is, unless that is under way."""
         if self._goal is not None and self._pending is None:
-            self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
+            self._search(Wish(self.map.frame.name, self._goal, is_given=False))
 
     def _try_waiting_goal(self) -> None:
         """Plan to the goal that came last, as soon as map and pose are known."""
@@ -221,9 +149,9 @@ class PlanningSession:
         except PlannerError as error:
             self._refuse(wish, error)
             return
-        self._search(_Wish(self.map.frame.name, goal, wish.is_given))
+        self._search(Wish(self.map.frame.name, goal, wish.is_given))
 
-    def _refuse(self, wish: _Wish, error: PlannerError) -> None:
+    def _refuse(self, wish: Wish, error: PlannerError) -> None:
         self.problem = problem = without_frames(error)
         if wish.is_given:
             self._given.conclude(GoalEnd.REFUSED, str(problem), problem)
@@ -266,7 +194,7 @@ class PlanningSession:
             return
         if self._goal is not None:
             self._output.say(f'the robot is {distance:.2f} m from its path: planning again')
-            self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
+            self._search(Wish(self.map.frame.name, self._goal, is_given=False))
         else:
             # A late subscriber must not walk to it again.
             self._publish(None)
@@ -304,7 +232,7 @@ class PlanningSession:
                 f'before this planner began: that goal is taken over'
             )
             self._own.add(stamp)
-            self._waiting = _Wish(frame, goal, is_given=False)
+            self._waiting = Wish(frame, goal, is_given=False)
             self._try_waiting_goal()
             self._output.update_status()
         elif self._goal is not None and self._pending is None:
@@ -343,7 +271,7 @@ class PlanningSession:
             self._output.say(f'the searches were compiled in {took:.0f} s; they are kept')
         self._output.update_status()
 
-    def _search(self, wish: _Wish, is_plan_void: bool = False) -> None:
+    def _search(self, wish: Wish, is_plan_void: bool = False) -> None:
         """
         Begin to search a plan; searches before it are given up.
 
@@ -368,7 +296,7 @@ class PlanningSession:
             self._pending = None
             self._requests.submit(lambda: None, lambda result: result())
 
-    def _on_result(self, start: Pose2D, wish: _Wish, result: Callable[[], Plan]) -> None:
+    def _on_result(self, start: Pose2D, wish: Wish, result: Callable[[], Plan]) -> None:
         self._pending = None
         try:
             plan = result()

@@ -23,7 +23,8 @@ from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.navigation.robot_report import DISABLED, MOVING, STUCK, RobotReport
 from quad_planner.session.immediate_request import ImmediateRequest
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.planning_session import PlanningSession, SessionOptions
+from quad_planner.session.planning_session import PlanningSession
+from quad_planner.session.session_state import SessionOptions
 
 START, MIDDLE, GOAL = Pose2D(1.0, 1.0, 0.0), Pose2D(2.0, 1.0, 0.0), Pose2D(3.0, 1.0, 0.0)
 OUTSIDE, IN_THE_PILLAR = Pose2D(9.0, 1.0, 0.0), Pose2D(3.7, 3.7, 0.0)
