@@ -36,13 +36,13 @@ NEAR, ANGLE = 0.05, math.radians(5.0)
 """A robot that has arrived is this near to its goal [m, rad]."""
 
 LATENCY = 0.5
-"""Simulated time that a request may be on its way, at the pace of the cancellations [s]."""
+"""Simulated time that a plan may be on its way, at the pace of the cancellations [s]."""
 
 _ROBOT = 'titan_viii'
 
 _STARTS = {'room': Pose2D(1.2, 1.2, 0.0), 'office': Pose2D(2.0, 2.0, 0.0)}
 
-_PACE = 4.0
+_PACE = 2.0
 """Times real time, where requests are on their way while the robot walks."""
 
 _PATIENCE = 300.0
@@ -200,11 +200,13 @@ def _cancels(stage: _Stage, count: int) -> list[Trial]:
         while len(trials) < count and stage.goes_on():
             robot.client.go_to_pose(stage.goals.draw(robot.pose, 1.5, 5.0))
             robot.listen(float(stage.rng.uniform(0.0, _LATEST)))
-            canceled_at = robot.time
+            asked_at = robot.time
             is_taken = robot.client.cancel()
             robot.client.wait_until(robot.client.is_complete, _PATIENCE)
-            said_after = robot.time - canceled_at
+            said_after = robot.time - asked_at
             robot.listen(3.0)
+            # A request is on its way for longer, the busier the machine is.
+            canceled_at = max(asked_at, robot.taken_back_at)
             rested_after = robot.rested_at(canceled_at) - canceled_at
             is_right = (
                 is_taken
@@ -212,7 +214,10 @@ def _cancels(stage: _Stage, count: int) -> list[Trial]:
                 and rested_after <= limit
                 and not robot.has_fallen
             )
-            what = f'at rest after {rested_after:.2f} s, said after {said_after:.2f} s'
+            what = (
+                f'at rest {rested_after:.2f} s after the plan was taken back, which took '
+                f'{canceled_at - asked_at:.2f} s; said after {said_after:.2f} s'
+            )
             feedbacks = len(robot.client.feedback)
             trials.append(
                 stage.note(Trial('cancels', stage.name, is_right, what, rested_after, feedbacks))

@@ -11,6 +11,7 @@ from pathlib import Path
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
+from nav_msgs.msg import Path as PathMessage
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from quad_common.planar_pose import Pose2D, wrap_angle
@@ -51,8 +52,11 @@ class NavigatedRobot:
         """What the gait says that it does."""
         self.has_fallen = False
         """Whether the simulator said that the robot has fallen."""
+        self.taken_back_at = 0.0
+        """When the planner took a plan back last, in simulated time [s]."""
         subscribe = self._node.create_subscription
         subscribe(Odometry, 'odom', self._on_odometry, _EVERY_POSE)
+        subscribe(PathMessage, 'plan', self._on_plan, 10)
         subscribe(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
 
     def close(self) -> None:
@@ -102,6 +106,10 @@ class NavigatedRobot:
     def _on_odometry(self, message: Odometry) -> None:
         stamp = seconds_from_time(message.header.stamp)
         self.track.append((stamp, pose_from_message(message.pose.pose)))
+
+    def _on_plan(self, message: PathMessage) -> None:
+        if not message.poses:
+            self.taken_back_at = seconds_from_time(message.header.stamp)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
