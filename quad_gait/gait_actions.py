@@ -67,7 +67,7 @@ class GaitActions:
         if FollowPath is None:
             node.get_logger().info('nav2_msgs is not installed: no actions are served')
             return
-        port = GoalPort(_accept, self._begin, self._cancel)
+        port = GoalPort(self._accept, self._begin, self._cancel)
         self._action = GoalAction(node, FollowPath, 'follow_path', port)
 
     @property
@@ -92,6 +92,10 @@ class GaitActions:
                     speed=math.hypot(speed.x, speed.y),
                 )
             )
+
+    def _accept(self, request: Any) -> None:
+        """Accept any goal of an active node: what is wrong with it is said in the result."""
+        self._node.check_active()
 
     def _begin(self, request: Any) -> None:
         assert self._action is not None
@@ -118,10 +122,6 @@ class GaitActions:
     def _cancel(self) -> None:
         self._task.cancel()
         self._topics.publish_followed()
-
-
-def _accept(request: Any) -> None:
-    """Accept any goal: what is wrong with it is said with its code, in the result."""
 
 
 def _refused(code: FollowCode, message: str) -> TaskResult:

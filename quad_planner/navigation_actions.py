@@ -61,8 +61,8 @@ class NavigationActions:
         self._session = session
         self._pace = pace
         self._navigator = navigator = Navigator(session, node.parameters.navigator_options)
-        to_pose = GoalPort(goals_of, partial(self._begin, 0), navigator.cancel)
-        through = GoalPort(goals_of, partial(self._begin, 1), navigator.cancel)
+        to_pose = GoalPort(self._check, partial(self._begin, 0), navigator.cancel)
+        through = GoalPort(self._check, partial(self._begin, 1), navigator.cancel)
         self._actions = (
             GoalAction(node, NavigateToPose, 'navigate_to_pose', to_pose),
             GoalAction(node, NavigateThroughPoses, 'navigate_through_poses', through),
@@ -77,6 +77,11 @@ class NavigationActions:
     def take_parameters(self, parameters: PlannerParameters) -> None:
         """Go on under other conditions."""
         self._navigator.options = parameters.navigator_options
+
+    def _check(self, request: Any) -> None:
+        """Refuse what cannot be gone to by a QuadError."""
+        self._node.check_active()
+        goals_of(request)
 
     def _begin(self, index: int, request: Any) -> None:
         self._actions[1 - index].preempt()

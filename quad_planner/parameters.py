@@ -198,6 +198,11 @@ class PlannerParameters:
     correction_timeout: float = parameter(
         5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
     )
+    managed: bool = parameter(
+        False,
+        "Whether the node works only while ROS 2's lifecycle manager, or `ros2 lifecycle`, has it "
+        'active.',
+    )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
     navigation_patience: float = parameter(
         10.0,

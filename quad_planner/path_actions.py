@@ -51,12 +51,16 @@ class PathActions:
         self._node = node
         self._session = session
         self._requests = requests
-        to_pose = GoalPort(_accept, partial(self._begin, 0), partial(self._cancel, 0))
-        through = GoalPort(_accept, partial(self._begin, 1), partial(self._cancel, 1))
+        to_pose = GoalPort(self._accept, partial(self._begin, 0), partial(self._cancel, 0))
+        through = GoalPort(self._accept, partial(self._begin, 1), partial(self._cancel, 1))
         self._actions = (
             GoalAction(node, ComputePathToPose, 'compute_path_to_pose', to_pose),
             GoalAction(node, ComputePathThroughPoses, 'compute_path_through_poses', through),
         )
+
+    def _accept(self, request: Any) -> None:
+        """Accept any goal of an active node: what is wrong with it is said in the result."""
+        self._node.check_active()
 
     def _begin(self, index: int, request: Any) -> None:
         self._actions[1 - index].preempt()
@@ -97,7 +101,3 @@ class PathActions:
         code = error.code if isinstance(error, PlannerError) else _UNKNOWN_ERROR
         offset = 0 if action is self._actions[0] else _THROUGH
         action.abort(action.type.Result(error_code=code + offset, error_msg=str(error)))
-
-
-def _accept(request: Any) -> None:
-    """Accept any goal: what is wrong with it is said with its code, in the result."""

@@ -31,7 +31,7 @@ from quad_common.ros.pose_conversions import (
     pose_from_message,
     seconds_from_time,
 )
-from quad_common.ros.ros_node import STALE, QuadNode
+from quad_common.ros.ros_node import STALE, WARN, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_planner import planner_setup
 from quad_planner.map_topics import MapTopics
@@ -72,6 +72,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
         self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)
+        self.manage(self._session.withdraw_goal)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_HEARTBEAT, self._on_heartbeat, clock=clock)
         # Once the executor has the node: what is answered before would not be received.
@@ -83,6 +84,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         clock_problem, old_correction = self.clock_problem(), self._corrections.problem()
         if clock_problem is not None:
             self.report(STALE, clock_problem, is_waiting=True)
+        elif self.rest_note():
+            self.report(WARN, self.rest_note(), is_waiting=True)
         else:
             status = session_status(self._session, self.parameters, self._pace, old_correction)
             self.report_status(status)
@@ -95,6 +98,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._actions.take_parameters(parameters)
 
     def _on_goal(self, message: PoseStamped) -> None:
+        self.check_active()
         try:
             goal = pose_from_message(message.pose, 'goal')
         except PlannerError as error:
@@ -107,6 +111,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._session.take_pose(seconds_from_time(message.header.stamp), pose)
 
     def _on_followed(self, message: Path) -> None:
+        if self.rest_note():
+            return
         plan = plan_from_message(message)
         header = message.header
         self._session.take_followed(nanoseconds_from_time(header.stamp), header.frame_id, plan)

@@ -47,6 +47,17 @@ _OF_EVERY_NODE = (
 )
 """Services that rclpy offers for each node, below the node's name."""
 
+_OF_MANAGED = (
+    'change_state',
+    'get_state',
+    'get_available_states',
+    'get_available_transitions',
+    'get_transition_graph',
+)
+"""Services of a node with ``managed:=true``, below the node's name."""
+
+_MANAGED = ('gait_node', 'planner_node')
+
 _ABSOLUTE = ('/clock', '/rosout', '/parameter_events')
 """Topics that no namespace moves, as ROS has it; parameter_events is relative there."""
 
@@ -137,6 +148,11 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
             operator['topic', 'subscribe'].add(page.name)
     for node in NODES:
         operator['service', 'request'] |= {f'{node}/{service}' for service in _OF_EVERY_NODE}
+    for node in _MANAGED:
+        rights[node]['service', 'reply'] |= {f'{node}/{service}' for service in _OF_MANAGED}
+        rights[node]['topic', 'publish'].add(f'{node}/transition_event')
+        operator['service', 'request'] |= {f'{node}/{service}' for service in _OF_MANAGED}
+        operator['topic', 'subscribe'].add(f'{node}/transition_event')
     rights[VIEWER]['service', 'request'] |= {
         f'{node}/set_parameters' for node in ('gait_node', 'planner_node')
     }

@@ -17,7 +17,8 @@ MOST_MODULES = 16
 """In one folder, without ``__init__``."""
 
 SHELLS = {
-    'ros_node', 'node_parameters', 'run_node', 'map_frame_listener', 'transform_publisher',
+    'ros_node', 'managed_life', 'node_parameters', 'run_node', 'map_frame_listener',
+    'transform_publisher',
     'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window',
     'composed_nodes', 'mjcf', 'mjcf_shapes',
 }  # fmt: skip

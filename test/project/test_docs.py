@@ -47,6 +47,7 @@ SHARED = {
     'transform_publisher': ('ceiling_camera_node', 'sim_node'),
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
+    'plan_topics': ('gait_node',),
     'gait_actions': ('gait_node',),
     'navigation_actions': ('planner_node',),
     'path_actions': ('planner_node',),
@@ -383,7 +384,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
     from quad_common.ros import map_frame_listener, transform_publisher
-    from quad_gait import gait_node, gait_topics
+    from quad_gait import gait_node, gait_topics, plan_topics
     from quad_perception import camera_topics, ceiling_camera_node
     from quad_planner import map_topics, planner_node, planner_topics
     from quad_sim import sim_node, sim_topics
@@ -399,6 +400,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
                 gait_node,
                 gait_topics,
                 map_topics,
+                plan_topics,
                 planner_topics,
                 robot_topics,
                 sim_node,
