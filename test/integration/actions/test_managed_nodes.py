@@ -1,4 +1,4 @@
-"""Nodes with managed:=true do nothing until they are activated, and stand when they no longer are."""
+"""Nodes with managed:=true do nothing until they are activated, nor once they are not."""
 
 from __future__ import annotations
 
