@@ -112,7 +112,12 @@ class GoalAction:
         self.preempt()
         self._handle = handle
         handle.execute()
-        self._port.begin(handle.request)
+        try:
+            self._port.begin(handle.request)
+        except Exception:
+            # Reported by the guard; whoever gave the goal must not wait for ever.
+            self.abort(self.type.Result())
+            raise
 
     def preempt(self) -> None:
         """Abort the goal, as Nav2 does when a newer one takes its place."""

@@ -42,13 +42,13 @@ _ROBOT = 'titan_viii'
 
 _STARTS = {'room': Pose2D(1.2, 1.2, 0.0), 'office': Pose2D(2.0, 2.0, 0.0)}
 
-_PACE = 2.0
+_PACE, _QUICK_PACE = 2.0, 8.0
 """Times real time, where requests are on their way while the robot walks."""
 
 _PATIENCE = 300.0
 """Time on the wall clock in which a robot has to reach a goal [s]."""
 
-_LATEST = 20.0
+_LATEST, _QUICK_LATEST = 20.0, 6.0
 """A goal is canceled or preempted within so much simulated time [s]."""
 
 
@@ -109,11 +109,10 @@ def measure(
     bars: list[Criterion] = []
     for part in only:
         done: list[Trial] = []
-        names = ('office', 'room') if counts[part] > 1 else ('room',)
+        names = ('room',) if quick else ('office', 'room')
         for index, name in enumerate(names):
             count = (counts[part] + index) // len(names)
-            budget = QUICK_BUDGET if quick else math.inf
-            done += run[part](_Stage(console, name, seed + index, budget), count)
+            done += run[part](_Stage(console, name, seed + index, quick), count)
         trials += done
         bars += _bars(part, done)
     details: dict[str, object] = {
@@ -143,14 +142,16 @@ def _bars(part: str, trials: list[Trial]) -> list[Criterion]:
 class _Stage:
     """Where trials take place: a map, its goals, and what is drawn at random."""
 
-    def __init__(self, console: Console, name: str, seed: int, budget: float) -> None:
+    def __init__(self, console: Console, name: str, seed: int, quick: bool) -> None:
         self.console = console
         self.name = name
         self.map_file: Path = sample_map(name)
         self.start = _STARTS[name]
         self.rng = np.random.default_rng(seed)
         self.goals = GoalDrawer(load_robot(_ROBOT), self.map_file, seed)
-        self._deadline = time.monotonic() + budget
+        self.pace = _QUICK_PACE if quick else _PACE
+        self.latest = _QUICK_LATEST if quick else _LATEST
+        self._deadline = time.monotonic() + (QUICK_BUDGET if quick else math.inf)
         self._count = 0
 
     def goes_on(self) -> bool:
@@ -196,10 +197,10 @@ def _cancels(stage: _Stage, count: int) -> list[Trial]:
     gait, turning = GaitParameters(robot=_ROBOT).gaits(load_robot(_ROBOT))
     limit = max(gait.cycle_period, turning.cycle_period) + LATENCY
     trials: list[Trial] = []
-    with navigated_robot(_ROBOT, stage.map_file, stage.start, _PACE) as robot:
+    with navigated_robot(_ROBOT, stage.map_file, stage.start, stage.pace) as robot:
         while len(trials) < count and stage.goes_on():
             robot.client.go_to_pose(stage.goals.draw(robot.pose, 1.5, 5.0))
-            robot.listen(float(stage.rng.uniform(0.0, _LATEST)))
+            robot.listen(float(stage.rng.uniform(0.0, stage.latest)))
             asked_at = robot.time
             is_taken = robot.client.cancel()
             robot.client.wait_until(robot.client.is_complete, _PATIENCE)
@@ -230,12 +231,12 @@ def _preemptions(stage: _Stage, count: int) -> list[Trial]:
     from quad_lab.topic_walk.navigated_robot import navigated_robot
 
     trials: list[Trial] = []
-    with navigated_robot(_ROBOT, stage.map_file, stage.start, _PACE) as robot:
+    with navigated_robot(_ROBOT, stage.map_file, stage.start, stage.pace) as robot:
         client = robot.client
         while len(trials) < count and stage.goes_on():
             client.go_to_pose(stage.goals.draw(robot.pose, 1.5, 5.0))
             older = client.result_future()
-            robot.listen(float(stage.rng.uniform(0.0, _LATEST)))
+            robot.listen(float(stage.rng.uniform(0.0, stage.latest)))
             goal = stage.goals.draw(robot.pose, 0.3, 1.2)
             began = robot.time
             client.go_to_pose(goal)

@@ -38,6 +38,11 @@ class Progress:
     """Number of goals that are not reached yet."""
 
 
+_SILENT = 3.0
+"""Time after which a robot that said nothing is not taken at its last word [s]: it reports every
+second."""
+
+
 class Navigator:
     """
     One task at a time; a newer one takes the place of one that runs.
@@ -61,7 +66,7 @@ class Navigator:
         self._report: RobotReport | None = None
         self._is_report_new = False
         self._last: tuple[float, float] | None = None
-        self._idle = self._since_plan = 0.0
+        self._idle = self._since_plan = self._unheard = 0.0
         self._plan: object = None
 
     @property
@@ -94,6 +99,7 @@ class Navigator:
         """Take what the robot says of itself."""
         self._report = report
         self._is_report_new = True
+        self._unheard = 0.0
 
     def update(self, wall: float, clock: float) -> TaskResult | None:
         """
@@ -163,8 +169,10 @@ class Navigator:
         if plan is not self._plan:
             self._plan, self._since_plan, self._idle = plan, 0.0, 0.0
         self._since_plan += passed
+        self._unheard += passed
         is_moving = self._report is not None and self._report.is_moving
-        is_on_its_way = plan is not None and is_moving and not self._session.silence
+        is_known = self._unheard <= _SILENT and not self._session.silence
+        is_on_its_way = plan is not None and is_moving and is_known
         self._idle = 0.0 if is_on_its_way and not self._is_canceled else self._idle + passed
 
     def _canceled(self) -> TaskResult | None:
@@ -227,6 +235,8 @@ class Navigator:
             return FollowCode.UNKNOWN, 'there is no map'
         if not session.has_pose or session.silence:
             return FollowCode.NO_POSE, 'there is no odometry'
+        if self._unheard > _SILENT:
+            return FollowCode.PATIENCE_EXCEEDED, 'no gait_node says what the robot does'
         return FollowCode.PATIENCE_EXCEEDED, f'the plan is not followed{self._robots_words()}'
 
     def _robots_words(self) -> str:

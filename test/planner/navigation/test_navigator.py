@@ -201,10 +201,20 @@ def test_a_plan_that_nobody_follows_fails_after_a_while_unless_the_simulation_is
     scene.navigator.begin([('map', GOAL)])
     scene.wait(0.1, STANDING)
     assert scene.wait(30.0, clock_runs=False) is None
-    assert scene.wait(4.5) is None
-    result = scene.wait(1.0)
+    assert scene.wait(4.5, STANDING) is None
+    result = scene.wait(1.0, STANDING)
     assert result.code == FollowCode.PATIENCE_EXCEEDED
     assert STANDING.reason in result.message
+
+
+def test_a_gait_that_dies_while_the_robot_walks_is_not_taken_at_its_last_word():
+    scene = Scene(patience=5.0)
+    scene.navigator.begin([('map', GOAL)])
+    scene.wait(1.0, WALKING)
+    assert scene.wait(7.0) is None
+    result = scene.wait(2.0)
+    assert result.code == FollowCode.PATIENCE_EXCEEDED
+    assert 'no gait_node' in result.message
 
 
 def test_a_robot_that_walks_is_given_all_the_time_it_needs():
