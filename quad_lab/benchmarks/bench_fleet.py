@@ -135,7 +135,8 @@ def _bars(part: str, trials: list[Trial]) -> list[Criterion]:
         silent = sum(trial.feedbacks == 0 for trial in trials)
         bars.append(at_most('goals without feedback', silent, '', 0))
     else:
-        bars.append(figure(f'longest time to rest, {part}', max(t.seconds for t in trials), 's'))
+        what = 'a cancellation to rest' if part == 'cancels' else 'a newer goal to its end'
+        bars.append(figure(f'longest time from {what}', max(t.seconds for t in trials), 's'))
     return bars
 
 
