@@ -15,9 +15,9 @@ from quad_lab.topic_walk.navigation_client import NavigationClient
 
 pytestmark = pytest.mark.ros
 
-GOAL = Pose2D(1.8, 1.2, 0.0)
-NEXT = Pose2D(1.8, 1.7, 1.57)
-FAR = Pose2D(6.8, 4.8, 1.57)
+GOAL, NEXT, FAR = Pose2D(1.6, 1.2, 0.0), Pose2D(1.9, 1.2, 0.0), Pose2D(2.3, 1.2, 0.0)
+"""Straight ahead of the start, so that the robot need not turn."""
+
 IN_A_WALL = Pose2D(0.02, 0.02, 0.0)
 SUCCEEDED, CANCELED, ABORTED = (
     GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
@@ -30,37 +30,11 @@ def client(bench: Bench):
     return NavigationClient(bench.node, lambda: bench._executor.spin_once(timeout_sec=0.1))
 
 
-def test_the_robot_goes_to_a_pose_and_says_how_far_it_is(bench: Bench, client):
-    assert client.go_to_pose(GOAL)
-    client.wait_until(client.is_complete)
-    assert (client.status, client.result.error_code) == (SUCCEEDED, 0)
-    assert bench.is_near(GOAL)
-    distances = [f.distance_remaining for f in client.feedback if f.distance_remaining > 0.0]
-    assert distances[0] == pytest.approx(START.distance_to(GOAL), abs=0.1)
-    assert distances[-1] < distances[0] / 2.0
-    first = client.feedback[0]
-    assert first.current_pose.header.frame_id == 'map'
-    assert first.current_pose.pose.position.x == pytest.approx(START.x, abs=0.1)
-    assert any(f.estimated_time_remaining.sec > 0 for f in client.feedback)
-
-
-def test_a_goal_that_is_canceled_ends_when_the_robot_stands_and_may_be_given_again(bench, client):
-    assert client.go_to_pose(FAR)
-    bench.wait_for_walking()
-    assert client.cancel()
-    client.wait_until(client.is_complete)
-    assert client.status == CANCELED
-    assert bench.activity == 'standing'
-    here = bench.pose
-    assert client.go_to_pose(Pose2D(here.x + 0.3, here.y, here.yaw))
-    client.wait_until(client.is_complete)
-    assert client.status == SUCCEEDED
-
-
-def test_a_newer_goal_preempts_and_one_in_a_wall_is_refused_with_its_code(bench, client):
+def test_goals_are_reached_canceled_preempted_and_refused(bench: Bench, client):
+    # Preempted by a goal of another action, which goes through two poses.
     assert client.go_to_pose(FAR)
     older = client.result_future()
-    bench.wait_for_walking()
+    bench.wait_for_walking(0.02)
     assert client.go_through_poses([GOAL, NEXT])
     client.wait_until(older.done)
     assert (older.result().status, older.result().result.error_code) == (ABORTED, 0)
@@ -70,10 +44,35 @@ def test_a_newer_goal_preempts_and_one_in_a_wall_is_refused_with_its_code(bench,
     assert bench.is_near(NEXT)
     assert {f.number_of_poses_remaining for f in client.feedback} >= {1, 2}
 
+    # Canceled: it ends when the robot stands.
+    assert client.go_to_pose(FAR)
+    bench.wait_for_walking(0.02)
+    assert client.cancel()
+    client.wait_until(client.is_complete)
+    assert client.status == CANCELED
+    assert bench.activity == 'standing'
+    assert bench.plan is None
+
+    # Given again, and reached, with feedback on the way.
+    start = bench.pose
+    assert client.go_to_pose(FAR)
+    client.wait_until(client.is_complete)
+    assert (client.status, client.result.error_code) == (SUCCEEDED, 0)
+    assert bench.is_near(FAR)
+    distances = [f.distance_remaining for f in client.feedback if f.distance_remaining > 0.0]
+    assert distances[0] == pytest.approx(start.distance_to(FAR), abs=0.1)
+    assert distances[-1] < distances[0]
+    first = client.feedback[0]
+    assert first.current_pose.header.frame_id == 'map'
+    assert first.current_pose.pose.position.x == pytest.approx(start.x, abs=0.1)
+    assert any(f.estimated_time_remaining.sec > 0 for f in client.feedback)
+
+    # Refused, with the planner's code.
     assert client.go_to_pose(IN_A_WALL)
     client.wait_until(client.is_complete)
     assert (client.status, client.result.error_code) == (ABORTED, 206)
     assert 'the goal' in client.result.error_msg
+    assert not client.go_through_poses([])
 
 
 def test_paths_are_computed_and_followed_without_the_topics(bench, client):
@@ -93,7 +92,7 @@ def test_paths_are_computed_and_followed_without_the_topics(bench, client):
     client.wait_until(client.is_complete)
     assert client.status == SUCCEEDED
     assert bench.is_near(NEXT)
-    assert client.feedback[0].distance_to_goal == pytest.approx(1.1, abs=0.2)
+    assert client.feedback[0].distance_to_goal == pytest.approx(START.distance_to(NEXT), abs=0.2)
     assert max(f.speed for f in client.feedback) > 0.0
     assert client.follow_path(found.path, controller_id='no_such')
     client.wait_until(client.is_complete)
