@@ -8,7 +8,7 @@ import enum
 from dataclasses import dataclass
 
 
-class Outcome(enum.Enum):
+class TaskOutcome(enum.Enum):
     """Kind of end, as an action has it."""
 
     SUCCEEDED = 'succeeded'
@@ -33,7 +33,7 @@ class FollowCode(enum.IntEnum):
 class TaskResult:
     """End of a task."""
 
-    outcome: Outcome
+    outcome: TaskOutcome
     """Kind of end."""
     code: int = FollowCode.NONE
     """Error code of Nav2; 0 for none."""

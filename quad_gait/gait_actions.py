@@ -15,7 +15,7 @@ from quad_common.errors import QuadError
 from quad_common.plan import Plan, turning_points
 from quad_common.ros.goal_actions import GoalAction, GoalPort
 from quad_common.ros.ros_node import QuadNode
-from quad_common.task_result import FollowCode, Outcome, TaskResult
+from quad_common.task_result import FollowCode, TaskOutcome, TaskResult
 from quad_gait.gait_topics import GaitTopics
 from quad_gait.parameters import GaitParameters
 from quad_gait.path_task import PathTask
@@ -125,4 +125,4 @@ class GaitActions:
 
 
 def _refused(code: FollowCode, message: str) -> TaskResult:
-    return TaskResult(Outcome.ABORTED, code, message)
+    return TaskResult(TaskOutcome.ABORTED, code, message)

@@ -5,7 +5,7 @@ A path that somebody asked the robot to follow, and answers are owed for: Nav2's
 from __future__ import annotations
 
 from quad_common.plan import Plan
-from quad_common.task_result import FollowCode, Outcome, TaskResult
+from quad_common.task_result import FollowCode, TaskOutcome, TaskResult
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.wishes import FollowPlan
 from quad_gait.supervisor import Supervisor
@@ -92,7 +92,7 @@ class PathTask:
         if is_moving or self._moved_at is None or time < self._moved_at:
             self._moved_at = time
         if self._is_canceled:
-            return None if is_moving else TaskResult(Outcome.CANCELED)
+            return None if is_moving else TaskResult(TaskOutcome.CANCELED)
         if activity.is_disabled:
             return _aborted(FollowCode.NO_CONTROL, reason)
         wanted = supervisor.wanted_plan
@@ -106,9 +106,9 @@ class PathTask:
         if wanted is not None:
             return _aborted(FollowCode.NONE, 'preempted: another plan has taken its place')
         if activity is Activity.ARRIVED:
-            return TaskResult(Outcome.SUCCEEDED)
+            return TaskResult(TaskOutcome.SUCCEEDED)
         return _aborted(FollowCode.UNKNOWN, f'the path is not followed any more: {reason}')
 
 
 def _aborted(code: FollowCode, message: str) -> TaskResult:
-    return TaskResult(Outcome.ABORTED, code, message)
+    return TaskResult(TaskOutcome.ABORTED, code, message)

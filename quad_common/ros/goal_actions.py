@@ -14,7 +14,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped
 from quad_common.ros.guarded_node import GuardedNode
-from quad_common.task_result import Outcome, TaskResult
+from quad_common.task_result import TaskOutcome, TaskResult
 
 
 @dataclass(frozen=True)
@@ -88,9 +88,9 @@ class GoalAction:
     def finish(self, result: TaskResult) -> None:
         """End the goal as a task has ended."""
         end = {
-            Outcome.SUCCEEDED: self.succeed,
-            Outcome.CANCELED: self.canceled,
-            Outcome.ABORTED: self.abort,
+            TaskOutcome.SUCCEEDED: self.succeed,
+            TaskOutcome.CANCELED: self.canceled,
+            TaskOutcome.ABORTED: self.abort,
         }[result.outcome]
         end(self.type.Result(error_code=int(result.code), error_msg=clipped(result.message)))
 

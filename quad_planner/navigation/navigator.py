@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
-from quad_common.task_result import FollowCode, Outcome, TaskResult
+from quad_common.task_result import FollowCode, TaskOutcome, TaskResult
 from quad_planner.navigation.navigator_options import NavigatorOptions
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.navigation.robot_report import RobotReport
@@ -25,7 +25,7 @@ _SETTLED = 1.5
 
 
 @dataclass(frozen=True)
-class Progress:
+class TaskProgress:
     """How far a task has come."""
 
     distance: float
@@ -123,12 +123,12 @@ class Navigator:
         result = self._canceled() if self._is_canceled else self._checked(self._given)
         if result is not None:
             self._given = None
-            if result.outcome is Outcome.ABORTED and result.code != FollowCode.NONE:
+            if result.outcome is TaskOutcome.ABORTED and result.code != FollowCode.NONE:
                 # Whoever gave it up for lost must not find that it walks there after all.
                 self._session.withdraw_goal()
         return result
 
-    def progress(self, pose: Pose2D | None, pace: WalkingTimeModel | None) -> Progress:
+    def progress(self, pose: Pose2D | None, pace: WalkingTimeModel | None) -> TaskProgress:
         """
         Say how far the task has come.
 
@@ -141,7 +141,7 @@ class Navigator:
 
         Returns
         -------
-        Progress
+        TaskProgress
             The distance is 0 as long as there is no plan.
         """
         distance = time_left = 0.0
@@ -152,7 +152,9 @@ class Navigator:
             time_left = pace.walking_time(pose, left) if pace is not None else 0.0
             stops = [plan.poses[-1], *(goal for _, goal in self._goals)]
             distance += sum(a.distance_to(b) for a, b in pairwise(stops))
-        return Progress(distance, time_left, self._recoveries, len(self._goals) + self.is_active)
+        return TaskProgress(
+            distance, time_left, self._recoveries, len(self._goals) + self.is_active
+        )
 
     def _go_to_next(self) -> None:
         frame, goal = self._goals.pop(0)
@@ -179,24 +181,24 @@ class Navigator:
         """Return the end of a task that was given up, once the robot stands."""
         stands = self._is_report_new and self._report is not None and not self._report.is_moving
         if stands or self._idle > self.options.patience:
-            return TaskResult(Outcome.CANCELED)
+            return TaskResult(TaskOutcome.CANCELED)
         return None
 
     def _checked(self, given: GivenGoal) -> TaskResult | None:
         """Return the end of a task that runs, if it has come."""
         if given.end is GoalEnd.ARRIVED or (given.end is None and self._passes_a_goal()):
             if not self._goals:
-                return TaskResult(Outcome.SUCCEEDED)
+                return TaskResult(TaskOutcome.SUCCEEDED)
             self._go_to_next()
             return None
         if given.end is GoalEnd.REFUSED:
             code = FollowCode.UNKNOWN if given.error is None else given.error.code
-            return TaskResult(Outcome.ABORTED, code, given.reason)
+            return TaskResult(TaskOutcome.ABORTED, code, given.reason)
         if given.end in (GoalEnd.REPLACED, GoalEnd.WITHDRAWN):
-            return TaskResult(Outcome.ABORTED, FollowCode.NONE, f'preempted: {given.reason}')
+            return TaskResult(TaskOutcome.ABORTED, FollowCode.NONE, f'preempted: {given.reason}')
         if given.end is not None:
             return TaskResult(
-                Outcome.ABORTED, FollowCode.UNKNOWN, f'{given.reason}{self._robots_words()}'
+                TaskOutcome.ABORTED, FollowCode.UNKNOWN, f'{given.reason}{self._robots_words()}'
             )
         return self._troubled()
 
@@ -213,10 +215,10 @@ class Navigator:
         session, report = self._session, self._report
         if session.plan is not None and report is not None and self._since_plan > _SETTLED:
             if report.is_disabled:
-                return TaskResult(Outcome.ABORTED, FollowCode.NO_CONTROL, report.reason)
+                return TaskResult(TaskOutcome.ABORTED, FollowCode.NO_CONTROL, report.reason)
             if report.is_stuck and session.pending_goal is None:
                 if self._recoveries >= self.options.retries:
-                    return TaskResult(Outcome.ABORTED, FollowCode.NO_PROGRESS, report.reason)
+                    return TaskResult(TaskOutcome.ABORTED, FollowCode.NO_PROGRESS, report.reason)
                 self._recoveries += 1
                 self._since_plan = 0.0
                 session.plan_again()
@@ -224,7 +226,9 @@ class Navigator:
         if self._idle <= self.options.patience:
             return None
         code, why = self._lack()
-        return TaskResult(Outcome.ABORTED, code, f'nothing happened for {self._idle:.0f} s: {why}')
+        return TaskResult(
+            TaskOutcome.ABORTED, code, f'nothing happened for {self._idle:.0f} s: {why}'
+        )
 
     def _lack(self) -> tuple[int, str]:
         """Say what is missing, with its code."""

@@ -20,7 +20,7 @@ from quad_planner.session.given_goal import GivenGoal, GoalEnd
 from quad_planner.session.own_plans import Followed, OwnPlans
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.session_ports import Output, Requests
-from quad_planner.session.session_state import SessionOptions, SessionState, Wish
+from quad_planner.session.session_state import GoalWish, SessionOptions, SessionState
 
 _CHECK_PERIOD = 0.2
 """Time between two checks whether the robot has left its path [s]."""
@@ -105,7 +105,7 @@ class PlanningSession(SessionState):
         self._output.show_map(self.map.planner.prepared)
         wish = self._pending
         if wish is None and self._goal is not None:
-            wish = Wish(self.map.frame.name, self._goal, is_given=False)
+            wish = GoalWish(self.map.frame.name, self._goal, is_given=False)
         if self._waiting is None and wish is not None and self._pose is not None:
             self._search(wish, is_plan_void=True)
         self._try_waiting_goal()
@@ -118,7 +118,7 @@ class PlanningSession(SessionState):
         self._is_new = False
         self._given.conclude(GoalEnd.REPLACED, 'a newer goal has taken its place')
         self._given = given = GivenGoal()
-        self._waiting = Wish(frame, goal, is_given=True)
+        self._waiting = GoalWish(frame, goal, is_given=True)
         self._try_waiting_goal()
         self._output.update_status()
         return given
@@ -136,7 +136,7 @@ class PlanningSession(SessionState):
     def plan_again(self) -> None:
         """Plan to the goal in force from where the robot is, unless that is under way."""
         if self._goal is not None and self._pending is None:
-            self._search(Wish(self.map.frame.name, self._goal, is_given=False))
+            self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
 
     def _try_waiting_goal(self) -> None:
         """Plan to the goal that came last, as soon as map and pose are known."""
@@ -149,9 +149,9 @@ class PlanningSession(SessionState):
         except PlannerError as error:
             self._refuse(wish, error)
             return
-        self._search(Wish(self.map.frame.name, goal, wish.is_given))
+        self._search(GoalWish(self.map.frame.name, goal, wish.is_given))
 
-    def _refuse(self, wish: Wish, error: PlannerError) -> None:
+    def _refuse(self, wish: GoalWish, error: PlannerError) -> None:
         self.problem = problem = without_frames(error)
         if wish.is_given:
             self._given.conclude(GoalEnd.REFUSED, str(problem), problem)
@@ -194,7 +194,7 @@ class PlanningSession(SessionState):
             return
         if self._goal is not None:
             self._output.say(f'the robot is {distance:.2f} m from its path: planning again')
-            self._search(Wish(self.map.frame.name, self._goal, is_given=False))
+            self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
         else:
             # A late subscriber must not walk to it again.
             self._publish(None)
@@ -232,7 +232,7 @@ class PlanningSession(SessionState):
                 f'before this planner began: that goal is taken over'
             )
             self._own.add(stamp)
-            self._waiting = Wish(frame, goal, is_given=False)
+            self._waiting = GoalWish(frame, goal, is_given=False)
             self._try_waiting_goal()
             self._output.update_status()
         elif self._goal is not None and self._pending is None:
@@ -271,7 +271,7 @@ class PlanningSession(SessionState):
             self._output.say(f'the searches were compiled in {took:.0f} s; they are kept')
         self._output.update_status()
 
-    def _search(self, wish: Wish, is_plan_void: bool = False) -> None:
+    def _search(self, wish: GoalWish, is_plan_void: bool = False) -> None:
         """
         Begin to search a plan; searches before it are given up.
 
@@ -296,7 +296,7 @@ class PlanningSession(SessionState):
             self._pending = None
             self._requests.submit(lambda: None, lambda result: result())
 
-    def _on_result(self, start: Pose2D, wish: Wish, result: Callable[[], Plan]) -> None:
+    def _on_result(self, start: Pose2D, wish: GoalWish, result: Callable[[], Plan]) -> None:
         self._pending = None
         try:
             plan = result()

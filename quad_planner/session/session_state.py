@@ -15,7 +15,7 @@ from quad_planner.session.session_ports import Requests
 
 
 @dataclass(frozen=True)
-class Wish:
+class GoalWish:
     """A goal to plan to."""
 
     frame: str
@@ -60,8 +60,8 @@ class SessionState:
         self._requests = requests
         self._pose: Pose2D | None = None
         self._age = PoseAge()
-        self._waiting: Wish | None = None
-        self._pending: Wish | None = None
+        self._waiting: GoalWish | None = None
+        self._pending: GoalWish | None = None
         self._goal: Pose2D | None = None
         self.plan: Plan | None = None
         """Plan that was published last, unless it was taken back."""

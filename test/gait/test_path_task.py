@@ -11,7 +11,7 @@ from walk_scenes import CORNER, FLAT, ORIGIN, Traced
 
 from quad_common.plan import Plan, turning_points
 from quad_common.planar_pose import Pose2D, Twist2D, distances_to_polyline
-from quad_common.task_result import FollowCode, Outcome
+from quad_common.task_result import FollowCode, TaskOutcome
 from quad_gait.behaviours.activity import Activity
 from quad_gait.path_task import PathTask
 
@@ -39,12 +39,12 @@ def test_a_path_is_followed_to_its_end_and_may_be_asked_for_again():
     walk = Walk()
     assert walk.task.begin(CORNER) is None
     assert walk.task.is_followed
-    assert walk.until_its_end().outcome is Outcome.SUCCEEDED
+    assert walk.until_its_end().outcome is TaskOutcome.SUCCEEDED
     assert walk.simulation.observe().pose.distance_to(CORNER.poses[-1]) < 0.02
     assert walk.task.update(walk.simulation.time) is None
     again = Plan(CORNER.poses)
     assert walk.task.begin(again) is None
-    assert walk.until_its_end().outcome is Outcome.SUCCEEDED
+    assert walk.until_its_end().outcome is TaskOutcome.SUCCEEDED
 
 
 def test_a_canceled_path_ends_when_the_robot_stands_within_a_cycle():
@@ -53,7 +53,7 @@ def test_a_canceled_path_ends_when_the_robot_stands_within_a_cycle():
     walk.run(1.0)
     walk.task.cancel()
     began = walk.simulation.time
-    assert walk.until_its_end().outcome is Outcome.CANCELED
+    assert walk.until_its_end().outcome is TaskOutcome.CANCELED
     assert walk.supervisor.activity is Activity.STANDING
     assert walk.simulation.time - began <= walk.supervisor.gait.cycle_period + 0.02
     here = walk.simulation.observe().pose
@@ -67,12 +67,12 @@ def test_a_stop_ends_a_path_and_the_same_one_is_followed_when_it_is_asked_for():
     walk.run(1.0)
     walk.supervisor.stop()
     result = walk.until_its_end()
-    assert (result.outcome, result.code) == (Outcome.ABORTED, FollowCode.UNKNOWN)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, FollowCode.UNKNOWN)
     walk.run(8.0)
     walk.supervisor.set_plan(STRAIGHT)
     assert walk.supervisor.wanted_plan is None
     assert walk.task.begin(STRAIGHT) is None
-    assert walk.until_its_end().outcome is Outcome.SUCCEEDED
+    assert walk.until_its_end().outcome is TaskOutcome.SUCCEEDED
 
 
 def test_another_plan_preempts_it_and_is_not_taken_back_with_it():
@@ -81,7 +81,7 @@ def test_another_plan_preempts_it_and_is_not_taken_back_with_it():
     walk.run(1.0)
     walk.supervisor.set_plan(CORNER)
     result = walk.until_its_end()
-    assert (result.outcome, result.code) == (Outcome.ABORTED, FollowCode.NONE)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, FollowCode.NONE)
     assert 'preempted' in result.message
     walk.task.cancel()
     assert walk.supervisor.wanted_plan is CORNER

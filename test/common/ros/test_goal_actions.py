@@ -18,7 +18,7 @@ from quad_common.errors import NoMap
 from quad_common.ros.goal_actions import GoalAction, GoalPort
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.run_node import make_executor
-from quad_common.task_result import FollowCode, Outcome, TaskResult
+from quad_common.task_result import FollowCode, TaskOutcome, TaskResult
 from quad_lab.topic_walk.node_processes import isolated_domain
 
 pytestmark = pytest.mark.ros
@@ -47,7 +47,7 @@ class Server(GuardedNode):
             raise self.failure
 
     def _cancel(self):
-        self.action.finish(TaskResult(Outcome.CANCELED))
+        self.action.finish(TaskResult(TaskOutcome.CANCELED))
 
     def report_error(self, error):
         self.reports.append(error)
@@ -107,8 +107,8 @@ def test_every_goal_gets_an_answer(stage):
     server = stage.server
     # One goal ends as its task has; one that ended stays as it is.
     first = stage.give('first')
-    server.action.finish(TaskResult(Outcome.ABORTED, FollowCode.NO_PROGRESS, 'stuck'))
-    server.action.finish(TaskResult(Outcome.SUCCEEDED))
+    server.action.finish(TaskResult(TaskOutcome.ABORTED, FollowCode.NO_PROGRESS, 'stuck'))
+    server.action.finish(TaskResult(TaskOutcome.SUCCEEDED))
     answer = stage.result(first)
     assert (answer.status, answer.result.error_code) == (GoalStatus.STATUS_ABORTED, 105)
     assert answer.result.error_msg == 'stuck'

@@ -12,7 +12,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import load_pace
-from quad_common.task_result import FollowCode, Outcome
+from quad_common.task_result import FollowCode, TaskOutcome
 from quad_gait.behaviours.activity import Activity
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.planner import make_planner
@@ -98,7 +98,7 @@ def test_a_task_succeeds_when_the_robot_is_at_its_goal_and_not_before():
     scene.navigator.begin([('map', GOAL)])
     assert scene.wait(30.0, WALKING) is None
     scene.arrive(GOAL)
-    assert scene.wait(0.1).outcome is Outcome.SUCCEEDED
+    assert scene.wait(0.1).outcome is TaskOutcome.SUCCEEDED
     assert not scene.navigator.is_active
     assert scene.wait(1.0) is None
 
@@ -108,7 +108,7 @@ def test_a_plan_that_ends_elsewhere_is_no_success():
     scene.navigator.begin([('map', GOAL)])
     scene.arrive(MIDDLE)
     result = scene.wait(0.1)
-    assert (result.outcome, result.code) == (Outcome.ABORTED, FollowCode.UNKNOWN)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, FollowCode.UNKNOWN)
 
 
 @pytest.mark.parametrize(('goal', 'code'), [(OUTSIDE, 204), (IN_THE_PILLAR, 206)])
@@ -117,7 +117,7 @@ def test_a_goal_without_a_plan_fails_with_the_planners_code(goal, code):
     scene.navigator.begin([('map', MIDDLE)])
     scene.navigator.begin([('map', goal)])
     result = scene.wait(0.1)
-    assert (result.outcome, result.code) == (Outcome.ABORTED, code)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, code)
     # Nor does the robot walk on to the goal before.
     assert scene.plans[-1] is None
 
@@ -142,7 +142,7 @@ def test_poses_are_passed_in_their_order_without_a_stop():
     scene.move(Pose2D(2.9, 1.0, 0.0))
     assert scene.wait(1.0, WALKING) is None
     scene.arrive(GOAL)
-    assert scene.wait(0.1).outcome is Outcome.SUCCEEDED
+    assert scene.wait(0.1).outcome is TaskOutcome.SUCCEEDED
 
 
 def test_a_canceled_task_ends_when_the_robot_says_after_it_that_it_stands():
@@ -153,7 +153,7 @@ def test_a_canceled_task_ends_when_the_robot_says_after_it_that_it_stands():
     assert scene.plans[-1] is None
     assert scene.wait(2.0) is None
     assert scene.wait(2.0, WALKING) is None
-    assert scene.wait(0.1, STANDING).outcome is Outcome.CANCELED
+    assert scene.wait(0.1, STANDING).outcome is TaskOutcome.CANCELED
 
 
 def test_a_canceled_task_ends_though_no_robot_says_anything():
@@ -161,7 +161,7 @@ def test_a_canceled_task_ends_though_no_robot_says_anything():
     scene.navigator.begin([('map', GOAL)])
     scene.navigator.cancel()
     assert scene.wait(2.9) is None
-    assert scene.wait(0.4).outcome is Outcome.CANCELED
+    assert scene.wait(0.4).outcome is TaskOutcome.CANCELED
 
 
 def test_a_goal_on_the_topic_preempts_a_task():
@@ -169,7 +169,7 @@ def test_a_goal_on_the_topic_preempts_a_task():
     scene.navigator.begin([('map', GOAL)])
     scene.session.give_goal('map', MIDDLE)
     result = scene.wait(0.1)
-    assert (result.outcome, result.code) == (Outcome.ABORTED, FollowCode.NONE)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, FollowCode.NONE)
     assert 'newer goal' in result.message
     # That goal is walked to all the same.
     assert scene.plans[-1].poses[-1] == MIDDLE
@@ -180,7 +180,7 @@ def test_a_robot_that_is_blocked_is_planned_for_again_before_the_task_fails():
     scene.navigator.begin([('map', GOAL)])
     scene.wait(1.0, WALKING)
     result = scene.wait(20.0, BLOCKED)
-    assert (result.outcome, result.code) == (Outcome.ABORTED, FollowCode.NO_PROGRESS)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, FollowCode.NO_PROGRESS)
     assert result.message == BLOCKED.reason
     assert scene.navigator.progress(None, None).recoveries == 2
     # One plan at first, one for each recovery, and none in the end.

@@ -118,7 +118,7 @@ def test_a_mask_raises_cells_below_its_centers_and_lowers_none():
 
 
 def costmap():
-    """Make a room that is cheap to walk in on its left, and dear in a band that crosses it."""
+    """Make a room whose cells are free but for a band of high cost that crosses most of it."""
     cells = np.zeros((80, 80), np.int8)
     cells[:48, 38:42] = 98
     return OccupancyGrid(cells, 0.05, ORIGIN)
@@ -134,9 +134,9 @@ def test_values_of_a_costmap_are_no_obstacles_but_costs_for_methods_that_know_th
     cheap = planned(method='shortest', map_values='costmap', map_cost=1.0)
     assert cheap.length == pytest.approx(START.distance_to(GOAL), abs=0.1)
     # Twice along the band and around its end costs less than its four cells.
-    dear = planned(method='shortest', map_values='costmap', map_cost=15.0)
-    assert dear.length > cheap.length + 1.0
-    assert dear.corners[:, 1].max() > 2.3
+    costly = planned(method='shortest', map_values='costmap', map_cost=15.0)
+    assert costly.length > cheap.length + 1.0
+    assert costly.corners[:, 1].max() > 2.3
     # The mesh compares lengths and turns: it goes by the obstacles alone.
     mesh = planned(method='mesh', map_values='costmap', map_cost=15.0)
     assert mesh.length == pytest.approx(cheap.length, abs=0.1)
