@@ -15,7 +15,7 @@ unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH AMENT_PREFIX_PATH _ROS_WHEELS_BOO
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo view test smoke smokes bench lint lock site tf clean
+.PHONY: help venv demo view test smoke smokes bench lint lock site tf nav2 clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
@@ -27,6 +27,7 @@ help:
 	@echo 'make site    build the documents as a site in build/site'
 	@echo 'make venv    set everything up in .venv, and nothing else'
 	@echo 'make tf      build tf2_msgs into .venv, so that the nodes publish tf (optional; CMake, a C++ compiler)'
+	@echo "make nav2    build nav2_msgs and map_msgs into .venv, for Nav2's actions and updates of maps (optional; the same)"
 	@echo 'make lock    write requirements.lock anew (python3.10 to python3.13)'
 	@echo 'make clean   remove .venv and everything else that was built'
 	@echo "Arguments for the command behind a target: make test ARGS='-k gait'"
@@ -107,7 +108,10 @@ lock:
 	@python3 tools/lock.py --output requirements.lock $(PYTHONS)
 
 tf: venv
-	@$(BIN)/python tools/build_tf2_msgs.py
+	@$(BIN)/python tools/build_messages.py tf2_msgs
+
+nav2: venv
+	@$(BIN)/python tools/build_messages.py nav2_msgs map_msgs
 
 clean:
 	rm -rf $(VENV) .venv-3.* build install log dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

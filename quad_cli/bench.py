@@ -26,6 +26,7 @@ BENCHMARKS = {
     'robots': 'quad_lab.robots.bench_robots',
     'view': 'quad_lab.benchmarks.viewing.bench_view',
     'campaign': 'quad_lab.campaigns.bench_campaign',
+    'fleet': 'quad_lab.benchmarks.bench_fleet',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }
@@ -45,6 +46,7 @@ EXAMPLES = """examples:
   quadwalk bench localisation --quick
   quadwalk bench view --only updates
   quadwalk bench campaign --quick
+  quadwalk bench fleet --only cancels
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
   quadwalk bench robots --only imports broken

@@ -13,13 +13,55 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.planar_pose import Pose2D, distances_to_polyline, wrap_angle
 
 LONGEST_PLAN = 1000
 """Poses of a plan that is walked, unless a parameter says otherwise."""
 
 _STRAIGHT = 1e-6
 """Two segments whose headings differ by less are one [rad]."""
+
+
+_TOLERANCE = 0.02
+"""Distance within which a path of many points may be replaced by straight segments [m]."""
+
+
+def turning_points(
+    points: NDArray[np.float64], tolerance: float = _TOLERANCE
+) -> NDArray[np.float64]:
+    """
+    Leave out the points of a path that its straight segments pass by closely enough.
+
+    The point farthest from a segment stays, if that is too far, and divides the segment (Ramer,
+    1972; Douglas and Peucker, 1973).
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2), n >= 1
+        The path, in the world [m].
+    tolerance : float
+        Largest distance of a point that is left out from the segment in its place [m].
+
+    Returns
+    -------
+    ndarray, shape (m, 2), m <= n
+        The first point, turning points, and the last.
+    """
+    is_kept = np.zeros(len(points), dtype=bool)
+    is_kept[[0, -1]] = True
+    segments = [(0, len(points) - 1)]
+    while segments:
+        first, last = segments.pop()
+        if last - first < 2:
+            continue
+        away = distances_to_polyline(points[first + 1 : last], points[[first, last]])
+        middle = int(np.argmax(away))
+        if away[middle] > tolerance:
+            middle += first + 1
+            is_kept[middle] = True
+            segments += [(first, middle), (middle, last)]
+    kept: NDArray[np.float64] = points[is_kept]
+    return kept
 
 
 @dataclass(frozen=True)

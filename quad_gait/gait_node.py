@@ -14,19 +14,17 @@ import time
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState, PointCloud2
-from std_msgs.msg import Header
 
 from quad_common.frames.map_frame import MapFrame
+from quad_common.planar_pose import STILL
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (
-    most_plan_bytes,
     orientation_from_odometry,
-    plan_from_message,
     pose_from_message,
     seconds_from_time,
 )
@@ -35,6 +33,7 @@ from quad_common.ros.run_node import run_node
 from quad_gait.gait_status import GaitStatus
 from quad_gait.gait_topics import GaitServices, GaitTopics
 from quad_gait.parameters import GaitParameters
+from quad_gait.plan_topics import PlanTopics
 from quad_gait.planner_watch import PlannerWatch
 from quad_gait.ros_conversions import imu_from_message, joints_from_message, twist_from_message
 from quad_gait.state.state_estimator import StateEstimator
@@ -66,9 +65,6 @@ class GaitNode(QuadNode[GaitParameters]):
         frame = MapFrame(p.map_frame, p.correction_time_constant)
         self._map = MapFrameListener(self, frame, p.correction_timeout)
         self._topics = GaitTopics(self, supervisor, p)
-        plan_qos = _LATCHED if p.transient_local_plan else QoSProfile(depth=1)
-        most_bytes = most_plan_bytes(p.longest_plan)
-        self.create_subscription(Path, 'plan', self._on_plan, plan_qos, most_bytes=most_bytes)
         twist = TwistStamped if p.stamped_cmd_vel else Twist
         self.create_subscription(twist, 'cmd_vel', self._on_cmd_vel, 10)
         sensor = qos_profile_sensor_data
@@ -77,8 +73,10 @@ class GaitNode(QuadNode[GaitParameters]):
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, sensor)
         if p.is_uneven:
             self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
-        self.create_subscription(Header, 'plan/heartbeat', self._planner.take_heartbeat, 10)
         GaitServices(self, supervisor, self._topics)
+        plans = PlanTopics(self, supervisor, self._topics, frame, self._planner)
+        self._actions = plans.actions
+        self.manage(self._rest)
         self.update_status()
 
     def take_parameters(self, parameters: GaitParameters) -> None:
@@ -88,19 +86,17 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def update_status(self) -> None:
         """Report what the robot does, or why it does not move."""
-        notes = self._map.problem(), self._topics.cmd_vel_problem()
+        notes = self._map.problem(), self._topics.cmd_vel_problem(), self.rest_note()
         self.report_status(self._diagnosis.status(self.clock_problem(), *notes))
 
-    def _on_plan(self, message: Path) -> None:
-        plan = plan_from_message(message, self.parameters.longest_plan)
-        if plan is not None:
-            plan = self._map.frame.plan_on_map(message.header.frame_id, plan)
-        self._planner.take_plan()
-        self._supervisor.set_plan(plan)
-        is_followed = plan is not None and self._supervisor.wanted_plan is plan
-        self._topics.publish_followed(message if is_followed else None)
+    def _rest(self) -> None:
+        """Stand, as a node that is managed does when it is active no longer."""
+        self._supervisor.set_plan(None)
+        self._supervisor.set_twist(STILL)
+        self._topics.publish_followed()
 
     def _on_cmd_vel(self, message: Twist | TwistStamped) -> None:
+        self.check_active()
         self._supervisor.set_twist(twist_from_message(message))
         self._topics.publish_followed()
 
@@ -135,6 +131,7 @@ class GaitNode(QuadNode[GaitParameters]):
         # What is computed from the pose on the map is in its frame.
         name = self._odom_frame if frame.correction is None else frame.name
         self._topics.publish_decision(trajectory, state, name, stamp)
+        self._actions.update(state, message)
         if self._diagnosis.has_changed(pose):
             self.update_status()
 

@@ -129,6 +129,13 @@ class GaitTopics:
             path = self._received
             self._followed_plans.publish(path if followed else Path(header=path.header))
 
+    def publish_unfollowed(self) -> None:
+        """Publish that no plan of the topic is followed: the one that is came otherwise."""
+        was_followed = self._followed is not None
+        self._followed = self._supervisor.wanted_plan
+        if was_followed:
+            self._followed_plans.publish(Path(header=self._received.header))
+
     def _publish_heartbeat(self, time: float, stamp: Time) -> None:
         """Publish up to when measurements are answered, after all that answers them."""
         if not 0.0 <= time - self._last_heartbeat < _HEARTBEAT:

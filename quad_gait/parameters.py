@@ -88,6 +88,11 @@ class GaitParameters:
     transient_local_plan: bool = parameter(
         True, "Receive the last plan when starting late; false for volatile plans, as Nav2's."
     )
+    managed: bool = parameter(
+        False,
+        "Whether the node works only while ROS 2's lifecycle manager, or `ros2 lifecycle`, has it "
+        'active.',
+    )
     odom_topic: str = parameter(
         'odom', "Where the robot's pose comes from; 'odom/legs' for the node's own odometry."
     )

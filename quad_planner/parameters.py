@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_common.maps.occupancy_grid import MAX_CELLS
+from quad_common.maps.occupancy_grid import MAX_CELLS, OCCUPIED
 from quad_common.parameters import parameter
 from quad_planner.grid.ground_limits import LARGEST_SLOPE, STEEPEST
+from quad_planner.navigation.navigator_options import NavigatorOptions
 
 LOW_OBSTACLES = ('keep', 'step_over')
 """Choices for obstacles of the map that the height map shows to be low."""
@@ -16,6 +17,9 @@ FOOTPRINTS = ('circle', 'outline')
 
 TURNINGS = ('in_place', 'crab', 'arc')
 """Manners in which the gait follows a plan."""
+
+MAP_VALUES = ('occupancy', 'costmap')
+"""Choices for what the values of a map mean."""
 
 PLANNING_METHODS = ('mesh', 'shortest', 'quickest', 'potential')
 """Names of the planning methods."""
@@ -132,6 +136,21 @@ class PlannerParameters:
         upper=100,
         is_dynamic=True,
     )
+    map_values: str = parameter(
+        'occupancy',
+        "What the values of the map mean. 'costmap': those of Nav2's costmaps, where 100 (lethal) "
+        'alone is an obstacle, and 1 to 99 are costs of walking there.',
+        choices=MAP_VALUES,
+        is_dynamic=True,
+    )
+    map_cost: float = parameter(
+        5.0,
+        "A path through cells of a costmap's highest cost, 99, counts so many times its length; "
+        "less, where it is lower. For 'shortest' and the navigation function of 'potential'.",
+        lower=1.0,
+        upper=15.0,
+        is_dynamic=True,
+    )
     unknown_is_free: bool = parameter(
         False,
         'Whether paths may lead through unknown cells.',
@@ -220,4 +239,44 @@ class PlannerParameters:
     correction_timeout: float = parameter(
         5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
     )
+    managed: bool = parameter(
+        False,
+        "Whether the node works only while ROS 2's lifecycle manager, or `ros2 lifecycle`, has it "
+        'active.',
+    )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
+    navigation_patience: float = parameter(
+        10.0,
+        "An action's goal fails when the robot does nothing for it for so long.",
+        's',
+        lower=1.0,
+        is_dynamic=True,
+    )
+    navigation_retries: int = parameter(
+        3,
+        'So many times a robot that is stuck on its way to the goal of an action is planned for '
+        'again.',
+        lower=0,
+        upper=100,
+        is_dynamic=True,
+    )
+    passing_distance: float = parameter(
+        0.3,
+        'Distance at which a pose that is walked through counts as reached.',
+        'm',
+        lower=0.0,
+        upper=10.0,
+        is_dynamic=True,
+    )
+
+    @property
+    def obstacle_threshold(self) -> int:
+        """Least value of an obstacle on the map [%]."""
+        return OCCUPIED if self.map_values == 'costmap' else self.occupied_threshold
+
+    @property
+    def navigator_options(self) -> NavigatorOptions:
+        """Conditions under which goals of actions are pursued."""
+        return NavigatorOptions(
+            self.navigation_patience, self.navigation_retries, self.passing_distance
+        )

@@ -14,18 +14,15 @@ import time
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from nav_msgs.msg import Odometry, Path
 from nav_msgs.srv import GetPlan
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from sensor_msgs.msg import PointCloud2
 
 from quad_common.errors import PlannerError, QuadError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot_files.robot_file import load_robot
-from quad_common.ros.height_map_conversions import height_map_from_message
-from quad_common.ros.map_conversions import grid_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (
     most_plan_bytes,
@@ -34,17 +31,18 @@ from quad_common.ros.pose_conversions import (
     pose_from_message,
     seconds_from_time,
 )
-from quad_common.ros.ros_node import STALE, QuadNode
+from quad_common.ros.ros_node import STALE, WARN, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_planner import planner_setup
+from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import PlannerTopics
 from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
 
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _EVERY_PLAN = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _HEARTBEAT = 0.5
@@ -65,8 +63,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._session = planner_setup.session_from_parameters(
             p, load_robot(p.robot), frame, self._requests, self._topics, time.monotonic
         )
-        self.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
-        self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
+        MapTopics(self, self._session)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
         self.create_subscription(
             Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
@@ -74,6 +71,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
+        self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)
+        self.manage(self._session.withdraw_goal)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_HEARTBEAT, self._on_heartbeat, clock=clock)
         # Once the executor has the node: what is answered before would not be received.
@@ -85,6 +84,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         clock_problem, old_correction = self.clock_problem(), self._corrections.problem()
         if clock_problem is not None:
             self.report(STALE, clock_problem, is_waiting=True)
+        elif self.rest_note():
+            self.report(WARN, self.rest_note(), is_waiting=True)
         else:
             status = session_status(self._session, self.parameters, self._pace, old_correction)
             self.report_status(status)
@@ -94,16 +95,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._pace = planner_setup.change_planner(
             self._session, self.parameters, parameters, self._requests, time.monotonic
         )
-
-    def _on_map(self, message: OccupancyGrid) -> None:
-        grid = grid_from_message(message, self.parameters.largest_map)
-        self._session.take_grid(grid, message.header.frame_id or 'map')
-
-    def _on_height_map(self, message: PointCloud2) -> None:
-        frame = message.header.frame_id
-        self._session.take_heights(height_map_from_message(message, (frame,)), frame)
+        self._actions.take_parameters(parameters)
 
     def _on_goal(self, message: PoseStamped) -> None:
+        self.check_active()
         try:
             goal = pose_from_message(message.pose, 'goal')
         except PlannerError as error:
@@ -116,6 +111,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._session.take_pose(seconds_from_time(message.header.stamp), pose)
 
     def _on_followed(self, message: Path) -> None:
+        if self.rest_note():
+            return
         plan = plan_from_message(message)
         header = message.header
         self._session.take_followed(nanoseconds_from_time(header.stamp), header.frame_id, plan)
@@ -144,6 +141,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
     def destroy_node(self) -> None:
         """Give up what is being searched, and end."""
         self._requests.close()
+        self._actions.close()
         super().destroy_node()
 
 

@@ -13,15 +13,16 @@ from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
 from quad_planner.grid.ground_limits import GroundLimits
-from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, UnknownCost
+from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, MapCost, UnknownCost
 from quad_planner.methods.outline_planner import OutlineOptions
-from quad_planner.methods.planner import Planner, make_planner
+from quad_planner.methods.planner import METHODS, Planner, make_planner
 from quad_planner.outline.arcs import ArcTurns
 from quad_planner.outline.robot_outline import outer_radius, outline_from_text, standing_outline
 from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.planning_session import PlanningSession, SessionOptions
+from quad_planner.session.planning_session import PlanningSession
 from quad_planner.session.session_ports import Output, Requests
+from quad_planner.session.session_state import SessionOptions
 
 
 def no_clock() -> float:
@@ -70,7 +71,7 @@ def session_from_parameters(
         planner_from_parameters(p, robot, clock, requests.is_superseded),
         frame,
         GroundLimits.of(robot, p.step_height, p.largest_slope),
-        p.occupied_threshold,
+        p.obstacle_threshold,
         steps_over_low=p.low_obstacles == 'step_over',
         warn=output.warn,
     )
@@ -120,7 +121,7 @@ def change_planner(
     pace = pace_from_parameters(parameters)
     robot = load_robot(parameters.robot)
     planner = planner_from_parameters(parameters, robot, clock, requests.is_superseded)
-    session.map.use(planner, parameters.occupied_threshold)
+    session.map.use(planner, parameters.obstacle_threshold)
     session.options = _session_options(parameters)
     session.warm_up(clock)
     if session.map.is_ready and _frees_other_cells(before, parameters):
@@ -129,7 +130,7 @@ def change_planner(
 
 
 def _frees_other_cells(a: PlannerParameters, b: PlannerParameters) -> bool:
-    names = ('safety_distance', 'occupied_threshold', 'unknown_is_free', 'footprint', 'outline')
+    names = ('safety_distance', 'obstacle_threshold', 'unknown_is_free', 'footprint', 'outline')
     return any(getattr(a, name) != getattr(b, name) for name in (*names, 'turning'))
 
 
@@ -270,7 +271,7 @@ def planner_from_parameters(
         influence=p.influence,
         path_deviation=p.path_deviation,
         start_tolerance=tolerance,
-        occupied_threshold=p.occupied_threshold,
+        occupied_threshold=p.obstacle_threshold,
         unknown_is_free=p.unknown_is_free,
         time_limit=p.planning_timeout,
         clock=clock,
@@ -315,4 +316,12 @@ def _costs(parameters: PlannerParameters) -> tuple[CostLayer, ...]:
         layers.append(UnknownCost(parameters.unknown_cost))
     if parameters.clearance_cost > 1.0:
         layers.append(ClearanceCost(parameters.clearance_cost, parameters.clearance_cost_distance))
+    if parameters.map_values == 'costmap' and _takes_costs(parameters):
+        layers.append(MapCost(parameters.map_cost))
     return tuple(layers)
+
+
+def _takes_costs(parameters: PlannerParameters) -> bool:
+    """Return whether the method compares paths by costs; others go by the obstacles alone."""
+    is_any_potential = parameters.method == 'potential' and parameters.potential != 'navigation'
+    return bool(getattr(METHODS[parameters.method], 'knows_costs', False)) and not is_any_potential

@@ -4,6 +4,8 @@ Conversions between ROS messages and the planner's values.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, PoseStamped
@@ -13,18 +15,85 @@ from numpy.typing import NDArray
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from quad_common.errors import InvalidMessage, NoGoals
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_from_message, pose_message
+from quad_planner.grid.grid_update import GridUpdate
+
+_MOST_POSES = 1000
+"""Poses that a goal of an action may have."""
 
 
 def ends_from_request(request: GetPlan.Request) -> tuple[tuple[str, Pose2D], tuple[str, Pose2D]]:
     """Return start and goal of a request for a plan, each with its frame; InvalidPose if not so."""
-    start, goal = request.start, request.goal
-    return (
-        (start.header.frame_id, pose_from_message(start.pose, 'start')),
-        (goal.header.frame_id, pose_from_message(goal.pose, 'goal')),
-    )
+    return placed_pose(request.start, 'start'), placed_pose(request.goal, 'goal')
+
+
+def goals_of(request: Any) -> list[tuple[str, Pose2D]]:
+    """
+    Return the goals of an action's goal, each with its frame.
+
+    Parameters
+    ----------
+    request : Goal
+        Of any of the planner's actions.
+
+    Returns
+    -------
+    list of tuple of str and Pose2D
+        One at least.
+
+    Raises
+    ------
+    NoGoals
+        If there are none.
+    InvalidMessage
+        If there are too many.
+    InvalidPose
+        If one is no pose.
+    """
+    several = getattr(request, 'poses', None) or getattr(request, 'goals', None)
+    single = getattr(request, 'pose', None) or getattr(request, 'goal', None)
+    poses = several or ([single] if single is not None else [])
+    if not poses:
+        raise NoGoals()
+    if len(poses) > _MOST_POSES:
+        raise InvalidMessage('goal', f'it has {len(poses)} poses; {_MOST_POSES} are the most')
+    return [placed_pose(stamped, 'goal') for stamped in poses]
+
+
+def placed_pose(stamped: PoseStamped, what: str) -> tuple[str, Pose2D]:
+    """Return a pose with its frame; InvalidPose if it is none."""
+    return stamped.header.frame_id, pose_from_message(stamped.pose, what)
+
+
+def update_from_message(message: Any) -> GridUpdate:
+    """
+    Read an update of a map.
+
+    Parameters
+    ----------
+    message : map_msgs/OccupancyGridUpdate
+        The update.
+
+    Returns
+    -------
+    GridUpdate
+        The same update.
+
+    Raises
+    ------
+    InvalidMessage
+        If it has no cells, or not as many as its sizes say.
+    """
+    cells = np.frombuffer(message.data, dtype=np.int8)
+    if not cells.size or cells.size != message.width * message.height:
+        raise InvalidMessage(
+            'map update',
+            f'it has {cells.size} cells, and is {message.width} x {message.height} cells in size',
+        )
+    return GridUpdate(message.x, message.y, cells.reshape(message.height, message.width))
 
 
 def path_message(plan: Plan | None, frame: str, stamp: Time) -> Path:

@@ -3,7 +3,7 @@ Writes the SROS2 policy of quadwalk from the pages of its interfaces.
 
 ``python tools/sros2_policy.py`` writes ``config/sros2_policy.xml`` again; ``--namespace``
 and ``--output`` make one for a robot in a namespace. Each node gets an enclave in which it
-may publish, hear and offer what ``msg_docs`` says, and what every node of rclpy has;
+may publish, subscribe to and serve what ``msg_docs`` says, and what every node of rclpy has;
 people with their tools and a real robot's own nodes get one each. The format is that of "ROS 2
 Access Control Policies" (design.ros2.org), version 0.2.0.
 """
@@ -47,6 +47,17 @@ _OF_EVERY_NODE = (
 )
 """Services that rclpy offers for each node, below the node's name."""
 
+_OF_MANAGED = (
+    'change_state',
+    'get_state',
+    'get_available_states',
+    'get_available_transitions',
+    'get_transition_graph',
+)
+"""Services of a node with ``managed:=true``, below the node's name."""
+
+_MANAGED = ('gait_node', 'planner_node')
+
 _ABSOLUTE = ('/clock', '/rosout', '/parameter_events')
 """Topics that no namespace moves, as ROS has it; parameter_events is relative there."""
 
@@ -57,7 +68,7 @@ _COMMENT = """
 
 @dataclass(frozen=True)
 class Page:
-    """What a page says of one topic or service."""
+    """What a page says of one topic, service or action."""
 
     name: str
     """As the page writes it: absolute with a leading slash."""
@@ -73,7 +84,7 @@ class Page:
 
 def pages(folder: Path = ROOT / 'msg_docs') -> list[Page]:
     """
-    Read the pages of topics and services.
+    Read the pages of topics, services and actions.
 
     Parameters
     ----------
@@ -83,14 +94,14 @@ def pages(folder: Path = ROOT / 'msg_docs') -> list[Page]:
     Returns
     -------
     list of Page
-        One for each topic or service, by name.
+        One for each topic, service or action, by name.
     """
     found = []
     for path in sorted(folder.glob('*.md')):
         parts = path.read_text(encoding='utf-8').split('\n\n')
         lines = [line.strip('|').split('|', 1) for line in parts[1].splitlines() if '|' in line]
         rows = {line[0].strip(): line[1].strip() for line in lines if len(line) == 2}
-        if rows.keys() & {'published by', 'subscribed by', 'offered by'}:
+        if rows.keys() & {'published by', 'subscribed by', 'offered by', 'served by'}:
             found += [Page(name, rows) for name in re.findall('`([^`]+)`', parts[0])]
     return sorted(found, key=lambda page: page.name)
 
@@ -116,6 +127,8 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
             ('topic', 'subscribe'): {'/clock', '/parameter_events'},
             ('service', 'reply'): {f'{owner}/{service}' for service in _OF_EVERY_NODE},
             ('service', 'request'): set(),
+            ('action', 'execute'): set(),
+            ('action', 'call'): set(),
         }
     operator = rights[OPERATOR]
     operator['topic', 'subscribe'].add('/rosout')
@@ -128,10 +141,18 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
             rights[owner]['service', 'reply'].add(page.name)
             operator['service', 'request'].add(page.name)
             rights[VIEWER]['service', 'request'].add(page.name)
-        if 'offered by' not in page.rows:
+        for owner in page.names_in('served by'):
+            rights[owner]['action', 'execute'].add(page.name)
+            operator['action', 'call'].add(page.name)
+        if not page.rows.keys() & {'offered by', 'served by'}:
             operator['topic', 'subscribe'].add(page.name)
     for node in NODES:
         operator['service', 'request'] |= {f'{node}/{service}' for service in _OF_EVERY_NODE}
+    for node in _MANAGED:
+        rights[node]['service', 'reply'] |= {f'{node}/{service}' for service in _OF_MANAGED}
+        rights[node]['topic', 'publish'].add(f'{node}/transition_event')
+        operator['service', 'request'] |= {f'{node}/{service}' for service in _OF_MANAGED}
+        operator['topic', 'subscribe'].add(f'{node}/transition_event')
     rights[VIEWER]['service', 'request'] |= {
         f'{node}/set_parameters' for node in ('gait_node', 'planner_node')
     }

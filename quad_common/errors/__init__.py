@@ -89,8 +89,10 @@ from quad_common.errors.planning import GoalOccupied as GoalOccupied
 from quad_common.errors.planning import GoalOutsideMap as GoalOutsideMap
 from quad_common.errors.planning import InvalidPlanner as InvalidPlanner
 from quad_common.errors.planning import InvalidPose as InvalidPose
+from quad_common.errors.planning import NoGoals as NoGoals
 from quad_common.errors.planning import NoMap as NoMap
 from quad_common.errors.planning import NoPathFound as NoPathFound
+from quad_common.errors.planning import NoRobotPose as NoRobotPose
 from quad_common.errors.planning import PlannerError as PlannerError
 from quad_common.errors.planning import PlannerTimedOut as PlannerTimedOut
 from quad_common.errors.planning import PlanSuperseded as PlanSuperseded

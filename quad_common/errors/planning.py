@@ -88,6 +88,28 @@ class NoMap(PlannerError):
 
 
 @dataclass(eq=False, repr=False)
+class NoRobotPose(PlannerError):
+    """A plan is to begin where the robot is, and that is not known."""
+
+    code = 202
+
+    def sentence(self) -> str:
+        """Say what is missing."""
+        return 'where the robot is is not known: no odometry, or none for a while'
+
+
+@dataclass(eq=False, repr=False)
+class NoGoals(PlannerError):
+    """A plan through poses is requested, and there are none."""
+
+    code = 209
+
+    def sentence(self) -> str:
+        """Say what is missing."""
+        return 'there is no pose to go to; give one at least'
+
+
+@dataclass(eq=False, repr=False)
 class _OutsideMap(PlannerError):
     _what = 'pose'
 

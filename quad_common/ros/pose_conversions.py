@@ -8,7 +8,7 @@ import math
 from array import array
 
 import numpy as np
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, Pose, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
 from nav_msgs.msg import Odometry, Path
@@ -344,3 +344,9 @@ def grid_message(grid: OccupancyGrid, frame: str, stamp: Time) -> OccupancyGridM
     data.frombytes(np.ascontiguousarray(grid.cells).tobytes())
     message.data = data
     return message
+
+
+def duration_from_seconds(seconds: float) -> Duration:
+    """Convert seconds to a duration, to the nanosecond; negative ones become 0."""
+    time = time_from_seconds(seconds)
+    return Duration(sec=time.sec, nanosec=time.nanosec)

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import SetParametersResult
@@ -17,11 +18,15 @@ from rclpy.parameter import Parameter as RosParameter
 
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped
+from quad_common.lifecycle import LifeState, NotActive
 from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import give_back_spare_memory
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
 from quad_common.status import Level, Status
+
+if TYPE_CHECKING:
+    from quad_common.ros.managed_life import ManagedLife
 
 Table = TypeVar('Table')
 
@@ -66,6 +71,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         given = self._given_values(kwargs.get('parameter_overrides') or [])
         if 'use_sim_time' not in given:
             self.set_parameters([RosParameter('use_sim_time', value=use_sim_time)])
+        self._life: ManagedLife | None = None
         self.parameters: Table = self._declare(table, given)
         self._diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._status = (OK, 'starting')
@@ -123,6 +129,32 @@ class QuadNode(GuardedNode, Generic[Table]):
 
     def update_status(self) -> None:
         """Report what is going on; called every second. Nodes override it."""
+
+    def manage(self, on_rest: Callable[[], object]) -> None:
+        """
+        Begin unconfigured and serve a lifecycle, if the parameter ``managed`` says so.
+
+        Parameters
+        ----------
+        on_rest : callable
+            Is called when the node is active no longer.
+        """
+        if getattr(self.parameters, 'managed', False):
+            # Messages that other nodes need not load.
+            from quad_common.ros.managed_life import ManagedLife
+
+            self._life = ManagedLife(self, on_rest, self.update_status)
+
+    def rest_note(self) -> str:
+        """Say that the node is managed and not active; empty otherwise."""
+        if self._life is None or self._life.state is LifeState.ACTIVE:
+            return ''
+        return str(NotActive(self.get_name(), self._life.state.label))
+
+    def check_active(self) -> None:
+        """Raise NotActive if the node is managed and not active."""
+        if self._life is not None and self._life.state is not LifeState.ACTIVE:
+            raise NotActive(self.get_name(), self._life.state.label)
 
     def take_parameters(self, parameters: Table) -> None:
         """

@@ -104,7 +104,7 @@ class Guidance:
             # There is none to take back: whatever else the robot does goes on.
             return
         if plan is not None and self._stopped_goal is not None:
-            if _is_same_goal(plan.poses[-1], self._stopped_goal):
+            if not wish.is_asked and _is_same_goal(plan.poses[-1], self._stopped_goal):
                 return
             self._stopped_goal = None
         if plan is not None and refusal:

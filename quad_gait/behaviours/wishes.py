@@ -23,6 +23,8 @@ class FollowPlan:
     """Turning points; None takes back the plan that was wanted."""
     pieces: list[Piece] | None = None
     """Path to the plan's last pose, if it is not made of its turning points."""
+    is_asked: bool = False
+    """Whether somebody asks for it just now; else it is none after a stop on the same path."""
 
 
 @dataclass(frozen=True)

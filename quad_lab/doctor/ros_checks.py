@@ -66,6 +66,11 @@ def check_ros() -> Iterator[Finding]:
         yield missing('tf2_msgs', said, 'make tf, or a ROS 2 installation')
     else:
         yield good('tf2_msgs', 'nodes publish tf')
+    if importlib.util.find_spec('nav2_msgs') is None:
+        said = "absent: nodes serve none of Nav2's actions; goals go by topic"
+        yield missing('nav2_msgs', said, 'make nav2, or a ROS 2 installation')
+    else:
+        yield good('nav2_msgs', "nodes serve Nav2's actions")
     yield _round_trip()
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
+from quad_common.maps.occupancy_grid import FREE
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.potential.map_potential import boundary_distances
 
@@ -23,6 +24,10 @@ Floats = NDArray[np.float64]
 
 LARGEST_FACTOR = 250.0
 """Costs of paths are compared as whole numbers, which must not become too large."""
+
+
+MOST_COST = 99
+"""Value of a costmap's cells, on the topics of Nav2, in which the robot's center would collide."""
 
 
 class CostLayer(Protocol):
@@ -87,6 +92,31 @@ class ClearanceCost:
         )
         nearness = np.clip(1.0 - away / self.distance, 0.0, 1.0)
         factors: Floats = 1.0 + (self.factor - 1.0) * nearness
+        return factors
+
+
+@dataclass(frozen=True)
+class MapCost:
+    """
+    Makes paths through cells with a value cost more, as costmaps mean it.
+
+    Raises
+    ------
+    ParameterError
+        If the factor is not from 1 to `LARGEST_FACTOR`.
+    """
+
+    factor: float
+    """Factor at `MOST_COST`; less in proportion below it, and 1 where the value is 0 or unknown."""
+
+    def __post_init__(self) -> None:
+        """Check the factor."""
+        _check_factor(self.factor)
+
+    def factors(self, safety: InflatedMap) -> Floats:
+        """Return factors that rise in proportion to the values of the map."""
+        values = np.clip(safety.grid.cells, FREE, MOST_COST)
+        factors: Floats = 1.0 + (self.factor - 1.0) * values / MOST_COST
         return factors
 
 

@@ -14,7 +14,9 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.grid.keepout_mask import KeepoutMask
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
 
@@ -59,6 +61,8 @@ class PlanningMap:
         self._grid: OccupancyGrid | None = None
         self._ground: Ground | None = None
         self._waiting: tuple[HeightMap, str] | None = None
+        self._mask: KeepoutMask | None = None
+        self._mask_frame = ''
 
     @property
     def is_ready(self) -> bool:
@@ -145,6 +149,9 @@ class PlanningMap:
         QuadError
             If it cannot be planned on.
         """
+        if self._mask is not None and frame != self._mask_frame:
+            self._mask = None
+            self._warn(f'the map is in frame {quoted(frame)}: the keepout mask is left out')
         is_moved = self._ground is not None and frame != self.frame.name
         has_changed = self._take(grid, frame, None if is_moved else self._ground)
         if is_moved:
@@ -152,6 +159,71 @@ class PlanningMap:
                 f'the map is in frame {quoted(frame)} now: the height map is left out until one is'
             )
         return has_changed
+
+    def take_update(self, update: GridUpdate, frame: str) -> bool:
+        """
+        Take new values of some cells of the map.
+
+        Parameters
+        ----------
+        update : GridUpdate
+            The cells.
+        frame : str
+            Of the map that they belong to.
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
+
+        Raises
+        ------
+        InvalidMessage
+            If there is no such map, or they are not on it.
+        """
+        if self._grid is None or frame != self.frame.name:
+            known = 'there is none' if self._grid is None else f'it is in {quoted(self.frame.name)}'
+            raise InvalidMessage(
+                'map update', f'it is for a map in frame {quoted(frame)}, and {known}'
+            )
+        return self._take(update.applied_to(self._grid), frame, self._ground)
+
+    def take_mask(self, mask: OccupancyGrid, frame: str) -> bool:
+        """
+        Keep out of the zones of a mask from now on; without a map it waits for one.
+
+        Parameters
+        ----------
+        mask : OccupancyGrid
+            The zones.
+        frame : str
+            Of the mask.
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
+
+        Raises
+        ------
+        InvalidMessage
+            If it is in another frame than the map.
+        """
+        if self._grid is None:
+            self._mask, self._mask_frame = KeepoutMask(mask), frame
+            return False
+        if frame != self.frame.name:
+            name = self.frame.name
+            raise InvalidMessage(
+                'keepout mask', f'it is in frame {quoted(frame)}; give it in {quoted(name)}'
+            )
+        before = self._mask, self._mask_frame
+        self._mask, self._mask_frame = KeepoutMask(mask), frame
+        try:
+            return self._take(self._grid, frame, self._ground)
+        except QuadError:
+            self._mask, self._mask_frame = before
+            raise
 
     def take_heights(self, heights: HeightMap, frame: str) -> bool:
         """
@@ -202,6 +274,8 @@ class PlanningMap:
         return True
 
     def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
+        if self._mask is not None:
+            grid = self._mask.added_to(grid)
         if ground is None:
             return grid
         return ground.added_to(grid, self._occupied_threshold, self._steps_over_low)

@@ -7,25 +7,23 @@ decides; searches run wherever the requests are worked on.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
-from quad_common.errors import PlannerError, QuadError, without_frames
+from quad_common.errors import PlannerError, without_frames
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_planner.grid.grid_update import GridUpdate
+from quad_planner.session.given_goal import GivenGoal, GoalEnd
+from quad_planner.session.own_plans import Followed, OwnPlans
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.pose_age import PoseAge
 from quad_planner.session.session_ports import Output, Requests
+from quad_planner.session.session_state import GoalWish, SessionOptions, SessionState
 
 _CHECK_PERIOD = 0.2
 """Time between two checks whether the robot has left its path [s]."""
-
-_REMEMBERED_PLANS = 64
-"""Number of own plans that are recognised when they are followed."""
 
 _ARRIVED = 0.1
 """Distance from the goal within which a robot whose plan has ended has arrived [m]."""
@@ -37,27 +35,7 @@ _LONG = 3.0
 """Time in which compiled searches are ready at the latest [s]."""
 
 
-@dataclass(frozen=True)
-class _Wish:
-    """A goal to plan to."""
-
-    frame: str
-    goal: Pose2D
-    is_given: bool
-    """Whether it was just given; else it is an older one that is planned to again."""
-
-
-@dataclass(frozen=True)
-class SessionOptions:
-    """Conditions under which a session plans, and its map."""
-
-    replan_distance: float = 0.3
-    """Distance from its path at which a robot is planned for again [m]."""
-    odom_timeout: float = 1.0
-    """Age of a pose from which no plan is made any more [s]."""
-
-
-class PlanningSession:
+class PlanningSession(SessionState):
     """
     Plans when a goal comes, when a map changes, and when the robot leaves its path.
 
@@ -80,61 +58,14 @@ class PlanningSession:
         output: Output,
         options: SessionOptions,
     ) -> None:
-        self.map = planning_map
-        """Map that is planned on."""
-        self.options = options
-        """Conditions under which it plans."""
-        self._requests = requests
+        super().__init__(planning_map, requests, options)
         self._output = output
-        self._pose: Pose2D | None = None
-        self._age = PoseAge()
         self._checked_at = 0.0
-        self._waiting: _Wish | None = None
-        self._pending: _Wish | None = None
-        self._goal: Pose2D | None = None
         self._is_plan_void = False
         self._void_at: Pose2D | None = None
-        # Stamps of the plans to the goal in force, and of all plans.
-        self._stamps_to_goal: deque[int] = deque(maxlen=_REMEMBERED_PLANS)
-        self._stamps: deque[int] = deque(maxlen=_REMEMBERED_PLANS)
+        self._given = GivenGoal()
+        self._own = OwnPlans()
         self._is_new = True
-        self.plan: Plan | None = None
-        """Plan that was published last, unless it was taken back."""
-        self.planned_from: Pose2D | None = None
-        """Pose of the robot from which it was planned."""
-        self.problem: QuadError | None = None
-        """Reason why the last goal was refused, or has no plan."""
-
-    @property
-    def is_busy(self) -> bool:
-        """Whether a search, or what makes searches ready, is under way."""
-        return self._requests.is_busy
-
-    @property
-    def pending_goal(self) -> Pose2D | None:
-        """Goal that is being searched for."""
-        return None if self._pending is None else self._pending.goal
-
-    @property
-    def has_pose(self) -> bool:
-        """Whether the robot's pose was received."""
-        return self._pose is not None
-
-    @property
-    def silence(self) -> float:
-        """Time since the last pose [s]; 0 as long as it is recent enough to plan from."""
-        seconds = self._age.seconds
-        return seconds if self.has_pose and seconds > self.options.odom_timeout else 0.0
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether the plan that was published last leads to no goal any more."""
-        return self.plan is not None and self._goal is None
-
-    @property
-    def is_waiting(self) -> bool:
-        """Whether a goal waits for a map, or for a pose."""
-        return self._waiting is not None
 
     # Maps
 
@@ -152,6 +83,16 @@ class PlanningSession:
         if self.map.take_waiting_heights():
             self.plan_on_new_map()
 
+    def take_update(self, update: GridUpdate, frame: str) -> None:
+        """Plan on the map with some cells changed; see :meth:`PlanningMap.take_update`."""
+        if self.map.take_update(update, frame):
+            self.plan_on_new_map()
+
+    def take_mask(self, mask: OccupancyGrid, frame: str) -> None:
+        """Keep out of the zones of a mask; see :meth:`PlanningMap.take_mask`."""
+        if self.map.take_mask(mask, frame):
+            self.plan_on_new_map()
+
     def take_heights(self, heights: HeightMap, frame: str) -> None:
         """Plan over this ground from now on; see :meth:`PlanningMap.take_heights`."""
         if self.map.take_heights(heights, frame):
@@ -164,7 +105,7 @@ class PlanningSession:
         self._output.show_map(self.map.planner.prepared)
         wish = self._pending
         if wish is None and self._goal is not None:
-            wish = _Wish(self.map.frame.name, self._goal, is_given=False)
+            wish = GoalWish(self.map.frame.name, self._goal, is_given=False)
         if self._waiting is None and wish is not None and self._pose is not None:
             self._search(wish, is_plan_void=True)
         self._try_waiting_goal()
@@ -172,12 +113,30 @@ class PlanningSession:
 
     # Goals
 
-    def give_goal(self, frame: str, goal: Pose2D) -> None:
-        """Plan to a goal as soon as map and pose are known."""
+    def give_goal(self, frame: str, goal: Pose2D) -> GivenGoal:
+        """Plan to a goal as soon as map and pose are known; return what will become of it."""
         self._is_new = False
-        self._waiting = _Wish(frame, goal, is_given=True)
+        self._given.conclude(GoalEnd.REPLACED, 'a newer goal has taken its place')
+        self._given = given = GivenGoal()
+        self._waiting = GoalWish(frame, goal, is_given=True)
         self._try_waiting_goal()
         self._output.update_status()
+        return given
+
+    def withdraw_goal(self) -> None:
+        """Give up the goal in force, and what is planned: the robot stands."""
+        self._waiting = self._goal = self._void_at = None
+        self._give_up_search()
+        self._own.begin_goal()
+        self._given.conclude(GoalEnd.WITHDRAWN, 'it was withdrawn')
+        if self.plan is not None:
+            self._publish(None)
+        self._output.update_status()
+
+    def plan_again(self) -> None:
+        """Plan to the goal in force from where the robot is, unless that is under way."""
+        if self._goal is not None and self._pending is None:
+            self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
 
     def _try_waiting_goal(self) -> None:
         """Plan to the goal that came last, as soon as map and pose are known."""
@@ -188,9 +147,14 @@ class PlanningSession:
         try:
             goal = self.map.pose_on_map(wish.frame, wish.goal, 'goal')
         except PlannerError as error:
-            self.problem = without_frames(error)
+            self._refuse(wish, error)
             return
-        self._search(_Wish(self.map.frame.name, goal, wish.is_given))
+        self._search(GoalWish(self.map.frame.name, goal, wish.is_given))
+
+    def _refuse(self, wish: GoalWish, error: PlannerError) -> None:
+        self.problem = problem = without_frames(error)
+        if wish.is_given:
+            self._given.conclude(GoalEnd.REFUSED, str(problem), problem)
 
     # The robot
 
@@ -222,6 +186,7 @@ class PlanningSession:
             # Its plan was taken back, for the map left no path: until then the robot stands.
             if self._void_at is not None and pose.distance_to(self._void_at) > farthest:
                 self._output.say('the robot was moved meanwhile: its goal is given up')
+                self._given.conclude(GoalEnd.ENDED, 'the robot was moved meanwhile')
                 self._goal = self._void_at = None
             return
         distance = distance_to_polyline((pose.x, pose.y), self.plan.corners)
@@ -229,7 +194,7 @@ class PlanningSession:
             return
         if self._goal is not None:
             self._output.say(f'the robot is {distance:.2f} m from its path: planning again')
-            self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
+            self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
         else:
             # A late subscriber must not walk to it again.
             self._publish(None)
@@ -254,9 +219,10 @@ class PlanningSession:
         plan : Plan or None
             None: the plan of that stamp has ended.
         """
-        if plan is None and stamp in self._stamps_to_goal:
+        followed = self._own.judge(stamp, has_ended=plan is None)
+        if followed is Followed.GOAL_ENDED:
             self._end_goal()
-        if plan is None or stamp in self._stamps:
+        if plan is None or followed is not Followed.FOREIGN:
             return
         if self._is_new:
             self._is_new = False
@@ -265,26 +231,29 @@ class PlanningSession:
                 f'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from '
                 f'before this planner began: that goal is taken over'
             )
-            self._stamps_to_goal.append(stamp)
-            self._stamps.append(stamp)
-            self._waiting = _Wish(frame, goal, is_given=False)
+            self._own.add(stamp)
+            self._waiting = GoalWish(frame, goal, is_given=False)
             self._try_waiting_goal()
             self._output.update_status()
         elif self._goal is not None and self._pending is None:
             self._output.say('the robot follows the plan of somebody else: its goal here has ended')
+            self._given.conclude(GoalEnd.ENDED, 'the robot follows the plan of somebody else')
             self._goal = None
             self._output.update_status()
 
     def _end_goal(self) -> None:
         """Plan no more, whatever moves the robot, until a new goal comes."""
         goal, self._goal = self._goal, None
-        self._stamps_to_goal.clear()
+        self._own.begin_goal()
         if self._waiting is not None and not self._waiting.is_given:
             self._waiting = None
         if self._pending is not None and not self._pending.is_given:
             # It was planned to again: the answer is not wanted any more.
             self._give_up_search()
         has_arrived = goal is not None and self._pose is not None and _is_at(self._pose, goal)
+        if not any(wish and wish.is_given for wish in (self._waiting, self._pending)):
+            end = GoalEnd.ARRIVED if has_arrived else GoalEnd.ENDED
+            self._given.conclude(end, 'the robot does not follow its plan any more')
         if self.plan is not None and not has_arrived and self._pending is None:
             # A late subscriber must not walk to it again.
             self._publish(None)
@@ -298,12 +267,11 @@ class PlanningSession:
             self._requests.submit(partial(self.map.warm_up, clock), self._on_warm)
 
     def _on_warm(self, result: Callable[[], float]) -> None:
-        took = result()
-        if took > _LONG:
+        if (took := result()) > _LONG:
             self._output.say(f'the searches were compiled in {took:.0f} s; they are kept')
         self._output.update_status()
 
-    def _search(self, wish: _Wish, is_plan_void: bool = False) -> None:
+    def _search(self, wish: GoalWish, is_plan_void: bool = False) -> None:
         """
         Begin to search a plan; searches before it are given up.
 
@@ -328,20 +296,20 @@ class PlanningSession:
             self._pending = None
             self._requests.submit(lambda: None, lambda result: result())
 
-    def _on_result(self, start: Pose2D, wish: _Wish, result: Callable[[], Plan]) -> None:
+    def _on_result(self, start: Pose2D, wish: GoalWish, result: Callable[[], Plan]) -> None:
         self._pending = None
         try:
             plan = result()
         except PlannerError as error:
-            self.problem = without_frames(error)
+            self._refuse(wish, error)
             if self._is_plan_void:
                 self._publish(None)
                 # That the robot follows it no more is no news.
-                self._stamps_to_goal.clear()
+                self._own.begin_goal()
                 self._void_at = start
         else:
             if wish.is_given:
-                self._stamps_to_goal.clear()
+                self._own.begin_goal()
             self._goal, self.planned_from = wish.goal, start
             self._void_at = None
             self.problem = None
@@ -355,8 +323,7 @@ class PlanningSession:
         self.plan = plan
         stamp = self._output.publish_plan(plan)
         if plan is not None:
-            self._stamps_to_goal.append(stamp)
-            self._stamps.append(stamp)
+            self._own.add(stamp)
 
 
 def _is_at(pose: Pose2D, goal: Pose2D) -> bool:

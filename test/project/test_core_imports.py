@@ -17,18 +17,22 @@ MOST_MODULES = 16
 """In one folder, without ``__init__``."""
 
 SHELLS = {
-    'ros_node', 'node_parameters', 'run_node', 'map_frame_listener', 'transform_publisher',
+    'ros_node', 'managed_life', 'node_parameters', 'run_node', 'map_frame_listener',
+    'transform_publisher',
     'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window',
     'composed_nodes', 'mjcf', 'mjcf_shapes',
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 
-_SHELL_NAMES = ('_node', '_conversions', '_topics')
+_SHELL_NAMES = ('_node', '_conversions', '_topics', '_actions')
 
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
     'quad_lab.topic_walk.walk_observer',
     'quad_lab.topic_walk.walk_notes',
+    'quad_lab.topic_walk.navigation_client',
+    'quad_lab.topic_walk.navigated_robot',
+    'quad_lab.benchmarks.bench_fleet',
     'quad_lab.topic_walk.recorded_walk',
     'quad_lab.recordings.recorder',
     'quad_lab.recordings.subscription',

@@ -48,6 +48,11 @@ SHARED = {
     'transform_publisher': ('ceiling_camera_node', 'sim_node'),
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
+    'plan_topics': ('gait_node',),
+    'gait_actions': ('gait_node',),
+    'navigation_actions': ('planner_node',),
+    'path_actions': ('planner_node',),
+    'map_topics': ('planner_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
     'robot_topics': ('viewer_node',),
@@ -72,6 +77,7 @@ ROWS = {
     'create_subscription': 'subscribed by',
     '_listen': 'subscribed by',
     'create_service': 'offered by',
+    'GoalAction': 'served by',
 }
 """The row of a page's first table that names the nodes."""
 
@@ -85,7 +91,7 @@ _EACH = re.compile(r'(eqs?|figs?|sec|section)\.?\s(\d+)(?:\sto\s(\d+))?')
 
 @dataclass(frozen=True)
 class Interface:
-    """One publisher, subscription or service in the code."""
+    """One publisher, subscription, service or action in the code."""
 
     name: str
     """Without a leading slash."""
@@ -96,14 +102,14 @@ class Interface:
     nodes: tuple[str, ...]
     """Empty for what is no node."""
     quality: str
-    """Key of :data:`QUALITIES`; empty for services."""
+    """Key of :data:`QUALITIES`; empty for services and actions."""
 
     def __str__(self) -> str:
         return f'{"+".join(self.nodes) or "quadwalk"}-{self.call}-{self.name}'
 
 
 def interfaces() -> Iterator[Interface]:
-    """Find every publisher, subscription and service that the sources make."""
+    """Find every publisher, subscription, service and action that the sources make."""
     for path in SOURCES:
         text = path.read_text(encoding='utf-8')
         if not any(call in text for call in ROWS):
@@ -113,27 +119,32 @@ def interfaces() -> Iterator[Interface]:
         nodes = (path.stem,) if path.stem in NODES else ()
         nodes = SHARED.get(path.stem, nodes)
         for call in ast.walk(tree):
-            if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Attribute):
+            if not isinstance(call, ast.Call):
                 continue
-            name = call.func.attr
+            if isinstance(call.func, ast.Name) and call.func.id == 'GoalAction':
+                name, arguments = 'GoalAction', call.args[1:]
+            elif isinstance(call.func, ast.Attribute):
+                name, arguments = call.func.attr, call.args
+            else:
+                continue
             # What forwards its own arguments has no literal type: its callers do.
-            kinds = kinds_of(call.args[0], types, tree) if name in ROWS else ()
+            kinds = kinds_of(arguments[0], types, tree) if name in ROWS else ()
             if kinds:
                 quality = ''
-                if name != 'create_service':
+                if name not in ('create_service', 'GoalAction'):
                     place = 2 if name in ('create_publisher', '_listen') else 3
-                    quality = resolved(call.args[place], tree)
-                topic = topic_name(call.args[1], path.stem).lstrip('/')
+                    quality = resolved(arguments[place], tree)
+                topic = topic_name(arguments[1], path.stem).lstrip('/')
                 yield Interface(topic, kinds, name, nodes, quality)
 
 
 def imported_types(tree: ast.Module) -> dict[str, str]:
-    """List the messages and services that a module imports, by the name they have in it."""
+    """List the messages, services and actions that a module imports, by their names in it."""
     return {
         alias.asname or alias.name: f'{node.module.replace(".", "/")}/{alias.name}'
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom)
-        if node.module is not None and node.module.endswith(('.msg', '.srv'))
+        if node.module is not None and node.module.endswith(('.msg', '.srv', '.action'))
         for alias in node.names
     }
 
@@ -366,7 +377,7 @@ def test_the_search_for_interfaces_finds_those_of_every_node():
         for node in NODES
         for call in ('create_publisher', 'create_subscription', 'create_service')
         if call != 'create_service' or node not in ('ceiling_camera_node', 'viewer_node')
-    }
+    } | {('planner_node', 'GoalAction'), ('gait_node', 'GoalAction')}
 
 
 @pytest.mark.ros
@@ -375,9 +386,9 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
     from quad_common.ros import map_frame_listener, transform_publisher
-    from quad_gait import gait_node, gait_topics
+    from quad_gait import gait_node, gait_topics, plan_topics
     from quad_perception import camera_topics, ceiling_camera_node
-    from quad_planner import planner_node, planner_topics
+    from quad_planner import map_topics, planner_node, planner_topics
     from quad_sim import sim_node, sim_topics
     from quad_view import robot_topics
 
@@ -390,7 +401,8 @@ def test_the_profiles_mean_what_the_pages_call_them():
                 camera_topics,
                 gait_node,
                 gait_topics,
-                planner_node,
+                map_topics,
+                plan_topics,
                 planner_topics,
                 robot_topics,
                 sim_node,

@@ -19,6 +19,7 @@ RIGHTS = {
     'create_subscription': ('topics', 'subscribe'),
     '_listen': ('topics', 'subscribe'),
     'create_service': ('services', 'reply'),
+    'GoalAction': ('actions', 'execute'),
 }
 
 # "ROS 2 Access Control Policies", schema 0.2.0: element, its attributes, its children.
@@ -27,9 +28,11 @@ STRUCTURE = {
     'enclaves': (set(), {'enclave'}),
     'enclave': ({'path'}, {'profiles'}),
     'profiles': (set(), {'profile'}),
-    'profile': ({'ns', 'node'}, {'topics', 'services'}),
+    'profile': ({'ns', 'node'}, {'topics', 'services', 'actions'}),
     'topics': ({'publish', 'subscribe'}, {'topic'}),
     'services': ({'reply', 'request'}, {'service'}),
+    'actions': ({'execute', 'call'}, {'action'}),
+    'action': (set(), set()),
     'topic': (set(), set()),
     'service': (set(), set()),
 }
@@ -62,7 +65,7 @@ def test_it_has_the_structure_that_sros2_documents():
         assert set(element.attrib) >= REQUIRED.get(element.tag, set())
         assert {child.tag for child in element} <= children
         assert bool(len(element)) == bool(children), f'{element.tag} is empty'
-        if element.tag in ('topics', 'services'):
+        if element.tag in ('topics', 'services', 'actions'):
             assert set(element.attrib.values()) == {'ALLOW'}
             assert len(element.attrib) == 1
     paths = [enclave.get('path') for enclave in root.iter('enclave')]
@@ -79,7 +82,7 @@ def test_each_node_may_do_what_its_code_does(interface: Interface):
 @pytest.mark.parametrize('node', NODES)
 def test_no_node_may_say_or_offer_what_its_code_does_not(node):
     of_all = {'/rosout', '/parameter_events', '/tf', '/tf_static'}
-    for kind, right in (('topics', 'publish'), ('services', 'reply')):
+    for kind, right in (('topics', 'publish'), ('services', 'reply'), ('actions', 'execute')):
         # What a module makes for a node that is handed to it counts for each of them.
         done = {
             f'/{i.name}'
@@ -101,6 +104,8 @@ def test_only_people_and_the_camera_give_goals_and_only_people_call_services():
     assert '/sim_node/set_parameters' not in allowed('viewer_node', 'services', 'request')
     assert '/stop' in allowed('operator', 'services', 'request')
     assert '/joint_trajectory' not in allowed('operator', 'topics', 'publish')
+    assert '/navigate_to_pose' in allowed('operator', 'actions', 'call')
+    assert not any(allowed(node, 'actions', 'call') for node in (*NODES, 'robot'))
 
 
 def test_a_namespace_moves_all_but_what_is_absolute():

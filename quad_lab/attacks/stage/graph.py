@@ -12,6 +12,13 @@ UNHEARD = ('/parameter_events',)
 """Topics that rclpy itself subscribes to, and only for the node's own parameters."""
 
 
+_PARTS = {'SendGoal': 'SendGoalService', 'GetResult': 'GetResultService'}
+"""What rclpy calls the services of an action."""
+
+_ANSWERED_LATER = '/_action/get_result'
+"""Services that answer when a goal has ended, and not before."""
+
+
 @dataclass(frozen=True)
 class Interface:
     """A topic or a service of a node."""
@@ -38,7 +45,8 @@ def class_of(type_name: str) -> Any:
     Parameters
     ----------
     type_name : str
-        ``package/msg/Name`` or ``package/srv/Name``.
+        ``package/msg/Name`` or ``package/srv/Name``; or what an action is made of,
+        ``package/action/Name_SendGoal`` for example.
 
     Returns
     -------
@@ -46,7 +54,11 @@ def class_of(type_name: str) -> Any:
         The Python class.
     """
     package, folder, name = type_name.split('/')
-    return getattr(importlib.import_module(f'{package}.{folder}'), name)
+    module = importlib.import_module(f'{package}.{folder}')
+    if folder == 'action':
+        action, _, part = name.rpartition('_')
+        return getattr(getattr(module, action).Impl, _PARTS.get(part, part))
+    return getattr(module, name)
 
 
 def inputs_of(observer: Any, node: str) -> list[Interface]:
@@ -63,7 +75,7 @@ def inputs_of(observer: Any, node: str) -> list[Interface]:
     Returns
     -------
     list of Interface
-        Its subscribed topics and its services, those of its parameters included.
+        Its subscribed topics and its services, those of its parameters and actions included.
 
     Raises
     ------
@@ -74,7 +86,11 @@ def inputs_of(observer: Any, node: str) -> list[Interface]:
     services = observer.get_service_names_and_types_by_node(node, '/')
     return [
         *(Interface(name, types[0]) for name, types in sorted(topics) if name not in UNHEARD),
-        *(Interface(name, types[0], True) for name, types in sorted(services)),
+        *(
+            Interface(name, types[0], True)
+            for name, types in sorted(services)
+            if not name.endswith(_ANSWERED_LATER)
+        ),
     ]
 
 

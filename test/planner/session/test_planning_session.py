@@ -13,8 +13,10 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.planner import make_planner
+from quad_planner.session.given_goal import GoalEnd
 from quad_planner.session.planning_map import PlanningMap
-from quad_planner.session.planning_session import PlanningSession, SessionOptions
+from quad_planner.session.planning_session import PlanningSession
+from quad_planner.session.session_state import SessionOptions
 
 START, GOAL, OTHER = Pose2D(1.0, 1.0, 0.0), Pose2D(3.0, 1.0, 0.0), Pose2D(3.0, 3.0, 1.0)
 NEAR = Pose2D(3.0, 1.005, 0.0)
@@ -375,3 +377,46 @@ def test_a_height_map_waits_for_the_map_and_has_to_be_in_its_frame():
         early.session.take_heights(level, 'moon')
     early.session.take_grid(room(), 'floor')
     assert 'the height map is left out until one is' in early.warnings[0]
+
+
+def test_whoever_gave_a_goal_learns_how_it_ended():
+    told = Room()
+    refused = told.session.give_goal('map', Pose2D(9.0, 1.0, 0.0))
+    told.requests.work()
+    assert (refused.end, refused.error.code) == (GoalEnd.REFUSED, 204)
+    replaced = told.session.give_goal('map', OTHER)
+    told.requests.work()
+    assert replaced.end is None
+    arrived = told.session.give_goal('map', GOAL)
+    # The end of the plan before is none of the goal that is being searched for.
+    told.end()
+    assert (replaced.end, arrived.end) == (GoalEnd.REPLACED, None)
+    told.requests.work()
+    told.follow()
+    told.move(NEAR)
+    told.end()
+    assert arrived.end is GoalEnd.ARRIVED
+    # What has ended stays as it is.
+    ended = told.session.give_goal('map', OTHER)
+    told.requests.work()
+    told.end()
+    assert (arrived.end, ended.end) == (GoalEnd.ARRIVED, GoalEnd.ENDED)
+
+
+def test_a_goal_that_is_withdrawn_leaves_no_plan_and_no_search():
+    told = Room()
+    given = told.session.give_goal('map', GOAL)
+    told.session.withdraw_goal()
+    told.requests.work()
+    assert (given.end, told.plans) == (GoalEnd.WITHDRAWN, [])
+    told.give(GOAL)
+    told.session.withdraw_goal()
+    assert told.plans[-1] is None
+    told.move(Pose2D(1.0, 2.0, 0.0))
+    told.session.take_grid(room(wall=True), 'map')
+    told.requests.work()
+    assert told.goals() == [GOAL, None]
+    # The same goal may be given again.
+    told.session.take_grid(room(), 'map')
+    told.give(GOAL)
+    assert told.goals() == [GOAL, None, GOAL]

@@ -1,0 +1,3 @@
+"""
+Goals that somebody answers for: how far the robot is, what is done about trouble, how it ended.
+"""
