@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
+from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
@@ -55,6 +56,16 @@ _VARIANTS = sorted(
     key=lambda kind: (1.0 - kind[0]) + 0.75 * kind[1] + 3.0 * kind[2],
 )
 """Kinds of swings, in the order in which they are tried."""
+
+_LEANS = sorted(
+    product(_FRACTIONS, _TILTS, _LOWER),
+    # Where the body is counts more than how low it is, and less than that it is level.
+    key=lambda kind: (1.0 - kind[0]) + 3.0 * kind[1] + 3.0 * kind[2],
+)
+"""Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
+
+_LARGEST_LEAN = 0.15
+"""Angle by which the body turns over its feet to its heading, at most [rad]."""
 
 _POSTURES = tuple(product(_TILTS, _LOWER))
 """Tilts and lowerings, in the order in which they are tried."""
@@ -200,20 +211,60 @@ class SwingPlanner:
         motion = self._motion_along(now, commanded, paths)
         return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
 
-    def shift(self, now: Stance, commanded: Array | None, ground: GroundModel) -> JointMotion:
-        """Plan how the body gets over its four feet; raise GaitError if no posture will do."""
-        yaw = heading_over(self._robot, now.feet)
+    def shift(
+        self, now: Stance, commanded: Array | None, ground: GroundModel, place: Pose2D
+    ) -> JointMotion:
+        """
+        Plan how the body gets to its place over its four feet.
 
-        def plan(tilt: float, lower: float) -> JointMotion:
-            target = body_over(self._robot, now.feet, yaw, ground.slope, tilt)
+        Footholds are chosen, so their middle is not where the body was to go: it leans there, as
+        far as the legs reach. Else a robot that corrects its pose would take the same footholds
+        again and again, and stay where it is.
+
+        Parameters
+        ----------
+        now : Stance
+            The robot as it stands.
+        commanded : ndarray, shape (4, 3), or None
+            Where the joints are commanded to be [rad]; None: where they are.
+        ground : GroundModel
+            What is known of the ground.
+        place : Pose2D
+            Where the body is to be.
+
+        Returns
+        -------
+        JointMotion
+
+        Raises
+        ------
+        GaitError
+            If no posture will do.
+        """
+        yaw = heading_over(self._robot, now.feet)
+        lean = wrap_angle(place.yaw - yaw)
+        lean = float(np.clip(lean, -_LARGEST_LEAN, _LARGEST_LEAN))
+
+        def plan(fraction: float, tilt: float, lower: float) -> JointMotion:
+            heading = yaw + fraction * lean
+            target = body_over(self._robot, now.feet, heading, ground.slope, tilt)
             target = _lowered(target, self._scale * lower)
+            target = self._leaning(target, place, fraction)
             duration = self._shift_duration(now.body, target)
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
             return self._motion_along(now, commanded, PlannedPaths(times, target, progress, feet))
 
-        return _first_possible(plan, _POSTURES)[0]
+        return _first_possible(plan, _LEANS)[0]
+
+    def _leaning(self, body: BodyPose, place: Pose2D, fraction: float) -> BodyPose:
+        """Move the body beside the middle of its feet, towards its place."""
+        offset = np.array([place.x, place.y]) - body.position[:2]
+        farthest = self._scale * self._options.foothold_reach
+        offset *= min(1.0, farthest / max(float(np.hypot(*offset)), 1e-9))
+        position = body.position + np.array([*(fraction * offset), 0.0])
+        return BodyPose(position, body.roll, body.pitch, body.yaw)
 
     def _swing_to(
         self,

@@ -90,7 +90,8 @@ class UnevenStride:
         self._options = options
         self._planner = SwingPlanner(robot, options, gait.swing_height)
         self._order = [LEGS.index(swing.leg) for swing in gait.swings]
-        self._footholds = (pose @ motion.end).transform(robot.neutral_feet)[:, :2]
+        self._place = pose @ motion.end
+        self._footholds = self._place.transform(robot.neutral_feet)[:, :2]
         self.height_map = height_map
         self._phase = _Phase.SEEKING
         self._next = 0
@@ -305,7 +306,9 @@ class UnevenStride:
             return self._swing(now)
         self._phase = _Phase.FINISHING
         self._next = len(self._order) - 1
-        self._motion = self._planner.shift(now, self._commanded, self._ground(now, None))
+        self._motion = self._planner.shift(
+            now, self._commanded, self._ground(now, None), self._place
+        )
         return self._motion.trajectory(self._options.reaction_time)
 
     def _swing(self, now: Stance) -> JointTrajectory:
