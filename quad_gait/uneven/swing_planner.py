@@ -42,6 +42,9 @@ _TILTS = (0.0, 0.5, 1.0)
 _LOWER = (0.0, 0.03, 0.06)
 """Distance by which the body may be lower than in its initial posture [m]."""
 
+_HIGHER = (-0.02, -0.04)
+"""The same where it is higher, so that its parts keep away from thighs: tried last [m]."""
+
 _STRETCHED = 0.4
 """Fraction of its speed at which a leg comes back from where there was no ground: it is stretched
 then, and its knee would be too fast."""
@@ -54,20 +57,20 @@ _VARIANTS = sorted(
     product(_FRACTIONS, _TILTS, _LOWER),
     # A lower body costs little, a shorter step more, and a tilt most.
     key=lambda kind: (1.0 - kind[0]) + 0.75 * kind[1] + 3.0 * kind[2],
-)
+) + list(product(_FRACTIONS, _TILTS, _HIGHER))
 """Kinds of swings, in the order in which they are tried."""
 
 _LEANS = sorted(
     product(_FRACTIONS, _TILTS, _LOWER),
     # Where the body is counts more than how low it is, and less than that it is level.
     key=lambda kind: (1.0 - kind[0]) + 3.0 * kind[1] + 3.0 * kind[2],
-)
+) + list(product(_FRACTIONS, _TILTS, _HIGHER))
 """Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
 
-_POSTURES = tuple(product(_TILTS, _LOWER))
+_POSTURES = tuple(product(_TILTS, (*_LOWER, *_HIGHER)))
 """Tilts and lowerings, in the order in which they are tried."""
 
 

@@ -115,7 +115,8 @@ class UnevenStride:
     @property
     def joint_positions(self) -> Array | None:
         """Where the joints are commanded to end, shape (4, 3) [rad]; None before they move."""
-        return None if self._motion is None else self._motion.positions[-1]
+        motion = self._motion
+        return None if motion is None else motion.positions[motion.given]
 
     @property
     def footholds(self) -> Array:
@@ -302,8 +303,10 @@ class UnevenStride:
         self._return_to = None
         self._searches = 0
         self._next += 1
-        if self._next < len(self._order):
-            return self._swing(now)
+        return self._swing(now) if self._next < len(self._order) else self._finish(now)
+
+    def _finish(self, now: Stance) -> JointTrajectory:
+        """Bring the body to its place; feet that have not swung stay where they are."""
         self._phase = _Phase.FINISHING
         self._next = len(self._order) - 1
         self._motion = self._planner.shift(
@@ -312,19 +315,43 @@ class UnevenStride:
         return self._motion.trajectory(self._options.reaction_time)
 
     def _swing(self, now: Stance) -> JointTrajectory:
-        """PlannedSwing the leg that is next, or take it back to where it stood."""
+        """Swing the leg that is next, or take it back to where it stood."""
         leg, back_to = self._order[self._next], self._return_to
         ground = self._ground(now, leg if back_to is not None else None)
         if back_to is not None:
             swing = self._planner.swing_back(now, self._commanded, ground, leg, back_to)
         else:
-            place = self._footholds[leg]
-            swing = self._planner.swing(now, self._commanded, ground, leg, place)
+            try:
+                swing = self._any_swing(now, ground)
+            except GaitError as error:
+                if self._next == 0:
+                    raise
+                # Some feet are farther on: the body follows them as far as the others allow.
+                self.limit = self.limit or f'a foot stays where it is: {error}'
+                return self._finish(now)
         self.limit = self.limit or swing.limit
         self._left = now.feet
         self._untouched = self._touched = None
         self._has_lowered = False
         return self._begin(swing)
+
+    def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
+        """Plan the swing of the leg that is next, or of one after it if that is not possible."""
+        problem: GaitError | None = None
+        for leg in self._order[self._next :]:
+            place = self._footholds[leg]
+            try:
+                swing = self._planner.swing(now, self._commanded, ground, leg, place)
+            except GaitError as error:
+                problem = problem or error
+                continue
+            if problem is not None:
+                self._order.remove(leg)
+                self._order.insert(self._next, leg)
+                self.limit = self.limit or f'another foot goes first: {problem}'
+            return swing
+        assert problem is not None
+        raise problem
 
     def _begin(self, swing: PlannedSwing) -> JointTrajectory:
         self._swinging, self._motion = swing, swing.motion

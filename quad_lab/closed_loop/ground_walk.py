@@ -184,9 +184,7 @@ def _ground(robot: Robot, terrain: str, seed: int, start: Pose2D) -> Terrain | N
     # As far as plans lead, and no farther: a small robot's ground has small cells.
     around = scale * (_LONGEST + _MARGIN)
     bounds = start.x - around, start.y - around, start.x + around, start.y + around
-    specs = tuple(
-        spec.scaled(scale, seed) for spec in specs_from_text(TERRAINS[terrain])
-    )
+    specs = tuple(spec.scaled(scale, seed) for spec in specs_from_text(TERRAINS[terrain]))
     return make_terrain(specs, bounds, start, ((start.x, start.y),), scale * _RESOLUTION)
 
 
