@@ -15,6 +15,7 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.faults.commanded_joints import CommandedJoints
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
@@ -341,12 +342,14 @@ class Guidance:
         """The gaits for walking and for turning."""
         pair = self.gait_pair
         self._turning = wish.follower.turning
-        follower = wish.follower
-        if self._is_uneven:
-            # Where there is no footing the goal's pose is not reached to the millimetre.
-            distance = self._robot.relative_size * _SETTLING_DISTANCE
-            follower = replace(follower, settling_distance=distance, settling_angle=_SETTLING_ANGLE)
+        follower = _settling(wish.follower, self._robot) if self._is_uneven else wish.follower
         self._follower = PathFollower(pair.walking, pair.turning, follower)
+
+
+def _settling(follower: FollowerOptions, robot: Robot) -> FollowerOptions:
+    """Let a robot stay near the goal where there is no footing to get nearer."""
+    distance = robot.relative_size * _SETTLING_DISTANCE
+    return replace(follower, settling_distance=distance, settling_angle=_SETTLING_ANGLE)
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:

@@ -7,20 +7,18 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from itertools import product
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
+from quad_gait.uneven.candidates import LEANS, LOWEST, POSTURES, VARIANTS, first_possible
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
@@ -28,22 +26,9 @@ from quad_gait.uneven.shin import shin_points
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-Planned = TypeVar('Planned')
 
 _LIFT_AT = 0.85
 """A foot is lifted after this fraction of the time in which the body goes over the others."""
-
-_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Fractions of a step, of which the legs may reach one only."""
-
-_TILTS = (0.0, 0.5, 1.0)
-"""Fractions of the ground's tilt that the body may take."""
-
-_LOWER = (0.0, 0.03, 0.06)
-"""Distance by which the body may be lower than in its initial posture [m]."""
-
-_HIGHER = (-0.02, -0.04)
-"""The same where it is higher, so that its parts keep away from thighs: tried last [m]."""
 
 _STRETCHED = 0.4
 """Fraction of its speed at which a leg comes back from where there was no ground: it is stretched
@@ -53,25 +38,8 @@ BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
 
 
-_VARIANTS = sorted(
-    product(_FRACTIONS, _TILTS, _LOWER),
-    # A lower body costs little, a shorter step more, and a tilt most.
-    key=lambda kind: (1.0 - kind[0]) + 0.75 * kind[1] + 3.0 * kind[2],
-) + list(product(_FRACTIONS, _TILTS, _HIGHER))
-"""Kinds of swings, in the order in which they are tried."""
-
-_LEANS = sorted(
-    product(_FRACTIONS, _TILTS, _LOWER),
-    # Where the body is counts more than how low it is, and less than that it is level.
-    key=lambda kind: (1.0 - kind[0]) + 3.0 * kind[1] + 3.0 * kind[2],
-) + list(product(_FRACTIONS, _TILTS, _HIGHER))
-"""Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
-
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
-
-_POSTURES = tuple(product(_TILTS, (*_LOWER, *_HIGHER)))
-"""Tilts and lowerings, in the order in which they are tried."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +139,7 @@ class SwingPlanner:
             swing = _Swing(leg, target, 1.0, stands=True)
             return fraction, self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
-        (fraction, swing), problem = _first_possible(plan, _VARIANTS)
+        (fraction, swing), problem = first_possible(plan, VARIANTS)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
@@ -185,7 +153,7 @@ class SwingPlanner:
             swing = _Swing(leg, target, _STRETCHED, stands=False)
             return self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
-        return _first_possible(plan, _POSTURES)[0]
+        return first_possible(plan, POSTURES)[0]
 
     def search(self, now: Stance, commanded: Array | None, legs: list[int]) -> JointMotion:
         """Plan how feet that bear nothing are lowered, a little more than the ground is rough."""
@@ -203,7 +171,7 @@ class SwingPlanner:
     ) -> PlannedSwing:
         """Plan how the body is lowered, so that a foot gets farther down."""
         speed = self._scale * self._options.search_speed
-        target = _lowered(now.body, self._scale * _LOWER[-1])
+        target = _lowered(now.body, self._scale * LOWEST)
         shift = self._shift_duration(now.body, target)
         times = self._times(shift + depth / speed + _ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
@@ -259,7 +227,7 @@ class SwingPlanner:
             feet = np.repeat(now.feet[None], len(times), axis=0)
             return self._motion_along(now, commanded, PlannedPaths(times, target, progress, feet))
 
-        return _first_possible(plan, _LEANS)[0]
+        return first_possible(plan, LEANS)[0]
 
     def _leaning(self, body: BodyPose, place: Pose2D, fraction: float) -> BodyPose:
         """Move the body beside the middle of its feet, towards its place."""
@@ -390,20 +358,6 @@ class SwingPlanner:
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
         return np.linspace(0.0, duration, count + 1, dtype=np.float64)
-
-
-def _first_possible(
-    plan: Callable[..., Planned], candidates: Iterable[tuple[float, ...]]
-) -> tuple[Planned, GaitError | None]:
-    """Plan by one candidate after the other; return the first that works, and what was wrong."""
-    problem: GaitError | None = None
-    for candidate in candidates:
-        try:
-            return plan(*candidate), problem
-        except GaitError as error:
-            problem = problem or error
-    assert problem is not None
-    raise problem
 
 
 def _lowered(body: BodyPose, depth: float) -> BodyPose:

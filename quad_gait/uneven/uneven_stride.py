@@ -28,6 +28,7 @@ from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
+from quad_gait.uneven.touch import as_touched
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -192,7 +193,7 @@ class UnevenStride:
         if self._touched is not None:
             is_second = now is not self._touched
             if is_second or fraction > _SURE * self._options.contact_fraction:
-                return self._land(self._as_touched(now, leg))
+                return self._land(as_touched(self._robot, leg, self._untouched, self._touched, now))
             return None
         if not motion.is_done:
             return self._give_more(now)
@@ -264,22 +265,6 @@ class UnevenStride:
 
     def _has_load(self, now: Stance, leg: int) -> bool:
         return self._load_fraction(now, leg) > self._options.contact_fraction
-
-    def _as_touched(self, now: Stance, leg: int) -> Stance:
-        """
-        Return the robot as it was when the foot met the ground.
-
-        Until the contact is sure the foot presses on, and tilts the body: the other feet are
-        where they were before, and this one belongs where it was at the first touch.
-        """
-        before, touched = self._untouched, self._touched
-        assert touched is not None
-        if before is None:
-            return now
-        joints = now.joint_positions.copy()
-        joints[leg] = touched.joint_positions[leg]
-        feet = before.body.transform(self._robot.foot_positions(joints))
-        return Stance(now.time, before.body, feet, joints, lambda: now.loads)
 
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""

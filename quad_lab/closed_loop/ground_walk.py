@@ -23,6 +23,7 @@ from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
+from quad_gait.uneven.ways_out import WayOut
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_lab.closed_loop.guided_end import GuidedEnd
@@ -72,6 +73,9 @@ _STANDING = 1.0
 _TIMEOUT = 1500.0
 """[s], simulated."""
 
+_WAYS = tuple(way.value for way in WayOut)
+"""What begins a sentence that says which way out is tried."""
+
 _ALARMS = frozenset({Activity.LAME, Activity.NOT_EXECUTED, Activity.FALLEN, Activity.BLOCKED})
 """Activities with which a sound robot raises a false alarm."""
 
@@ -120,6 +124,8 @@ class GroundOutcome:
     """Contacts of anything but feet."""
     alarms: tuple[str, ...]
     """What the robot said to be wrong with itself, though it is sound."""
+    ways_out: tuple[str, ...]
+    """Ways out that it tried, in order."""
     plans: int
     """Number of plans."""
     largest_tilt: float
@@ -236,7 +242,8 @@ class GroundWalk:
         session.take_heights(scene.height_map, frame)
         self._contacts: set[str] = set()
         self._alarms: set[str] = set()
-        self._problems: list[str] = []
+        self._ways_out: list[str] = []
+        self._said = ''
 
     def run(self, timeout: float = _TIMEOUT) -> GroundOutcome:
         """Walk until the robot has arrived or given up; at most so long [s], simulated."""
@@ -260,6 +267,7 @@ class GroundWalk:
             turn=abs(wrap_angle(pose.yaw - goal.yaw)),
             contacts=tuple(sorted(self._contacts)),
             alarms=tuple(sorted(self._alarms)),
+            ways_out=tuple(self._ways_out),
             plans=self.planner.plans,
             largest_tilt=float(loop.record.tilts.max()),
         )
@@ -272,6 +280,10 @@ class GroundWalk:
         self._contacts.update(str(contact) for contact in seen.contacts)
         if self.controller.activity in _ALARMS:
             self._alarms.add(f'{self.controller.activity.value}: {self.controller.reason}')
+        limit = self.controller.limit
+        if limit.startswith(_WAYS) and limit != self._said:
+            self._ways_out.append(limit)
+        self._said = limit
         self.planner.take_pose(seen.time, seen.pose)
 
 

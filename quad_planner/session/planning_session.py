@@ -21,6 +21,11 @@ from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.pose_age import PoseAge
 from quad_planner.session.session_ports import Output, Requests
 
+_TAKEN_OVER = (
+    'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from before this planner '
+    'began: that goal is taken over'
+)
+
 _CHECK_PERIOD = 0.2
 """Time between two checks whether the robot has left its path [s]."""
 
@@ -175,6 +180,7 @@ class PlanningSession:
     def give_goal(self, frame: str, goal: Pose2D) -> None:
         """Plan to a goal as soon as map and pose are known."""
         self._is_new = False
+        self.map.open_all()
         self._waiting = _Wish(frame, goal, is_given=True)
         self._try_waiting_goal()
         self._output.update_status()
@@ -214,6 +220,12 @@ class PlanningSession:
         if self._pending is None and abs(time - self._checked_at) >= _CHECK_PERIOD:
             self._checked_at = time
             self._look_where_it_is(pose)
+
+    def take_impassable(self, frame: str, place: Pose2D) -> None:
+        """Plan again, around where the robot, heading there, found no footing."""
+        if self._goal is not None and self.map.close_ahead(frame, place):
+            self._output.say('the robot finds no footing on its path: planning another one')
+            self._search(_Wish(self.map.frame.name, self._goal, is_given=False))
 
     def _look_where_it_is(self, pose: Pose2D) -> None:
         """Plan again for a robot that has left its path, if it is still to get to its goal."""
@@ -261,10 +273,7 @@ class PlanningSession:
         if self._is_new:
             self._is_new = False
             goal = plan.poses[-1]
-            self._output.say(
-                f'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from '
-                f'before this planner began: that goal is taken over'
-            )
+            self._output.say(_TAKEN_OVER.format(goal=goal))
             self._stamps_to_goal.append(stamp)
             self._stamps.append(stamp)
             self._waiting = _Wish(frame, goal, is_given=False)
@@ -295,13 +304,9 @@ class PlanningSession:
     def warm_up(self, clock: Callable[[], float]) -> None:
         """Get the searches ready; one that is under way is not given up for it."""
         if not self.is_busy:
-            self._requests.submit(partial(self.map.warm_up, clock), self._on_warm)
-
-    def _on_warm(self, result: Callable[[], float]) -> None:
-        took = result()
-        if took > _LONG:
-            self._output.say(f'the searches were compiled in {took:.0f} s; they are kept')
-        self._output.update_status()
+            self._requests.submit(
+                partial(self.map.warm_up, clock), partial(_note_warm, self._output)
+            )
 
     def _search(self, wish: _Wish, is_plan_void: bool = False) -> None:
         """
@@ -357,6 +362,14 @@ class PlanningSession:
         if plan is not None:
             self._stamps_to_goal.append(stamp)
             self._stamps.append(stamp)
+
+
+def _note_warm(output: Output, result: Callable[[], float]) -> None:
+    """Say how long it took to compile the searches, if it did."""
+    took = result()
+    if took > _LONG:
+        output.say(f'the searches were compiled in {took:.0f} s; they are kept')
+    output.update_status()
 
 
 def _is_at(pose: Pose2D, goal: Pose2D) -> bool:
