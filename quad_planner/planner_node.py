@@ -39,7 +39,7 @@ from quad_common.ros.run_node import run_node
 from quad_planner import planner_setup
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_status import session_status
-from quad_planner.planner_topics import PlannerTopics
+from quad_planner.planner_topics import ImpassableTopic, PlannerTopics
 from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
@@ -72,6 +72,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
             Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
         )
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
+        ImpassableTopic(self, self._session)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
         clock = Clock(clock_type=ClockType.STEADY_TIME)

@@ -24,15 +24,30 @@ _LOWER = (0.0, 0.03, 0.06)
 _HIGHER = (-0.02, -0.04)
 """The same where it is higher, so that its parts keep away from thighs: tried last [m]."""
 
+_LOW_LIFT = 0.3
+"""Fraction of its usual height over the ground at which a foot whose thigh is in the way swings."""
+
 LOWEST = _LOWER[-1]
 """Largest of these distances [m]."""
 
+
+def _swing_cost(kind: tuple[float, ...]) -> float:
+    """Return what a swing is worse by: a lower body costs little, a tilt most."""
+    fraction, tilt, lower, clearance = kind
+    unusual = 2.0 * (lower < 0.0) + 2.0 * (clearance < 1.0)
+    # A foot that is put down where it stood gets on least of all.
+    return (1.0 - fraction) + 0.75 * tilt + 3.0 * abs(lower) + unusual + 10.0 * (fraction == 0.0)
+
+
 VARIANTS = sorted(
-    product(_FRACTIONS, _TILTS, _LOWER),
-    # A lower body costs little, a shorter step more, and a tilt most.
-    key=lambda kind: (1.0 - kind[0]) + 0.75 * kind[1] + 3.0 * kind[2],
-) + list(product(_FRACTIONS, _TILTS, _HIGHER))
-"""Kinds of swings, in the order in which they are tried."""
+    [
+        *product(_FRACTIONS, _TILTS, (*_LOWER, *_HIGHER), (1.0,)),
+        *product((1.0, 0.5), (0.0, 1.0), (0.0, _HIGHER[0]), (_LOW_LIFT,)),
+    ],
+    key=_swing_cost,
+)
+"""Kinds of swings in the order in which they are tried: fraction of the step, tilt, lowering, and
+fraction of the height that the foot is to be above the ground."""
 
 LEANS = sorted(
     product(_FRACTIONS, _TILTS, _LOWER),

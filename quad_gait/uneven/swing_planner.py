@@ -80,6 +80,8 @@ class _Posture(NamedTuple):
     """Fraction of the ground's tilt that the body takes."""
     lower: float
     """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
+    clearance: float = 1.0
+    """Fraction of its usual height at which the foot passes over the ground."""
 
 
 class SwingPlanner:
@@ -134,10 +136,13 @@ class SwingPlanner:
         start = now.feet[leg]
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
-        def plan(fraction: float, tilt: float, lower: float) -> tuple[float, PlannedSwing]:
+        def plan(
+            fraction: float, tilt: float, lower: float, clearance: float
+        ) -> tuple[float, PlannedSwing]:
             target = self._target(ground, start, place, fraction, shin)
             swing = _Swing(leg, target, 1.0, stands=True)
-            return fraction, self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
+            posture = _Posture(tilt, lower, clearance)
+            return fraction, self._swing_to(now, commanded, ground, swing, posture)
 
         (fraction, swing), problem = first_possible(plan, VARIANTS)
         return (
@@ -258,7 +263,7 @@ class SwingPlanner:
         body = self._balanced_over(body, now, leg)
 
         shift = self._shift_duration(now.body, body)
-        top, above = self._heights(ground, start, target, now.loads is not None)
+        top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
         depth = 0.0
         if now.loads is not None:
             known = ground.height_map is not None
@@ -314,7 +319,7 @@ class SwingPlanner:
         return np.array([*wanted, float(ground.height(wanted)) + self._robot.foot_radius])
 
     def _heights(
-        self, ground: GroundModel, start: Array, target: Array, feels: bool
+        self, ground: GroundModel, start: Array, target: Array, feels: bool, clearance: float
     ) -> tuple[float, float]:
         """Return how high a foot is lifted, and how far above its place it begins to feel."""
         options, robot, scale = self._options, self._robot, self._scale
@@ -322,8 +327,8 @@ class SwingPlanner:
         highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
         highest = max(highest, float(start[2]), float(target[2]))
         if ground.height_map is not None:
-            top = highest + scale * options.clearance
-            above = scale * options.search_above
+            top = highest + scale * clearance * options.clearance
+            above = min(scale * options.search_above, top - float(target[2]))
         else:
             # It may meet the ground anywhere on its way down: all of it is slow.
             top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
