@@ -107,7 +107,8 @@ class GaitTopics:
         if trajectory is not None:
             self._publish_footholds(frame, stamp)
         self._publish_stability(state, frame, stamp)
-        self._publish_impassable(frame, stamp)
+        if self._is_uneven:
+            self._publish_impassable(frame, stamp)
         self.publish_followed()
         self._publish_heartbeat(state.time, stamp)
 
