@@ -7,13 +7,14 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import os
 from dataclasses import asdict
 from types import ModuleType
 
 from quad_cli.arguments import seed_argument
 from quad_common.errors import ParameterError
 from quad_lab.tools.criterion import make_console, print_bars
-from quad_sim.engines.registry import AUTO, ENGINES, preferred, resolved
+from quad_sim.engines.registry import AUTO, ENGINES, PREFERRED, preferred, resolved
 
 BENCHMARKS = {
     'walk': 'quad_lab.benchmarks.bench_walk',
@@ -21,6 +22,7 @@ BENCHMARKS = {
     'planner': 'quad_lab.benchmarks.planning.bench_planner',
     'camera': 'quad_lab.benchmarks.bench_camera',
     'terrain': 'quad_lab.benchmarks.bench_terrain',
+    'ground': 'quad_lab.benchmarks.bench_ground',
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
@@ -42,6 +44,8 @@ EXAMPLES = """examples:
   quadwalk bench camera --quick
   quadwalk bench terrain --quick
   quadwalk bench terrain --backend mujoco
+  quadwalk bench ground --quick
+  quadwalk bench ground --only genibo boxes --seed 100
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
   quadwalk bench view --only updates
@@ -80,13 +84,20 @@ def run(arguments: argparse.Namespace) -> int:
     console = make_console(stderr=arguments.json)
     module = importlib.import_module(BENCHMARKS[arguments.benchmark])
     only = _parts(arguments.benchmark, module, arguments.only)
-    with preferred(arguments.backend or resolved(AUTO)):
+    with preferred(arguments.backend or _usual_backend(module)):
         bars, details = module.measure(console, arguments.quick, arguments.seed, **only)
     if arguments.json:
         print(json.dumps({'bars': [asdict(bar) for bar in bars], **details}))
     else:
         print_bars(console, f'quadwalk bench {arguments.benchmark}', bars)
     return 0 if all(bar.holds is not False for bar in bars) else 1
+
+
+def _usual_backend(module: ModuleType) -> str:
+    """Return the simulator of a benchmark: the one that it prefers, where that is installed."""
+    wanted: str = getattr(module, 'PREFERRED_BACKEND', AUTO)
+    is_usable = wanted in ENGINES and PREFERRED not in os.environ and ENGINES[wanted].is_installed
+    return wanted if is_usable else resolved(AUTO)
 
 
 def _parts(benchmark: str, module: ModuleType, wanted: list[str]) -> dict[str, tuple[str, ...]]:

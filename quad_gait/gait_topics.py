@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PolygonStamped
+from geometry_msgs.msg import PolygonStamped, PoseStamped
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
@@ -22,6 +22,8 @@ from visualization_msgs.msg import MarkerArray
 
 from quad_common.errors import QuadError
 from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D
+from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.parameters import GaitParameters
@@ -78,6 +80,9 @@ class GaitTopics:
         self._leg_odometry = node.create_publisher(Odometry, 'odom/legs', qos_profile_sensor_data)
         self._followed_plans = node.create_publisher(Path, 'plan/followed', _LATCHED)
         self._heartbeats = node.create_publisher(Header, 'gait/heartbeat', 10)
+        self._impassable: Pose2D | None = None
+        if parameters.is_uneven:
+            self._no_footing = node.create_publisher(PoseStamped, 'plan/impassable', 10)
         self._last_heartbeat = self._last_polygon = -math.inf
         self._polygon_contacts = b''
         self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
@@ -102,6 +107,8 @@ class GaitTopics:
         if trajectory is not None:
             self._publish_footholds(frame, stamp)
         self._publish_stability(state, frame, stamp)
+        if self._is_uneven:
+            self._publish_impassable(frame, stamp)
         self.publish_followed()
         self._publish_heartbeat(state.time, stamp)
 
@@ -141,6 +148,14 @@ class GaitTopics:
         if not 0.0 <= time - self._last_heartbeat < _HEARTBEAT:
             self._last_heartbeat = time
             self._heartbeats.publish(Header(stamp=stamp))
+
+    def _publish_impassable(self, frame: str, stamp: Time) -> None:
+        """Publish a pose from which there was no footing ahead, once."""
+        place = self._supervisor.impassable
+        if place is not None and place is not self._impassable:
+            header = Header(frame_id=frame, stamp=stamp)
+            self._no_footing.publish(PoseStamped(header=header, pose=pose_message(place)))
+        self._impassable = place
 
     def _publish_footholds(self, frame: str, stamp: Time) -> None:
         """Publish the next footholds when they are others: on uneven ground they seldom are."""

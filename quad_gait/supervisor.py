@@ -119,6 +119,11 @@ class Supervisor:
         return self._guidance.wanted_plan
 
     @property
+    def impassable(self) -> Pose2D | None:
+        """Pose, heading to where there was no footing, from which another path was asked for."""
+        return self._guidance.impassable
+
+    @property
     def gait_pair(self) -> GaitPair:
         """The gaits for walking and for turning."""
         return self._guidance.gait_pair

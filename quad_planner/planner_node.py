@@ -38,7 +38,7 @@ from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
-from quad_planner.planner_topics import PlannerTopics
+from quad_planner.planner_topics import ImpassableTopic, PlannerTopics
 from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
@@ -69,6 +69,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
             Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
         )
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
+        ImpassableTopic(self, self._session)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
         self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -16,10 +17,12 @@ from visualization_msgs.msg import MarkerArray
 
 from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import Plan
+from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.ros.ros_node import QuadNode
 from quad_planner.grid.combined_obstacles import combined_obstacles
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.ros_conversions import path_message, plan_markers
+from quad_planner.session.planning_session import PlanningSession
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -81,3 +84,24 @@ class PlannerTopics:
         stamp = self._node.get_clock().now().to_msg()
         markers = plan_markers(self._plan, self._outlines, self._frame.name, stamp)
         self._markers.publish(markers)
+
+
+class ImpassableTopic:
+    """
+    Tells a session where the gait found no footing.
+
+    Parameters
+    ----------
+    node : QuadNode
+        The node.
+    session : PlanningSession
+        What plans again.
+    """
+
+    def __init__(self, node: QuadNode[Any], session: PlanningSession) -> None:
+        self._session = session
+        node.create_subscription(PoseStamped, 'plan/impassable', self._on_impassable, 10)
+
+    def _on_impassable(self, message: PoseStamped) -> None:
+        place = pose_from_message(message.pose, 'pose without footing')
+        self._session.take_impassable(message.header.frame_id, place)

@@ -5,7 +5,7 @@ Where the robot is to go: a plan, or steering, as one step after the other.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
@@ -15,6 +15,7 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.faults.commanded_joints import CommandedJoints
+from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
@@ -22,8 +23,13 @@ from quad_gait.following.steering import Steering
 from quad_gait.following.step import Departure, Step
 from quad_gait.following.stuck_detector import Begun, StuckDetector
 from quad_gait.state.robot_state import RobotState
+from quad_gait.uneven.ways_out import WaysOut
 
 _NOWHERE = Pose2D(0.0, 0.0, 0.0)
+
+_SETTLING_DISTANCE, _SETTLING_ANGLE = 0.06, math.radians(5.0)
+"""Distance from the goal, and angle, at which a robot may stay on uneven ground where corrections
+bring it no nearer [m, of TITAN-VIII; rad]."""
 
 _UNFOLLOWED = 0.1
 """Time after which joints that have not followed say nothing of what is in the robot's way [s]."""
@@ -71,6 +77,11 @@ class Guidance:
         self._report = report
         self._joints = joints
         self._progress = StuckDetector(robot.largest_stride)
+        self._is_uneven = options.uneven is not None
+        self.ways_out = WaysOut(robot.largest_stride)
+        """What is tried where strides over uneven ground lead nowhere."""
+        self.impassable: Pose2D | None = None
+        """Pose from which no stride ahead was possible; None before there is one."""
         # Over uneven ground every swing is balanced by itself: there only legs and joints limit.
         self._least_margin = options.least_margin if options.uneven is None else -math.inf
         self._take_gaits(gaits)
@@ -94,6 +105,15 @@ class Guidance:
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the plan to the goal [m]."""
         return self._follower.distance_left(pose)
+
+    @property
+    def follows_plan(self) -> bool:
+        """Whether a plan is followed."""
+        return self._follower.plan is not None
+
+    def work_left(self, pose: Pose2D) -> float:
+        """Return what is left to do, distances and turns [m]; 0 without a plan."""
+        return self._follower.work_left(pose)
 
     # Wishes
 
@@ -257,6 +277,7 @@ class Guidance:
             return
         self._has_new_plan = False
         self._progress.reset()
+        self.ways_out.reset()
         if self._report.activity.is_verdict:
             self._report.say(Activity.STANDING, self.why_standing)
         self._report.limit = ''
@@ -267,9 +288,15 @@ class Guidance:
         if begun is None or self._joints.unfollowed > _UNFOLLOWED:
             return False
         problem = self._progress.problem(begun, state.motion_pose, expected)
-        if problem is not None:
-            self.give_up(Activity.BLOCKED, problem)
-        return problem is not None
+        if problem is None or (self._is_uneven and self.try_way_out(problem)):
+            return False
+        self.give_up(Activity.BLOCKED, problem)
+        return True
+
+    def try_way_out(self, problem: str) -> bool:
+        """Return whether there is another way out of a problem, if a plan is followed."""
+        self.begun = None
+        return self.follows_plan and self.ways_out.fail(problem)
 
     def _next_step(self, time: float, start: Departure) -> Step | None:
         """Turn what is wanted into a step; say why there is none at rest."""
@@ -288,7 +315,8 @@ class Guidance:
         if step is None:
             # Whatever moves the robot from now on, the job is done until a new plan comes.
             self.wanted_plan = self._pieces = None
-            report.say(Activity.ARRIVED, 'the goal is reached')
+            remark = self._follower.remark
+            report.say(Activity.ARRIVED, f'the goal is reached{remark and ", "}{remark}')
         return step
 
     @property
@@ -314,7 +342,14 @@ class Guidance:
         """The gaits for walking and for turning."""
         pair = self.gait_pair
         self._turning = wish.follower.turning
-        self._follower = PathFollower(pair.walking, pair.turning, wish.follower)
+        follower = _settling(wish.follower, self._robot) if self._is_uneven else wish.follower
+        self._follower = PathFollower(pair.walking, pair.turning, follower)
+
+
+def _settling(follower: FollowerOptions, robot: Robot) -> FollowerOptions:
+    """Let a robot stay near the goal where there is no footing to get nearer."""
+    distance = robot.relative_size * _SETTLING_DISTANCE
+    return replace(follower, settling_distance=distance, settling_angle=_SETTLING_ANGLE)
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:

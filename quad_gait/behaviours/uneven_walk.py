@@ -4,17 +4,22 @@ Walking over uneven ground: each step is a stride whose feet feel for the ground
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
 from quad_common.maps.height_map import HeightMap
+from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
 from quad_gait.behaviours.guidance import PlannedMotion
 from quad_gait.behaviours.wishes import UseHeightMap, Wish
+from quad_gait.following.step import Step
 from quad_gait.state.robot_state import RobotState
 from quad_gait.uneven.uneven_stride import UnevenStride
+from quad_gait.uneven.ways_out import WayOut
 
 
 class UnevenWalk(Walk):
@@ -25,6 +30,8 @@ class UnevenWalk(Walk):
         self._stride: UnevenStride | None = None
         self._begun: RobotState | None = None
         self._height_map: HeightMap | None = None
+        # What kept the last stride from being what it was to be.
+        self._limit = ''
 
     def take(self, wish: Wish) -> None:
         """Take a map of the ground."""
@@ -46,10 +53,20 @@ class UnevenWalk(Walk):
         self._stride = None
 
     def begin(self, state: RobotState, done: Done) -> Command | Done:
-        """Begin a stride."""
+        """Begin a stride, or what is tried in its place where strides lead nowhere."""
         step, guidance, options = done.step, self._guidance, self._options.uneven
         assert step is not None
         assert options is not None
+        ways = guidance.ways_out
+        if guidance.follows_plan:
+            if not ways.note_left(guidance.work_left(state.pose), self._limit):
+                guidance.give_up(Activity.STOPPED, ways.problem)
+                return GO_ON
+            if ways.next is WayOut.DETOUR:
+                self._ask_for_detour(state.pose, step)
+                return GO_ON
+        step, remark = ways.take(step)
+        self._limit = ''
         try:
             self._stride = UnevenStride(
                 self._robot,
@@ -65,7 +82,19 @@ class UnevenWalk(Walk):
         self._begun = state
         end = state.pose @ step.motion.end
         guidance.note_begun(state, step, PlannedMotion(step.motion, end))
+        self._report.limit = remark or self._report.limit
         return self._go_on(state, self._stride)
+
+    def _ask_for_detour(self, pose: Pose2D, step: Step) -> None:
+        """Stop, and say from where there is no going on: a planner finds another path."""
+        motion, guidance = step.motion, self._guidance
+        heading = 0.0 if step.is_turn else math.atan2(motion.left, motion.forward)
+        towards = motion.turn if step.is_turn else heading
+        guidance.impassable = pose @ Pose2D(0.0, 0.0, towards)
+        problem = guidance.ways_out.problem
+        guidance.give_up(
+            Activity.STOPPED, f'there is no going on here, another path is needed: {problem}'
+        )
 
     def update(self, state: RobotState) -> Command | Done:
         """Carry the stride on; be done when the robot is at rest."""
@@ -78,9 +107,12 @@ class UnevenWalk(Walk):
             trajectory = stride.update(state.stance(self._begun))
         except GaitError as error:
             self._end(stride)
-            self._guidance.give_up(Activity.STOPPED, str(error))
+            self._report.limit = str(error)
+            if not self._guidance.try_way_out(str(error)):
+                self._guidance.give_up(Activity.STOPPED, str(error))
             return GO_ON
         self._joints.busy_until = stride.end
+        self._limit = stride.limit
         self._report.limit = stride.limit or self._report.limit
         if stride.is_over:
             self._end(stride)

@@ -35,3 +35,8 @@ class FollowerOptions:
     """Speed along the path that is not exceeded, though the gait could [m/s]."""
     final_cycles: int = 12
     """Number of cycles at the goal, at most, that turn and correct the pose."""
+    settling_distance: float = 0.0
+    """Distance from the goal within which a robot stays that corrections bring no nearer; 0: it
+    must be within ``position_tolerance`` [m]."""
+    settling_angle: float = 0.0
+    """The same of its heading [rad]."""

@@ -15,12 +15,13 @@ import math
 
 import numpy as np
 
-from quad_common.errors import CannotFollow, GoalNotReached, LeftPath, ParameterError
+from quad_common.errors import CannotFollow, LeftPath, ParameterError
 from quad_common.plan import Plan
 from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.following.arrival import Arrival
 from quad_gait.following.follower_options import TURNINGS, FollowerOptions
-from quad_gait.following.reference_path import Piece, rounded_pieces, straight_pieces
+from quad_gait.following.reference_path import Piece, rounded_pieces, straight_pieces, work_left
 from quad_gait.following.step import Gear, Step, advance
 
 _CATCH_UP = 0.2
@@ -60,9 +61,11 @@ class PathFollower:
         self._options = options
         self.plan: Plan | None = None
         """The plan that is being followed."""
+        self.remark = ''
+        """How far off the last plan ended, if not within the usual tolerances; else empty."""
         self._pieces: list[Piece] = []
         self._piece = 0
-        self._final_cycles = 0
+        self._arrival = Arrival(options)
         self._crab_yaw = 0.0
         self._expected = 0.0
 
@@ -93,7 +96,7 @@ class PathFollower:
         self.plan = plan
         self._pieces = pieces
         self._expected = 0.0
-        self._final_cycles = 0
+        self._arrival = Arrival(options)
         self._crab_yaw = pose.yaw
         self._piece = self._nearest_piece(pose)
 
@@ -105,6 +108,12 @@ class PathFollower:
         if not ahead:
             return pose.distance_to(self.plan.poses[-1])
         return pose.distance_to(ahead[0].end) + sum(piece.length for piece in ahead[1:])
+
+    def work_left(self, pose: Pose2D) -> float:
+        """Return the distance to the goal, and the turns, as metres; 0 without a plan."""
+        if self.plan is None:
+            return 0.0
+        return work_left(self._pieces[self._piece :], pose, self.plan.poses[-1])
 
     def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:
         """
@@ -152,6 +161,7 @@ class PathFollower:
             return self._walk(pose, entry, done)
         step = self._final(pose, plan.poses[-1], entry)
         if step is None:
+            self.remark = self._arrival.remark
             self.follow(None, pose)
         return step
 
@@ -277,13 +287,10 @@ class PathFollower:
         """Turn to the goal's heading, then correct what is left of the error."""
         options = self._options
         error = pose.inverse() @ goal
-        in_place = math.hypot(error.x, error.y) <= options.position_tolerance
-        if in_place and abs(error.yaw) <= options.heading_tolerance and not entry:
+        if self._arrival.is_near(error) and not entry:
             return None
-        self._final_cycles += 1
-        if self._final_cycles > options.final_cycles:
-            distance = math.hypot(error.x, error.y)
-            raise GoalNotReached(distance, abs(error.yaw), options.final_cycles)
+        if self._arrival.is_settled(error):
+            return None
         if _is_turning(entry) or (abs(error.yaw) > options.turn_threshold and not entry):
             return self._turn(pose, goal, entry)
         if entry:

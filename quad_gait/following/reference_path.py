@@ -16,6 +16,9 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_gait.cycle.body_motion import BodyMotion
 
+_TURN = 0.25
+"""A turn of 1 rad is as much to do as so many metres."""
+
 _SHORTEST = 1e-6
 """Length below which pieces are left out [m]."""
 
@@ -60,6 +63,33 @@ class Piece:
     def distance_to(self, pose: Pose2D) -> float:
         """Return how far a pose is from the piece [m]."""
         return pose.distance_to(self.at(min(max(self.project(pose), 0.0), self.length)))
+
+
+def work_left(pieces: Sequence[Piece], pose: Pose2D, goal: Pose2D) -> float:
+    """
+    Measure what is left to do along a path: distances, and turns towards each piece and the goal.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+        What is left of the path, the piece that is followed first.
+    pose : Pose2D
+        Where the robot is.
+    goal : Pose2D
+        Where the path leads, with the heading at its end.
+
+    Returns
+    -------
+    float
+        A turn of 1 rad counts as much as 0.25 m [m].
+    """
+    ahead = pieces[0].end if pieces else goal
+    distance = pose.distance_to(ahead) + sum(piece.length for piece in pieces[1:])
+    heading, turns = pose.yaw, 0.0
+    for piece in pieces:
+        turns += abs(wrap_angle(piece.start.yaw - heading)) + abs(piece.curvature) * piece.length
+        heading = piece.end.yaw
+    return distance + _TURN * (turns + abs(wrap_angle(goal.yaw - heading)))
 
 
 def straight_pieces(plan: Plan, stop_angle: float) -> list[Piece]:

@@ -7,19 +7,18 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from itertools import product
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError
+from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
+from quad_gait.uneven.candidates import LEANS, LOWEST, POSTURES, VARIANTS, first_possible
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
@@ -27,19 +26,9 @@ from quad_gait.uneven.shin import shin_points
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-Planned = TypeVar('Planned')
 
 _LIFT_AT = 0.85
 """A foot is lifted after this fraction of the time in which the body goes over the others."""
-
-_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
-"""Fractions of a step, of which the legs may reach one only."""
-
-_TILTS = (0.0, 0.5, 1.0)
-"""Fractions of the ground's tilt that the body may take."""
-
-_LOWER = (0.0, 0.03, 0.06)
-"""Distance by which the body may be lower than in its initial posture [m]."""
 
 _STRETCHED = 0.4
 """Fraction of its speed at which a leg comes back from where there was no ground: it is stretched
@@ -49,15 +38,8 @@ BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
 
 
-_VARIANTS = sorted(
-    product(_FRACTIONS, _TILTS, _LOWER),
-    # A lower body costs little, a shorter step more, and a tilt most.
-    key=lambda kind: (1.0 - kind[0]) + 0.75 * kind[1] + 3.0 * kind[2],
-)
-"""Kinds of swings, in the order in which they are tried."""
-
-_POSTURES = tuple(product(_TILTS, _LOWER))
-"""Tilts and lowerings, in the order in which they are tried."""
+_LARGEST_LEAN = 0.15
+"""Angle by which the body turns over its feet to its heading, at most [rad]."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +80,8 @@ class _Posture(NamedTuple):
     """Fraction of the ground's tilt that the body takes."""
     lower: float
     """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
+    clearance: float = 1.0
+    """Fraction of its usual height at which the foot passes over the ground."""
 
 
 class SwingPlanner:
@@ -152,12 +136,15 @@ class SwingPlanner:
         start = now.feet[leg]
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
-        def plan(fraction: float, tilt: float, lower: float) -> tuple[float, PlannedSwing]:
+        def plan(
+            fraction: float, tilt: float, lower: float, clearance: float
+        ) -> tuple[float, PlannedSwing]:
             target = self._target(ground, start, place, fraction, shin)
             swing = _Swing(leg, target, 1.0, stands=True)
-            return fraction, self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
+            posture = _Posture(tilt, lower, clearance)
+            return fraction, self._swing_to(now, commanded, ground, swing, posture)
 
-        (fraction, swing), problem = _first_possible(plan, _VARIANTS)
+        (fraction, swing), problem = first_possible(plan, VARIANTS)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
@@ -171,7 +158,7 @@ class SwingPlanner:
             swing = _Swing(leg, target, _STRETCHED, stands=False)
             return self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
-        return _first_possible(plan, _POSTURES)[0]
+        return first_possible(plan, POSTURES)[0]
 
     def search(self, now: Stance, commanded: Array | None, legs: list[int]) -> JointMotion:
         """Plan how feet that bear nothing are lowered, a little more than the ground is rough."""
@@ -189,7 +176,7 @@ class SwingPlanner:
     ) -> PlannedSwing:
         """Plan how the body is lowered, so that a foot gets farther down."""
         speed = self._scale * self._options.search_speed
-        target = _lowered(now.body, self._scale * _LOWER[-1])
+        target = _lowered(now.body, self._scale * LOWEST)
         shift = self._shift_duration(now.body, target)
         times = self._times(shift + depth / speed + _ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
@@ -200,20 +187,60 @@ class SwingPlanner:
         motion = self._motion_along(now, commanded, paths)
         return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
 
-    def shift(self, now: Stance, commanded: Array | None, ground: GroundModel) -> JointMotion:
-        """Plan how the body gets over its four feet; raise GaitError if no posture will do."""
-        yaw = heading_over(self._robot, now.feet)
+    def shift(
+        self, now: Stance, commanded: Array | None, ground: GroundModel, place: Pose2D
+    ) -> JointMotion:
+        """
+        Plan how the body gets to its place over its four feet.
 
-        def plan(tilt: float, lower: float) -> JointMotion:
-            target = body_over(self._robot, now.feet, yaw, ground.slope, tilt)
+        Footholds are chosen, so their middle is not where the body was to go: it leans there, as
+        far as the legs reach. Else a robot that corrects its pose would take the same footholds
+        again and again, and stay where it is.
+
+        Parameters
+        ----------
+        now : Stance
+            The robot as it stands.
+        commanded : ndarray, shape (4, 3), or None
+            Where the joints are commanded to be [rad]; None: where they are.
+        ground : GroundModel
+            What is known of the ground.
+        place : Pose2D
+            Where the body is to be.
+
+        Returns
+        -------
+        JointMotion
+
+        Raises
+        ------
+        GaitError
+            If no posture will do.
+        """
+        yaw = heading_over(self._robot, now.feet)
+        lean = wrap_angle(place.yaw - yaw)
+        lean = float(np.clip(lean, -_LARGEST_LEAN, _LARGEST_LEAN))
+
+        def plan(fraction: float, tilt: float, lower: float) -> JointMotion:
+            heading = yaw + fraction * lean
+            target = body_over(self._robot, now.feet, heading, ground.slope, tilt)
             target = _lowered(target, self._scale * lower)
+            target = self._leaning(target, place, fraction)
             duration = self._shift_duration(now.body, target)
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
             return self._motion_along(now, commanded, PlannedPaths(times, target, progress, feet))
 
-        return _first_possible(plan, _POSTURES)[0]
+        return first_possible(plan, LEANS)[0]
+
+    def _leaning(self, body: BodyPose, place: Pose2D, fraction: float) -> BodyPose:
+        """Move the body beside the middle of its feet, towards its place."""
+        offset = np.array([place.x, place.y]) - body.position[:2]
+        farthest = self._scale * self._options.foothold_reach
+        offset *= min(1.0, farthest / max(float(np.hypot(*offset)), 1e-9))
+        position = body.position + np.array([*(fraction * offset), 0.0])
+        return BodyPose(position, body.roll, body.pitch, body.yaw)
 
     def _swing_to(
         self,
@@ -236,7 +263,7 @@ class SwingPlanner:
         body = self._balanced_over(body, now, leg)
 
         shift = self._shift_duration(now.body, body)
-        top, above = self._heights(ground, start, target, now.loads is not None)
+        top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
         depth = 0.0
         if now.loads is not None:
             known = ground.height_map is not None
@@ -292,7 +319,7 @@ class SwingPlanner:
         return np.array([*wanted, float(ground.height(wanted)) + self._robot.foot_radius])
 
     def _heights(
-        self, ground: GroundModel, start: Array, target: Array, feels: bool
+        self, ground: GroundModel, start: Array, target: Array, feels: bool, clearance: float
     ) -> tuple[float, float]:
         """Return how high a foot is lifted, and how far above its place it begins to feel."""
         options, robot, scale = self._options, self._robot, self._scale
@@ -300,8 +327,8 @@ class SwingPlanner:
         highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
         highest = max(highest, float(start[2]), float(target[2]))
         if ground.height_map is not None:
-            top = highest + scale * options.clearance
-            above = scale * options.search_above
+            top = highest + scale * clearance * options.clearance
+            above = min(scale * options.search_above, top - float(target[2]))
         else:
             # It may meet the ground anywhere on its way down: all of it is slow.
             top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
@@ -336,20 +363,6 @@ class SwingPlanner:
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
         return np.linspace(0.0, duration, count + 1, dtype=np.float64)
-
-
-def _first_possible(
-    plan: Callable[..., Planned], candidates: Iterable[tuple[float, ...]]
-) -> tuple[Planned, GaitError | None]:
-    """Plan by one candidate after the other; return the first that works, and what was wrong."""
-    problem: GaitError | None = None
-    for candidate in candidates:
-        try:
-            return plan(*candidate), problem
-        except GaitError as error:
-            problem = problem or error
-    assert problem is not None
-    raise problem
 
 
 def _lowered(body: BodyPose, depth: float) -> BodyPose:

@@ -28,6 +28,7 @@ from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
+from quad_gait.uneven.touch import as_touched
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -90,7 +91,8 @@ class UnevenStride:
         self._options = options
         self._planner = SwingPlanner(robot, options, gait.swing_height)
         self._order = [LEGS.index(swing.leg) for swing in gait.swings]
-        self._footholds = (pose @ motion.end).transform(robot.neutral_feet)[:, :2]
+        self._place = pose @ motion.end
+        self._footholds = self._place.transform(robot.neutral_feet)[:, :2]
         self.height_map = height_map
         self._phase = _Phase.SEEKING
         self._next = 0
@@ -114,7 +116,8 @@ class UnevenStride:
     @property
     def joint_positions(self) -> Array | None:
         """Where the joints are commanded to end, shape (4, 3) [rad]; None before they move."""
-        return None if self._motion is None else self._motion.positions[-1]
+        motion = self._motion
+        return None if motion is None else motion.positions[motion.given]
 
     @property
     def footholds(self) -> Array:
@@ -190,7 +193,7 @@ class UnevenStride:
         if self._touched is not None:
             is_second = now is not self._touched
             if is_second or fraction > _SURE * self._options.contact_fraction:
-                return self._land(self._as_touched(now, leg))
+                return self._land(as_touched(self._robot, leg, self._untouched, self._touched, now))
             return None
         if not motion.is_done:
             return self._give_more(now)
@@ -263,22 +266,6 @@ class UnevenStride:
     def _has_load(self, now: Stance, leg: int) -> bool:
         return self._load_fraction(now, leg) > self._options.contact_fraction
 
-    def _as_touched(self, now: Stance, leg: int) -> Stance:
-        """
-        Return the robot as it was when the foot met the ground.
-
-        Until the contact is sure the foot presses on, and tilts the body: the other feet are
-        where they were before, and this one belongs where it was at the first touch.
-        """
-        before, touched = self._untouched, self._touched
-        assert touched is not None
-        if before is None:
-            return now
-        joints = now.joint_positions.copy()
-        joints[leg] = touched.joint_positions[leg]
-        feet = before.body.transform(self._robot.foot_positions(joints))
-        return Stance(now.time, before.body, feet, joints, lambda: now.loads)
-
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
         motion = self._motion
@@ -301,27 +288,55 @@ class UnevenStride:
         self._return_to = None
         self._searches = 0
         self._next += 1
-        if self._next < len(self._order):
-            return self._swing(now)
+        return self._swing(now) if self._next < len(self._order) else self._finish(now)
+
+    def _finish(self, now: Stance) -> JointTrajectory:
+        """Bring the body to its place; feet that have not swung stay where they are."""
         self._phase = _Phase.FINISHING
         self._next = len(self._order) - 1
-        self._motion = self._planner.shift(now, self._commanded, self._ground(now, None))
+        self._motion = self._planner.shift(
+            now, self._commanded, self._ground(now, None), self._place
+        )
         return self._motion.trajectory(self._options.reaction_time)
 
     def _swing(self, now: Stance) -> JointTrajectory:
-        """PlannedSwing the leg that is next, or take it back to where it stood."""
+        """Swing the leg that is next, or take it back to where it stood."""
         leg, back_to = self._order[self._next], self._return_to
         ground = self._ground(now, leg if back_to is not None else None)
         if back_to is not None:
             swing = self._planner.swing_back(now, self._commanded, ground, leg, back_to)
         else:
-            place = self._footholds[leg]
-            swing = self._planner.swing(now, self._commanded, ground, leg, place)
+            try:
+                swing = self._any_swing(now, ground)
+            except GaitError as error:
+                if self._next == 0:
+                    raise
+                # Some feet are farther on: the body follows them as far as the others allow.
+                self.limit = self.limit or f'a foot stays where it is: {error}'
+                return self._finish(now)
         self.limit = self.limit or swing.limit
         self._left = now.feet
         self._untouched = self._touched = None
         self._has_lowered = False
         return self._begin(swing)
+
+    def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
+        """Plan the swing of the leg that is next, or of one after it if that is not possible."""
+        problem: GaitError | None = None
+        for leg in self._order[self._next :]:
+            place = self._footholds[leg]
+            try:
+                swing = self._planner.swing(now, self._commanded, ground, leg, place)
+            except GaitError as error:
+                problem = problem or error
+                continue
+            if problem is not None:
+                self._order.remove(leg)
+                self._order.insert(self._next, leg)
+                self.limit = self.limit or f'another foot goes first: {problem}'
+            return swing
+        assert problem is not None
+        raise problem
 
     def _begin(self, swing: PlannedSwing) -> JointTrajectory:
         self._swinging, self._motion = swing, swing.motion

@@ -41,6 +41,7 @@ class PlannerInLoop:
     ) -> None:
         self._controller = controller
         self._followed: tuple[Plan, int] | None = None
+        self._impassable: Pose2D | None = None
         self._stamp = 0
         self.frame = frame or MapFrame('map')
         """What places odometry on the map."""
@@ -60,6 +61,10 @@ class PlannerInLoop:
     def take_pose(self, time: float, pose: Pose2D) -> None:
         """Take the robot's pose in the map at a time [s]."""
         self.session.take_pose(time, pose)
+        impassable = self._controller.impassable
+        if impassable is not None and impassable is not self._impassable:
+            self.session.take_impassable(self.frame.name, impassable)
+        self._impassable = impassable
         followed = self._followed
         if followed is not None and self._controller.wanted_plan is not followed[0]:
             self._followed = None

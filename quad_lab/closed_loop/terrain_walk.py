@@ -26,7 +26,7 @@ from quad_planner.planner_setup import planner_for
 from quad_sim.engines.simulator import Observation
 from quad_sim.world.terrain import Block, Terrain
 from quad_sim.world.terrain_shapes import Scatter, boxes
-from quad_sim.world.terrain_spec import TerrainSpec, make_terrain, specs_from_text
+from quad_sim.world.terrain_spec import make_terrain, specs_from_text
 from quad_sim.world.world import Obstacle, World, occupancy_of, world_from_map
 
 GROUNDS = {
@@ -149,7 +149,7 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
         scale * (LENGTH + _BEYOND),
         scale * (_HALF_WIDTH + LENGTH * math.sin(_STRAY)),
     )
-    specs = tuple(_scaled(spec, scale, seed) for spec in specs_from_text(GROUNDS[name]))
+    specs = tuple(spec.scaled(scale, seed) for spec in specs_from_text(GROUNDS[name]))
     places = ((start.x, start.y), (end.x, end.y))
     terrain = make_terrain(
         specs, bounds, Pose2D(0.0, 0.0, 0.0), places, resolution=scale * _RESOLUTION
@@ -157,17 +157,6 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
     assert terrain is not None
     world = replace(world_from_map(None), terrain=terrain)
     return Course(world, terrain.height_map, Plan.through([places[0], places[1]], turn))
-
-
-def _scaled(spec: TerrainSpec, scale: float, seed: int) -> TerrainSpec:
-    return replace(
-        spec,
-        height=scale * spec.height,
-        size=scale * spec.size,
-        length=scale * spec.length,
-        clear=scale * spec.clear,
-        seed=seed,
-    )
 
 
 def _box_field(robot: Robot, seed: int) -> Course:

@@ -123,6 +123,11 @@ class Planner(Generic[Prepared]):
             return None
         return self._method.update(before, grid, changed)
 
+    @property
+    def clearance_radius(self) -> float:
+        """Distance that the robot's center keeps from every obstacle [m]."""
+        return self._method.clearance_radius
+
     def warm_up(self) -> None:
         """
         Plan on a small map of its own, around a wall and not, so that the compiled code is ready.

@@ -7,11 +7,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from quad_common.errors import InvalidMessage, QuadError, WrongFrame
 from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
-from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.grid_update import GridUpdate
@@ -19,6 +21,12 @@ from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.keepout_mask import KeepoutMask
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
+
+_BEYOND = 2.0
+"""Cells beyond the clearance at which an obstacle ahead of the robot leaves the robot free."""
+
+_MOST_CLOSED = 4
+"""Places at which the robot found no footing that are closed, on its path to one goal."""
 
 
 class PlanningMap:
@@ -63,6 +71,7 @@ class PlanningMap:
         self._waiting: tuple[HeightMap, str] | None = None
         self._mask: KeepoutMask | None = None
         self._mask_frame = ''
+        self._impassable: list[tuple[float, float]] = []
 
     @property
     def is_ready(self) -> bool:
@@ -273,9 +282,48 @@ class PlanningMap:
         self.frame.rename(frame)
         return True
 
+    def close_ahead(self, frame: str, place: Pose2D) -> bool:
+        """
+        Let no path lead on from a pose, straight ahead: the robot found no footing there.
+
+        What is closed is just as far ahead that the robot itself stays free.
+
+        Parameters
+        ----------
+        frame : str
+            Frame of the pose.
+        place : Pose2D
+            Pose of the robot, heading to where it cannot go.
+
+        Returns
+        -------
+        bool
+            False if so much is closed already that no more is.
+        """
+        if self._grid is None or len(self._impassable) == _MOST_CLOSED:
+            return False
+        place = self.pose_on_map(frame, place, 'pose')
+        distance = self.planner.clearance_radius + _BEYOND * self._grid.resolution
+        ahead = place @ Pose2D(distance, 0.0, 0.0)
+        self._impassable.append((ahead.x, ahead.y))
+        self.planner.set_map(self._combined(self._grid, self._ground))
+        return True
+
+    def open_all(self) -> None:
+        """Forget where there was no going on."""
+        if self._impassable and self._grid is not None:
+            self._impassable.clear()
+            self.planner.set_map(self._combined(self._grid, self._ground))
+
     def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
         if self._mask is not None:
             grid = self._mask.added_to(grid)
-        if ground is None:
+        if ground is not None:
+            grid = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
+        if not self._impassable:
             return grid
-        return ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
+        cells = grid.cells.copy()
+        columns, rows = np.floor(grid.world_to_map(np.array(self._impassable))).astype(int).T
+        inside = (columns >= 0) & (columns < grid.width) & (rows >= 0) & (rows < grid.height)
+        cells[rows[inside], columns[inside]] = OCCUPIED
+        return OccupancyGrid(cells, grid.resolution, grid.origin)

@@ -22,6 +22,11 @@ from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.session_ports import Output, Requests
 from quad_planner.session.session_state import GoalWish, SessionOptions, SessionState
 
+_TAKEN_OVER = (
+    'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from before this planner '
+    'began: that goal is taken over'
+)
+
 _CHECK_PERIOD = 0.2
 """Time between two checks whether the robot has left its path [s]."""
 
@@ -118,6 +123,7 @@ class PlanningSession(SessionState):
         self._is_new = False
         self._given.conclude(GoalEnd.REPLACED, 'a newer goal has taken its place')
         self._given = given = GivenGoal()
+        self.map.open_all()
         self._waiting = GoalWish(frame, goal, is_given=True)
         self._try_waiting_goal()
         self._output.update_status()
@@ -179,6 +185,12 @@ class PlanningSession(SessionState):
             self._checked_at = time
             self._look_where_it_is(pose)
 
+    def take_impassable(self, frame: str, place: Pose2D) -> None:
+        """Plan again, around where the robot, heading there, found no footing."""
+        if self._goal is not None and self.map.close_ahead(frame, place):
+            self._output.say('the robot finds no footing on its path: planning another one')
+            self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
+
     def _look_where_it_is(self, pose: Pose2D) -> None:
         """Plan again for a robot that has left its path, if it is still to get to its goal."""
         farthest = self.options.replan_distance
@@ -227,10 +239,7 @@ class PlanningSession(SessionState):
         if self._is_new:
             self._is_new = False
             goal = plan.poses[-1]
-            self._output.say(
-                f'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from '
-                f'before this planner began: that goal is taken over'
-            )
+            self._output.say(_TAKEN_OVER.format(goal=goal))
             self._own.add(stamp)
             self._waiting = GoalWish(frame, goal, is_given=False)
             self._try_waiting_goal()
@@ -264,12 +273,9 @@ class PlanningSession(SessionState):
     def warm_up(self, clock: Callable[[], float]) -> None:
         """Get the searches ready; one that is under way is not given up for it."""
         if not self.is_busy:
-            self._requests.submit(partial(self.map.warm_up, clock), self._on_warm)
-
-    def _on_warm(self, result: Callable[[], float]) -> None:
-        if (took := result()) > _LONG:
-            self._output.say(f'the searches were compiled in {took:.0f} s; they are kept')
-        self._output.update_status()
+            self._requests.submit(
+                partial(self.map.warm_up, clock), partial(_note_warm, self._output)
+            )
 
     def _search(self, wish: GoalWish, is_plan_void: bool = False) -> None:
         """
@@ -324,6 +330,14 @@ class PlanningSession(SessionState):
         stamp = self._output.publish_plan(plan)
         if plan is not None:
             self._own.add(stamp)
+
+
+def _note_warm(output: Output, result: Callable[[], float]) -> None:
+    """Say how long it took to compile the searches, if it did."""
+    took = result()
+    if took > _LONG:
+        output.say(f'the searches were compiled in {took:.0f} s; they are kept')
+    output.update_status()
 
 
 def _is_at(pose: Pose2D, goal: Pose2D) -> bool:

@@ -88,6 +88,17 @@ class TerrainSpec:
         """Whether it is a height map file."""
         return self.kind.endswith(FILES)
 
+    def scaled(self, factor: float, seed: int) -> TerrainSpec:
+        """Return the same ground for a robot so many times as large, drawn with another seed."""
+        return dataclasses.replace(
+            self,
+            height=factor * self.height,
+            size=factor * self.size,
+            length=factor * self.length,
+            clear=factor * self.clear,
+            seed=seed,
+        )
+
 
 _RANGES = {
     'height': (0.0, 1.0),

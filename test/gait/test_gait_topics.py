@@ -65,3 +65,21 @@ def test_the_polygon_of_other_feet_comes_at_once():
 
 def test_without_a_reader_there_is_none():
     assert published_polygons([ALL] * 20, readers=0)['support_polygon'] == []
+
+
+def test_a_place_without_footing_is_published_once_and_on_uneven_ground_only():
+    for ground, count in (('uneven', 1), ('flat', 0)):
+        supervisor = mock.Mock(impassable=Pose2D(1.0, 2.0, 0.5), wanted_plan=None)
+        supervisor.support.margin_at.return_value = 0.05
+        supervisor.in_contact_at.return_value = np.array(ALL)
+        node = Node(readers=0)
+        topics = GaitTopics(node, supervisor, GaitParameters(ground=ground))
+        for k in range(5):
+            state = mock.Mock(time=0.02 * k, pose=Pose2D(0.0, 0.0, 0.0))
+            state.stability_margin.return_value = 0.04
+            topics.publish_decision(None, state, 'map', Time())
+        published = node.published.get('plan/impassable', [])
+        assert len(published) == count
+        for message in published:
+            assert (message.pose.position.x, message.pose.position.y) == (1.0, 2.0)
+            assert message.header.frame_id == 'map'

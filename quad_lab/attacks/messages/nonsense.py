@@ -33,6 +33,7 @@ _RECENT = 3
 
 _WORDS = {
     '/goal_pose': ('goal',),
+    '/plan/impassable': ('pose without footing',),
     '/odom': ('odom', 'stamp'),
     '/map': ('map',),
     '/height_map': ('height map',),
@@ -101,6 +102,7 @@ _SPEED = ('points', 0, 'velocities', 0)
 CASES = (
     *_poses('planner_node', '/goal_pose', 'pose'),
     Nonsense('planner_node', '/goal_pose', _FRAME, 'moon', _NO_FRAME),
+    *_poses('planner_node', '/plan/impassable', 'pose'),
     *_poses('planner_node', '/odom', 'pose', 'pose'),
     Nonsense('planner_node', '/map', ('info', 'resolution'), math.nan, 'cells have a size'),
     Nonsense('planner_node', '/map', ('info', 'resolution'), 0.0, 'cells have a size'),

@@ -101,6 +101,7 @@ def made_up(topic: str, pose: Pose2D, joints: JointState | None) -> Any:
     """
     makers: dict[str, Callable[[], Any]] = {
         '/goal_pose': lambda: goal_message(ahead_of(pose)),
+        '/plan/impassable': lambda: goal_message(ahead_of(pose)),
         '/goal_marker': lambda: goal_message(ahead_of(pose)),
         '/obstacles': lambda: obstacle_message(pose.x + 1.5, pose.y),
         '/cmd_vel': lambda: Twist(linear=Vector3(x=0.02), angular=Vector3(z=0.02)),

@@ -1,7 +1,7 @@
 """A robot that does what it is told, more or less, arrives."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -284,6 +284,56 @@ def test_a_robot_that_cannot_correct_its_pose_at_the_goal_says_so_instead_of_try
         assert follower.next_step(stuck) is not None
     with pytest.raises(GoalNotReached, match=r'0\.050 m and 0\.0 degrees off'):
         follower.next_step(stuck)
+
+
+SETTLING = replace(OPTIONS, settling_distance=0.06, settling_angle=math.radians(5.0))
+
+
+def test_where_it_may_settle_a_robot_that_gets_no_nearer_stays_and_says_how_far_off_it_is():
+    goal = Pose2D(1.0, 0.0, 0.0)
+    follower, stuck = PathFollower(CRAWL, CRAWL, SETTLING), Pose2D(1.05, 0.0, 0.0)
+    follower.follow(Plan((goal,)), stuck)
+    tries = 0
+    while follower.next_step(stuck) is not None:
+        tries += 1
+        assert tries < OPTIONS.final_cycles
+    assert tries > 1
+    assert '0.050 m and 0.0 degrees off' in follower.remark
+
+
+@pytest.mark.parametrize('stuck', [Pose2D(1.07, 0.0, 0.0), Pose2D(1.0, 0.0, 0.1)])
+def test_a_robot_that_is_too_far_off_to_settle_gives_up(stuck):
+    follower = PathFollower(CRAWL, CRAWL, SETTLING)
+    follower.follow(Plan((Pose2D(1.0, 0.0, 0.0),)), stuck)
+    for _ in range(OPTIONS.final_cycles):
+        assert follower.next_step(stuck) is not None
+    with pytest.raises(GoalNotReached):
+        follower.next_step(stuck)
+
+
+def test_where_it_may_settle_cycles_that_get_nearer_do_not_count():
+    follower, away = PathFollower(CRAWL, CRAWL, SETTLING), 0.4
+    follower.follow(Plan((Pose2D(1.0, 0.0, 0.0),)), Pose2D(1.4, 0.0, 0.0))
+    for _ in range(3 * OPTIONS.final_cycles):
+        assert follower.next_step(Pose2D(1.0 + away, 0.0, 0.0)) is not None
+        away -= 0.01
+    assert follower.remark == ''
+
+
+def test_what_is_left_to_do_shrinks_with_every_cycle_turns_included():
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        plan = random_plan(rng)
+        pose = Pose2D(plan.poses[0].x, plan.poses[0].y, float(rng.uniform(-3.0, 3.0)))
+        follower = PathFollower(CRAWL, CRAWL, OPTIONS)
+        follower.follow(plan, pose)
+        left = [follower.work_left(pose)]
+        while (step := follower.next_step(pose)) is not None:
+            pose = pose @ step.motion.end
+            left.append(follower.work_left(pose))
+        least = np.minimum.accumulate(left[:-1])
+        # A cycle that corrects its course may get no nearer; three do.
+        assert (least[3:] < least[:-3]).all()
 
 
 def test_a_way_of_turning_that_is_none_is_refused():

@@ -9,7 +9,7 @@ from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D
+from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot_files.robot_file import load_robot
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.planner import make_planner
@@ -420,3 +420,57 @@ def test_a_goal_that_is_withdrawn_leaves_no_plan_and_no_search():
     told.session.take_grid(room(), 'map')
     told.give(GOAL)
     assert told.goals() == [GOAL, None, GOAL]
+
+
+def no_footing(walk, at):
+    """Say, as gait_node does, that there is no going on from a pose, and let the session plan."""
+    walk.move(at)
+    walk.session.take_impassable('map', at)
+    walk.requests.work()
+
+
+def test_a_robot_that_finds_no_footing_ahead_gets_another_path():
+    walk = Room()
+    walk.give(GOAL)
+    walk.follow()
+    no_footing(walk, Pose2D(1.5, 1.0, 0.0))
+    straight, around = walk.plans
+    assert around.poses[0].distance_to(Pose2D(1.5, 1.0, 0.0)) < 0.01
+    assert around.poses[-1] == GOAL
+    # What is closed is 0.5 m ahead, and paths keep 0.4 m from it.
+    assert distance_to_polyline((2.0, 1.0), straight.corners) < 0.3
+    assert distance_to_polyline((2.0, 1.0), around.corners) > 0.35
+    assert 'no footing' in walk.said[-1]
+
+
+def test_what_was_closed_for_one_goal_is_open_for_the_next():
+    walk = Room()
+    walk.give(GOAL)
+    walk.follow()
+    no_footing(walk, Pose2D(1.5, 1.0, 0.0))
+    walk.move(START)
+    walk.give(GOAL)
+    assert walk.plans[-1].corners.tolist() == walk.plans[0].corners.tolist()
+
+
+def test_places_without_footing_are_closed_a_few_times_only_and_none_without_a_goal():
+    walk = Room()
+    no_footing(walk, Pose2D(1.5, 1.0, 0.0))
+    assert walk.plans == []
+    walk.give(GOAL)
+    walk.follow()
+    for _ in range(20):
+        no_footing(walk, Pose2D(1.5, 1.0, 0.0))
+    assert 2 <= len(walk.plans) <= 6
+
+
+def test_without_another_path_the_last_plan_stays():
+    walk = Room()
+    cells = np.zeros((80, 80), np.int8)
+    cells[36:, :] = cells[:6, :] = 100
+    walk.session.take_grid(OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0)), 'map')
+    walk.give(GOAL)
+    walk.follow()
+    no_footing(walk, Pose2D(1.5, 1.0, 0.0))
+    assert walk.goals() == [GOAL]
+    assert isinstance(walk.session.problem, NoPathFound)

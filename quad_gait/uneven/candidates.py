@@ -1,0 +1,74 @@
+"""
+What is tried of a swing, and of a motion of the body, in which order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from itertools import product
+from typing import TypeVar
+
+from quad_common.errors import GaitError
+
+Planned = TypeVar('Planned')
+
+_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
+"""Fractions of a step, of which the legs may reach one only."""
+
+_TILTS = (0.0, 0.5, 1.0)
+"""Fractions of the ground's tilt that the body may take."""
+
+_LOWER = (0.0, 0.03, 0.06)
+"""Distance by which the body may be lower than in its initial posture [m]."""
+
+_HIGHER = (-0.02, -0.04)
+"""The same where it is higher, so that its parts keep away from thighs: tried last [m]."""
+
+_LOW_LIFT = 0.3
+"""Fraction of its usual height over the ground at which a foot whose thigh is in the way swings."""
+
+LOWEST = _LOWER[-1]
+"""Largest of these distances [m]."""
+
+
+def _swing_cost(kind: tuple[float, ...]) -> float:
+    """Return what a swing is worse by: a lower body costs little, a tilt most."""
+    fraction, tilt, lower, clearance = kind
+    unusual = 2.0 * (lower < 0.0) + 2.0 * (clearance < 1.0)
+    # A foot that is put down where it stood gets on least of all.
+    return (1.0 - fraction) + 0.75 * tilt + 3.0 * abs(lower) + unusual + 10.0 * (fraction == 0.0)
+
+
+VARIANTS = sorted(
+    [
+        *product(_FRACTIONS, _TILTS, (*_LOWER, *_HIGHER), (1.0,)),
+        *product((1.0, 0.5), (0.0, 1.0), (0.0, _HIGHER[0]), (_LOW_LIFT,)),
+    ],
+    key=_swing_cost,
+)
+"""Kinds of swings in the order in which they are tried: fraction of the step, tilt, lowering, and
+fraction of the height that the foot is to be above the ground."""
+
+LEANS = sorted(
+    product(_FRACTIONS, _TILTS, _LOWER),
+    # Where the body is counts more than how low it is, and less than that it is level.
+    key=lambda kind: (1.0 - kind[0]) + 3.0 * kind[1] + 3.0 * kind[2],
+) + list(product(_FRACTIONS, _TILTS, _HIGHER))
+"""Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
+
+POSTURES = tuple(product(_TILTS, (*_LOWER, *_HIGHER)))
+"""Tilts and lowerings, in the order in which they are tried."""
+
+
+def first_possible(
+    plan: Callable[..., Planned], candidates: Iterable[tuple[float, ...]]
+) -> tuple[Planned, GaitError | None]:
+    """Plan by one candidate after the other; return the first that works, and what was wrong."""
+    problem: GaitError | None = None
+    for candidate in candidates:
+        try:
+            return plan(*candidate), problem
+        except GaitError as error:
+            problem = problem or error
+    assert problem is not None
+    raise problem

@@ -1,0 +1,83 @@
+"""Ways out of where strides over uneven ground lead nowhere: their order, and their end."""
+
+import math
+
+import pytest
+
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.following.step import Step
+from quad_gait.uneven.ways_out import ORDER, WayOut, WaysOut
+
+STRIDE = 0.25
+AHEAD = Step(is_turn=False, motion=BodyMotion(forward=0.2))
+TURN = Step(is_turn=True, motion=BodyMotion(turn=0.5))
+
+
+def failed(times, step=AHEAD):
+    """Return ways out after so many strides that could not be made, each taken."""
+    ways = WaysOut(STRIDE)
+    taken = []
+    for number in range(times):
+        assert ways.fail(f'problem {number}')
+        taken.append(ways.next)
+        done = ways.take(step)
+    return ways, taken, done
+
+
+def test_each_way_is_tried_once_and_in_the_stated_order():
+    ways, taken, _ = failed(len(ORDER))
+    assert taken == [WayOut.SHORTER, WayOut.LONGER, WayOut.BACK, WayOut.DETOUR]
+    assert not ways.fail('one more')
+    assert ways.problem == 'one more'
+
+
+@pytest.mark.parametrize('step', [AHEAD, TURN])
+def test_strides_are_changed_as_they_are_said_to_be(step):
+    size = {}
+    for times in (1, 2):
+        _, taken, (changed, remark) = failed(times, step)
+        assert remark.startswith(f'{taken[-1].value} is tried ({times} of {len(ORDER)}): problem')
+        assert changed.is_turn == step.is_turn
+        size[taken[-1]] = changed.motion.forward / 0.2 + changed.motion.turn / 0.5
+    assert size[WayOut.SHORTER] < 1.0 < size[WayOut.LONGER]
+    _, _, (back, _) = failed(3, step)
+    assert -STRIDE < back.motion.forward < 0.0
+    assert back.motion.turn == 0.0
+
+
+def test_nothing_is_changed_where_strides_get_on():
+    ways = WaysOut(STRIDE)
+    for stride in range(100):
+        assert ways.note_left(30.0 - 0.2 * stride)
+        assert ways.take(AHEAD) == (AHEAD, '')
+
+
+def test_turns_to_and_fro_end():
+    ways = WaysOut(STRIDE)
+    strides = 0
+    while ways.note_left(1.0 + 0.2 * math.sin(strides)):
+        ways.take(TURN)
+        strides += 1
+        assert strides < 100
+    assert strides > len(ORDER)
+    assert 'no nearer to its goal' in ways.problem
+
+
+def test_a_stride_that_was_kept_short_and_led_nowhere_is_answered_at_once():
+    ways = WaysOut(STRIDE)
+    assert ways.note_left(1.0)
+    assert ways.note_left(1.0, limit='a step was shortened')
+    assert ways.next is WayOut.SHORTER
+
+
+def test_strides_that_get_on_grow_again_and_all_ways_are_open_again():
+    ways, _, _ = failed(len(ORDER))
+    ways, _, (short, _) = failed(1)
+    sizes = [short.motion.forward]
+    for stride in range(5):
+        assert ways.note_left(10.0 - 0.2 * stride)
+        sizes.append(ways.take(AHEAD)[0].motion.forward)
+    assert sizes == sorted(sizes)
+    assert sizes[-1] == AHEAD.motion.forward
+    assert ways.fail('again')
+    assert ways.next is WayOut.SHORTER
