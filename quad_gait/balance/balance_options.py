@@ -1,0 +1,62 @@
+"""
+Gains and times of a trot that keeps its balance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class BalanceOptions:
+    """How a robot trots and keeps its balance; the same for all robots."""
+
+    knot_time: float = 0.02
+    """Time between two knots of the trajectory, and between two decisions [s]."""
+    reaction_time: float = 0.02
+    """Time after a measurement for which what was given out before holds: messages arrive in it,
+    and the robot is predicted over it [s]."""
+    knots_tail: int = 0
+    knots: int = 6
+    """Number of knots after it that answer to the measurement; the rest brings the robot to
+    rest."""
+    capture_gain: float = 1.0
+    """Part of the step to the capture point that is made."""
+    giving_way: float = 0.7
+    """Part of an error of the velocity that standing legs give way to."""
+    leveling: float = 0.7
+    """Part of the body's tilt that swinging feet make up for."""
+    righting_time: float = 0.1
+    """Time constant with which a leg that has landed rights the body [s]."""
+    trim_gain: float = 2.0
+    """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
+    largest_trim: float = 0.3
+    """Trim, at most, as a fraction of sqrt(g h)."""
+    acceleration: float = 0.15
+    """Acceleration to what is wanted, as a fraction of g."""
+    turn_acceleration: float = 4.0
+    """The same for turns [rad/s^2]."""
+    freeze_time: float = 0.03
+    """Time before its touchdown from which on a foot keeps its target [s]."""
+    reach_fraction: float = 0.9
+    """Fraction of the largest stride within which feet are put."""
+    speed_fraction: float = 0.68
+    """Fraction of the largest joint speeds that is used."""
+
+
+@dataclass(frozen=True)
+class EstimateOptions:
+    """How the velocity of a body is estimated."""
+
+    leg_gain: float = 0.5
+    """Part of the difference to what the feet say that is made up at each measurement."""
+    bias_gain: float = 10.0
+    """Gain with which a bias of the accelerometer is learned [1/s^2]."""
+    largest_bias: float = 2.0
+    """Bias, at most [m/s^2]."""
+    least_load: float = 0.06
+    """Load from which on a foot counts, as a fraction of the robot's weight."""
+    slip_fraction: float = 0.25
+    """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
+    longest_gap: float = 0.1
+    """Time between two measurements, at most; after a longer one the body is taken to rest [s]."""
