@@ -4,44 +4,7 @@ Gains and times of a trot that keeps its balance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class BalanceOptions:
-    """How a robot trots and keeps its balance; the same for all robots."""
-
-    knot_time: float = 0.02
-    """Time between two knots of the trajectory, and between two decisions [s]."""
-    reaction_time: float = 0.02
-    """Time after a measurement for which what was given out before holds: messages arrive in it,
-    and the robot is predicted over it [s]."""
-    knots_tail: int = 0
-    knots: int = 6
-    """Number of knots after it that answer to the measurement; the rest brings the robot to
-    rest."""
-    capture_gain: float = 1.0
-    """Part of the step to the capture point that is made."""
-    giving_way: float = 0.7
-    """Part of an error of the velocity that standing legs give way to."""
-    leveling: float = 0.7
-    """Part of the body's tilt that swinging feet make up for."""
-    righting_time: float = 0.1
-    """Time constant with which a leg that has landed rights the body [s]."""
-    trim_gain: float = 2.0
-    """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
-    largest_trim: float = 0.3
-    """Trim, at most, as a fraction of sqrt(g h)."""
-    acceleration: float = 0.15
-    """Acceleration to what is wanted, as a fraction of g."""
-    turn_acceleration: float = 4.0
-    """The same for turns [rad/s^2]."""
-    freeze_time: float = 0.03
-    """Time before its touchdown from which on a foot keeps its target [s]."""
-    reach_fraction: float = 0.9
-    """Fraction of the largest stride within which feet are put."""
-    speed_fraction: float = 0.68
-    """Fraction of the largest joint speeds that is used."""
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -60,3 +23,53 @@ class EstimateOptions:
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
     longest_gap: float = 0.1
     """Time between two measurements, at most; after a longer one the body is taken to rest [s]."""
+
+
+@dataclass(frozen=True)
+class BalanceOptions:
+    """How a robot trots and keeps its balance; the same for all robots."""
+
+    knot_time: float = 0.02
+    """Time between two knots of a trajectory, and between two decisions at least [s]."""
+    reaction_time: float = 0.02
+    """Time after a measurement for which what was given out before holds: messages arrive in it,
+    and the tilt is predicted over it [s]."""
+    knots: int = 6
+    """Number of knots after it that answer to the measurement; the rest brings the robot to
+    rest."""
+    rest_knot_time: float = 0.04
+    """Time between two knots of that rest [s]."""
+    capture_gain: float = 1.0
+    """Part of the step to the capture point that is made."""
+    giving_way: float = 0.7
+    """Part of an error of the velocity that standing legs give way to."""
+    leveling: float = 0.7
+    """Part of the body's tilt that swinging feet make up for."""
+    righting_time: float = 0.1
+    """Time constant with which a leg that has landed rights the body [s]."""
+    trim_gain: float = 2.0
+    """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
+    largest_trim: float = 0.3
+    """Trim, at most, as a fraction of sqrt(g h)."""
+    pushed: float = 0.3
+    """Error of the velocity from which on a robot is pushed and the trim waits, as a fraction of
+    sqrt(g h)."""
+    acceleration: float = 0.15
+    """Acceleration to what is wanted, as a fraction of g."""
+    turn_acceleration: float = 4.0
+    """Acceleration of turns [rad/s^2]."""
+    course_gain: float = 1.5
+    """Gain with which the robot is drawn back to its course [1/s]."""
+    largest_correction: float = 0.15
+    """Velocity with which it is, at most, as a fraction of sqrt(g h)."""
+    freeze_time: float = 0.03
+    """Time before its touchdown from which on a foot keeps its target [s]."""
+    reach_fraction: float = 0.9
+    """Fraction of the largest stride within which feet are put."""
+    speed_fraction: float = 0.68
+    """Fraction of their largest speeds to which the joints of a leg are slowed that would exceed
+    them: between two knots a cubic may be 1.5 times as fast as its mean."""
+    steps_in_place: bool = False
+    """Whether a robot that is steered with no velocity trots in place, and does not stand."""
+    estimate: EstimateOptions = field(default_factory=EstimateOptions)
+    """How the velocity is estimated."""

@@ -1,161 +1,211 @@
 """
-The motion of a robot that keeps its balance: knots that were given out, and those that replace them.
+The motion of a robot that keeps its balance, replaced at every measurement.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError, TrajectoryError
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
-from quad_gait.balance.foot_laws import GRAVITY, Pace
+from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
 from quad_gait.balance.foot_plan import Demand, FootPlan, FootPlanner
+from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
 
 Array = NDArray[np.float64]
 
-_SHRINKING = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
+_LEAST_SPEED = 0.02
+"""Velocity, as a fraction of sqrt(g h), below which a body comes to rest at once."""
 
 
 class BalancedMotion:
-    def __init__(self, robot: Robot, gait: Gait, options: BalanceOptions, start: float):
-        self._robot, self._options = robot, options
-        self.clock = PhaseClock.of(gait, start + options.reaction_time)
-        self.planner = FootPlanner(robot, gait, options)
-        self.start = start
-        n = math.ceil(options.reaction_time / options.knot_time - 1e-6) + 1
-        self._first = 0
-        self._knots: list[FootPlan] = n * [self.planner.at_rest()]
-        self._joints = np.array(n * [robot.stacked_legs.inverse(robot.neutral_feet)])
-        self._speeds = np.zeros_like(self._joints)
-        self.trim = (0.0, 0.0)
-        self._neutral = robot.neutral_feet
-        self._limits = JointLimits.of(robot)
-        self.slowed = 0
+    """
+    Knots that were given out, and those that replace them.
 
-    def time_of(self, index: int) -> float:
-        return self.start + index * self._options.knot_time
+    What was given out holds until a reaction time after a measurement. From there on knots answer
+    to it, and after them the robot comes to rest: it goes on trotting while it loses its speed,
+    then no foot lifts any more. So a robot that receives nothing more stands on four feet.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        Its trot, fitted to it.
+    options : BalanceOptions
+        Gains and times.
+    start : float
+        When it begins [s].
+    joints : ndarray, shape (4, 3)
+        Where the joints are commanded then, at rest [rad].
+    """
+
+    def __init__(
+        self, robot: Robot, gait: Gait, options: BalanceOptions, start: float, joints: Array
+    ) -> None:
+        self._robot, self._options = robot, options
+        self._planner = FootPlanner(robot, gait, options)
+        self._joint_planner = JointMotionPlanner(robot, options.speed_fraction)
+        self._start = start
+        still = math.ceil(options.reaction_time / options.knot_time - 1e-6) + 1
+        self.clock = PhaseClock.of(gait, self._time_of(still - 1))
+        """When feet swing."""
+        plan = self._planner.at_rest(robot.foot_positions(joints))
+        self._first = 0
+        self._knots = still * [plan]
+        self._given = JointMotion(
+            np.array([self._time_of(k) for k in range(still)]),
+            np.repeat(joints[None], still, axis=0),
+            np.zeros((still, 4, 3)),
+        )
+        self._unit = math.sqrt(GRAVITY * self._planner.height)
+        self._trim = (0.0, 0.0)
+        self._decided = -math.inf
+
+    @property
+    def unit(self) -> float:
+        """Velocity sqrt(g h), by which others are measured [m/s]."""
+        return self._unit
+
+    @property
+    def pace(self) -> Pace:
+        """Velocity that is planned at the first knot that answers to the last measurement."""
+        return self._knots[min(1, len(self._knots) - 1)].pace
+
+    def footholds(self) -> Array:
+        """Return where the feet land next, or have landed, beside the body, (4, 2) [m]."""
+        return np.array([foot.target for foot in self._knots[-1].feet])
+
+    def is_over(self, time: float) -> bool:
+        """Return whether nothing can follow any more what was given out by a time [s]."""
+        return self._index_at(time) - self._first >= len(self._knots)
+
+    def is_due(self, time: float) -> bool:
+        """Return whether a decision is due at a time [s]."""
+        return time >= self._decided + self._options.knot_time - 1e-6
+
+    def rest(self, time: float) -> None:
+        """Let no foot lift any more after what holds at a time [s]."""
+        self.clock = replace(self.clock, end=self._time_of(self._index_at(time)))
 
     def update(self, time: float, body: BodyEstimate, pace: Pace) -> JointTrajectory | None:
-        o = self._options
-        dt = o.knot_time
-        kept = max(0, math.ceil((time + o.reaction_time - self.start) / dt - 1e-6))
-        place = kept - self._first
+        """
+        Answer to a measurement.
+
+        Parameters
+        ----------
+        time : float
+            When it was taken [s].
+        body : BodyEstimate
+            How the body moves.
+        pace : Pace
+            Velocity that is wanted.
+
+        Returns
+        -------
+        JointTrajectory or None
+            It replaces the last one; None if that is to go on.
+        """
+        self._decided = time
+        index = self._index_at(time)
+        place = index - self._first
         if place >= len(self._knots):
             return None
-        plan = self._knots[place]
-        self._trim(body, plan)
-        measured = Pace(*body.velocity, body.turn)
-        demand = Demand(pace, measured, *body.tilt_in(self.time_of(kept) - time), self.trim)
-        knots = [plan]
-        for k in range(kept, kept + o.knots):
-            plan = self.planner.advance(plan, self.clock, self.time_of(k), demand)
-            knots.append(plan)
-        rest = Pace(0.0, 0.0, 0.0)
-        tx, ty = self.trim
-        for k in range(kept + o.knots, kept + o.knots + o.knots_tail):
-            p = plan.pace
-            demand = Demand(rest, Pace(p.forward - tx, p.left - ty, p.turn), 0.0, 0.0, self.trim)
-            plan = self.planner.advance(plan, self.clock, self.time_of(k), demand)
-            knots.append(plan)
+        self._adapt_trim(body, self._knots[place].pace)
+        knots = self._answers(index, place, time, body, pace)
+        times = [self._time_of(index + k) for k in range(len(knots))]
+        rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)
         before = max(place - 1, 0)
-        found = self._joint_motion(knots[1:], before, place)
-        if found is None:
+        held = slice(before, place + 1)
+        given = self._given
+        motion = self._joint_planner.go_on(
+            JointMotion(given.times[held], given.positions[held], given.speeds[held]),
+            [*knots[1:], *rest],
+            [*times[1:], *rest_times],
+        )
+        if motion is None:
             return None
-        joints, speeds = found
         self._knots = self._knots[before:place] + knots
-        self._joints = joints
-        self._speeds = speeds
         self._first += before
+        self._given = motion
+        stamp = float(motion.times[0])
         return JointTrajectory(
             joint_names=self._robot.joint_names,
-            stamp=self.time_of(self._first),
-            times=dt * np.arange(len(self._knots)),
-            positions=self._joints.reshape(-1, 12),
-            velocities=self._speeds.reshape(-1, 12),
+            stamp=stamp,
+            times=motion.times - stamp,
+            positions=motion.positions.reshape(-1, 12),
+            velocities=motion.speeds.reshape(-1, 12),
         )
 
-    def _trim(self, body, plan):
-        o = self._options
-        unit = math.sqrt(GRAVITY * self.planner.height)
-        ex, ey = body.velocity[0] - plan.pace.forward, body.velocity[1] - plan.pace.left
-        if max(abs(ex), abs(ey)) < 0.3 * unit:
-            g, m = o.trim_gain * o.knot_time, o.largest_trim * unit
-            self.trim = (
-                min(max(self.trim[0] + g * float(ex), -m), m),
-                min(max(self.trim[1] + g * float(ey), -m), m),
+    def _answers(
+        self, index: int, place: int, time: float, body: BodyEstimate, pace: Pace
+    ) -> list[FootPlan]:
+        """Return the knot that still holds, and those after it that answer to a measurement."""
+        plan = self._knots[place]
+        roll, pitch = body.tilt_in(self._time_of(index) - time)
+        demand = Demand(pace, Pace(*body.velocity, body.turn), roll, pitch, self._trim)
+        knots = [plan]
+        for k in range(index, index + self._options.knots):
+            times = self._time_of(k), self._time_of(k + 1)
+            plan = self._planner.advance(plan, self.clock, times, demand)
+            knots.append(plan)
+        return knots
+
+    def _coming_to_rest(
+        self, plan: FootPlan, time: float, body: BodyEstimate
+    ) -> tuple[list[FootPlan], list[float]]:
+        """Return the knots after a plan at a time [s] that bring the robot to rest."""
+        options, clock = self._options, self.clock
+        slowing = GRAVITY * options.acceleration
+        speed = math.hypot(*body.velocity)
+        end = time
+        if speed > _LEAST_SPEED * self._unit or any(foot.roll or foot.pitch for foot in plan.feet):
+            end += max(clock.period, speed / slowing)
+        clock = replace(clock, end=min(clock.end, end))
+        plan = plan._replace(pace=Pace(*body.velocity, plan.pace.turn))
+        # A body that is slowed down has its feet ahead, as if it were faster than it is to be.
+        lead = self._planner.height / GRAVITY * slowing / max(self._planner.capture_time, 1e-6)
+        count = math.ceil((end + clock.longest_swing - time) / options.rest_knot_time) + 1
+        knots, times = [], [time]
+        for _ in range(count):
+            pace = plan.pace
+            size = math.hypot(pace.forward, pace.left)
+            ahead = 1.0 + (lead / size if size > lead else 0.0)
+            measured = Pace(
+                ahead * pace.forward - self._trim[0],
+                ahead * pace.left - self._trim[1],
+                pace.turn,
             )
+            demand = Demand(STILL, measured, trim=self._trim)
+            times.append(times[-1] + options.rest_knot_time)
+            plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
+            knots.append(plan)
+        return knots, times[1:]
 
-    def _joint_motion(self, knots, before, place):
-        dt = self._options.knot_time
-        wanted = self._inverse(np.array([[foot.in_body for foot in k.feet] for k in knots]))
-        given, given_speeds = self._joints[before : place + 1], self._speeds[before : place + 1]
-        n = len(given)
-        joints = np.concatenate([given, wanted])
-        speeds = np.empty_like(joints)
-        speeds[1:-1] = (joints[2:] - joints[:-2]) / (2.0 * dt)
-        speeds[-1] = 0.0
-        speeds[:n] = given_speeds
-        if self._is_possible(joints[n - 1 :], speeds[n - 1 :]):
-            return joints, speeds
-        self.slowed += 1
-        joints[n:] = self._slowed(wanted, given[-1])
-        speeds = monotone_speeds(joints, dt)
-        speeds[:n] = given_speeds
-        if self._is_possible(joints[n - 1 :], speeds[n - 1 :]):
-            return joints, speeds
-        return None
+    def _adapt_trim(self, body: BodyEstimate, pace: Pace) -> None:
+        """Ask for less while the body is faster than planned, unless it was pushed."""
+        options, unit = self._options, self._unit
+        x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
+        if math.hypot(x, y) > options.pushed * unit:
+            return
+        step, most = options.trim_gain * options.knot_time, options.largest_trim * unit
+        self._trim = (
+            min(max(self._trim[0] + step * x, -most), most),
+            min(max(self._trim[1] + step * y, -most), most),
+        )
 
-    def _is_possible(self, joints, speeds) -> bool:
-        times = self._options.knot_time * np.arange(len(joints))
-        try:
-            self._limits.check(times, joints.reshape(-1, 12), speeds.reshape(-1, 12))
-        except TrajectoryError:
-            return False
-        return True
+    def _index_at(self, time: float) -> int:
+        """Return which knot is the first that need not hold after a measurement at a time [s]."""
+        since = time + self._options.reaction_time - self._start
+        return max(0, math.ceil(since / self._options.knot_time - 1e-6))
 
-    def _slowed(self, wanted, last):
-        r = self._robot
-        joints = np.clip(wanted, r.lower + 0.02, r.upper - 0.02)
-        most = r.velocity * self._options.knot_time
-        part = 0.5
-        for k in range(len(joints)):
-            step = joints[k] - last
-            over = (np.abs(step) / (part * most)).max(axis=1)
-            joints[k] = last + step / np.maximum(1.0, over)[:, None]
-            last = joints[k]
-            part = self._options.speed_fraction
-        return joints
-
-    def _inverse(self, feet):
-        r = self._robot
-        try:
-            return r.stacked_legs.inverse(feet)
-        except GaitError:
-            q = np.empty_like(feet)
-            for i, f in enumerate(feet):
-                for share in _SHRINKING:
-                    try:
-                        q[i] = r.stacked_legs.inverse(self._neutral + share * (f - self._neutral))
-                        break
-                    except GaitError:
-                        continue
-            return q
-
-
-def monotone_speeds(positions: Array, dt: float) -> Array:
-    slopes = np.diff(positions, axis=0) / dt
-    a, b = slopes[:-1], slopes[1:]
-    product = a * b
-    speeds = np.zeros_like(positions)
-    same = product > 0.0
-    speeds[1:-1] = np.where(same, 2.0 * product / np.where(same, a + b, 1.0), 0.0)
-    return speeds
+    def _time_of(self, index: int) -> float:
+        return self._start + index * self._options.knot_time

@@ -25,6 +25,10 @@ class Pace(NamedTuple):
     """Angular velocity, counter-clockwise [rad/s]."""
 
 
+STILL = Pace(0.0, 0.0, 0.0)
+"""No velocity."""
+
+
 def pendulum_time(height: float) -> float:
     """Return the time constant of an inverted pendulum, sqrt(h / g) [s], h in [m]."""
     return math.sqrt(height / GRAVITY)

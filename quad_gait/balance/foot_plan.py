@@ -15,6 +15,7 @@ from quad_common.robot.robot import Robot
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.foot_laws import (
     GRAVITY,
+    STILL,
     Pace,
     ground_velocity,
     landing_place,
@@ -102,20 +103,40 @@ class FootPlanner:
         center = robot.center_of_mass(robot.initial_joint_angles)
         self.height = float(center[2] + robot.standing_height)
         """Height of the center of mass [m]."""
-        self._capture_time = options.capture_gain * pendulum_time(self.height)
+        self.capture_time = options.capture_gain * pendulum_time(self.height)
+        """Length of the capture step over the error of the velocity [s]."""
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
         self._largest = 0.5 * options.reach_fraction * robot.largest_stride
-        self._kept = math.exp(-options.knot_time / options.righting_time)
 
-    def at_rest(self) -> FootPlan:
-        """Return the plan of a robot that stands in its initial posture."""
-        feet = tuple(Foot(x, y, z, target=(x, y)) for x, y, z in self._neutral)
-        return FootPlan(feet, Pace(0.0, 0.0, 0.0))
+    def at_rest(self, places: Array) -> FootPlan:
+        """Return the plan of a robot that stands level, its feet at places (4, 3) [m]."""
+        feet = tuple(Foot(x, y, z, target=(x, y)) for x, y, z in places.tolist())
+        return FootPlan(feet, STILL)
 
-    def advance(self, plan: FootPlan, clock: PhaseClock, time: float, demand: Demand) -> FootPlan:
-        """Return the plan one knot after a time [s]."""
+    def advance(
+        self, plan: FootPlan, clock: PhaseClock, times: tuple[float, float], demand: Demand
+    ) -> FootPlan:
+        """
+        Return the plan of the next knot.
+
+        Parameters
+        ----------
+        plan : FootPlan
+            The plan of this one.
+        clock : PhaseClock
+            When feet swing.
+        times : tuple of float
+            Times of this knot and of the next [s].
+        demand : Demand
+            What is to be done between them.
+
+        Returns
+        -------
+        FootPlan
+        """
         options = self._options
-        dt, part = options.knot_time, options.giving_way
+        then, dt = times[1], times[1] - times[0]
+        part, kept = options.giving_way, math.exp(-dt / options.righting_time)
         step, turn_step = dt * GRAVITY * options.acceleration, dt * options.turn_acceleration
         wanted, last, measured = demand.pace, plan.pace, demand.measured
         pace = Pace(
@@ -130,15 +151,15 @@ class FootPlanner:
             aim.left + part * error[1],
             pace.turn + part * (measured.turn - pace.turn),
         )
-        excess = self._capture_time * error[0], self._capture_time * error[1]
-        phases = clock.swing_phases(time + dt)
+        excess = self.capture_time * error[0], self.capture_time * error[1]
+        phases = clock.swing_phases(then)
         feet = []
         for foot, neutral, (fraction, left), stance in zip(
             plan.feet, self._neutral, phases, clock.stance_times
         ):
             if fraction is None and not foot.swings:
                 vx, vy = ground_velocity(foot.x, foot.y, given_way)
-                roll, pitch = self._kept * foot.roll, self._kept * foot.pitch
+                roll, pitch = kept * foot.roll, kept * foot.pitch
                 feet.append(
                     Foot(
                         foot.x + dt * vx, foot.y + dt * vy, neutral[2], vx, vy,

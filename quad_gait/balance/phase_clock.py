@@ -4,6 +4,7 @@ The clock of a trot: which foot is where in its swing or stance at any time.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from quad_gait.cycle.gait import Gait
 @dataclass(frozen=True)
 class PhaseClock:
     """
-    A gait's order of swings, repeated for ever.
+    A gait's order of swings, repeated until no foot is to lift any more.
 
     The phase of a foot rises from 0 at its liftoff to 1 at the next one; it swings while its phase
     is below its swing fraction.
@@ -30,6 +31,8 @@ class PhaseClock:
     """Fractions of the cycle for which the feet swing."""
     start: float = 0.0
     """Time at which the first cycle begins; all feet stand before it [s]."""
+    end: float = math.inf
+    """Time from which on no foot lifts any more [s]."""
 
     @classmethod
     def of(cls, gait: Gait, start: float = 0.0) -> PhaseClock:
@@ -54,10 +57,11 @@ class PhaseClock:
             lands, 0 if it stands [s].
         """
         cycles = (time - self.start) / self.period
+        last = (self.end - self.start) / self.period
         result: list[tuple[float | None, float]] = []
         for offset, swing in zip(self.offsets, self.swing_fractions):
             phase = (cycles - offset) % 1.0
-            if phase < swing and cycles >= offset:
+            if phase < swing and offset <= cycles and cycles - phase < last:
                 result.append((phase / swing, (swing - phase) * self.period))
             else:
                 result.append((None, 0.0))
@@ -71,3 +75,8 @@ class PhaseClock:
     def stance_times(self) -> tuple[float, ...]:
         """Durations of the feet's stances [s]."""
         return tuple((1.0 - swing) * self.period for swing in self.swing_fractions)
+
+    @property
+    def longest_swing(self) -> float:
+        """Duration of the longest swing [s]."""
+        return max(self.swing_fractions) * self.period
