@@ -54,8 +54,10 @@ class BalanceOptions:
     pushed: float = 0.3
     """Error of the velocity from which on a robot is pushed and the trim waits, as a fraction of
     sqrt(g h)."""
-    acceleration: float = 0.15
-    """Acceleration to what is wanted, as a fraction of g."""
+    acceleration: float = 0.35
+    """Acceleration to what is wanted, at most, as a fraction of g."""
+    slowing: float = 0.15
+    """Deceleration to rest of a robot that receives nothing more, as a fraction of g."""
     turn_acceleration: float = 4.0
     """Acceleration of turns [rad/s^2]."""
     course_gain: float = 1.5

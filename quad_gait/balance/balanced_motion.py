@@ -81,8 +81,8 @@ class BalancedMotion:
         return self._knots[min(1, len(self._knots) - 1)].pace
 
     def footholds(self) -> Array:
-        """Return where the feet land next, or have landed, beside the body, (4, 2) [m]."""
-        return np.array([foot.target for foot in self._knots[-1].feet])
+        """Return where the feet land next, or have landed, beside the body, (4, 3) [m]."""
+        return np.array([(*foot.target, 0.0) for foot in self._knots[-1].feet])
 
     def is_over(self, time: float) -> bool:
         """Return whether nothing can follow any more what was given out by a time [s]."""
@@ -164,7 +164,7 @@ class BalancedMotion:
     ) -> tuple[list[FootPlan], list[float]]:
         """Return the knots after a plan at a time [s] that bring the robot to rest."""
         options, clock = self._options, self.clock
-        slowing = GRAVITY * options.acceleration
+        slowing = GRAVITY * options.slowing
         speed = math.hypot(*body.velocity)
         end = time
         if speed > _LEAST_SPEED * self._unit or any(foot.roll or foot.pitch for foot in plan.feet):

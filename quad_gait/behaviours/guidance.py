@@ -76,8 +76,12 @@ class Guidance:
         self._take_gaits(gaits)
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
-        self.steering = Steering(options.twist_timeout, correction)
+        steps_in_place = options.balance is not None and options.balance.steps_in_place
+        self.steering = Steering(options.twist_timeout, correction, steps_in_place)
         """Velocity that is wanted, and the course."""
+        self._keeps_balance = options.balance is not None
+        self.unbalanced = ''
+        """Reason why the robot walks without keeping its balance; empty if it need not."""
         self._pieces: list[Piece] | None = None
         self._has_new_plan = False
         self._stopped_goal: Pose2D | None = None
@@ -220,6 +224,17 @@ class Guidance:
         if self._is_blocked(state, expected) or self._new_gaits is not None or self.is_to_sit:
             return None
         return self._next_step(state.time, start)
+
+    def manner_of(self, step: Step, state: RobotState) -> Activity:
+        """Return whether a step is walked a cycle ahead, or keeping the balance; note why not."""
+        self.unbalanced = ''
+        if not self._keeps_balance or self.gait_pair.of(step).gait.is_static:
+            return Activity.WALKING
+        if state.imu is None or state.joint_velocities is None:
+            what = 'imu tells its attitude and motion' if state.imu is None else 'joint velocities'
+            self.unbalanced = f'the robot walks without keeping its balance: no {what}'
+            return Activity.WALKING
+        return Activity.BALANCING
 
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
