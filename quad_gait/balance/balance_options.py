@@ -43,6 +43,8 @@ class BalanceOptions:
     """Part of the step to the capture point that is made."""
     giving_way: float = 0.7
     """Part of an error of the velocity that standing legs give way to."""
+    turn_giving_way: float = 0.3
+    """Part of an error of the turn that they give way to."""
     leveling: float = 0.7
     """Part of the body's tilt that swinging feet make up for."""
     righting_time: float = 0.1
@@ -56,6 +58,8 @@ class BalanceOptions:
     sqrt(g h)."""
     acceleration: float = 0.35
     """Acceleration to what is wanted, at most, as a fraction of g."""
+    gathering: float = 0.16
+    """Acceleration with which plans are followed, as a fraction of g."""
     slowing: float = 0.15
     """Deceleration to rest of a robot that receives nothing more, as a fraction of g."""
     turn_acceleration: float = 4.0

@@ -149,7 +149,7 @@ class FootPlanner:
         given_way = Pace(
             aim.forward + part * error[0],
             aim.left + part * error[1],
-            pace.turn + part * (measured.turn - pace.turn),
+            pace.turn + options.turn_giving_way * (measured.turn - pace.turn),
         )
         excess = self.capture_time * error[0], self.capture_time * error[1]
         phases = clock.swing_phases(then)

@@ -90,7 +90,7 @@ class BalancedTrot(Walk):
         motion = self._motion
         if motion is None or self._is_ending or motion.is_over(state.time):
             return GO_ON if state.time < self._is_settled_at else Done(Activity.STANDING)
-        if state.imu is None or state.joint_velocities is None:
+        if not state.tells_balance:
             self._is_ending = True
             self._report.limit = 'the robot comes to rest: no imu to keep its balance by'
             return GO_ON
@@ -162,12 +162,12 @@ class BalancedTrot(Walk):
     def _take_step(self, state: RobotState, step: Step | None, entry: Twist2D) -> Course:
         """Follow a step from now on, or none."""
         guidance = self._guidance
-        period = guidance.gait_pair.walking.period
+        period = guidance.period_of(step)
         self._steered = guidance.steering.twist
         motion, after = BodyMotion(), STILL
         if step is None:
             self._stops_since = min(self._stops_since, state.time)
-            motion = BodyMotion.during(entry, period / 2.0)
+            motion = BodyMotion.during(entry, period / 3.0)
         else:
             self._stops_since = math.inf
             motion, after = step.motion, step.exit

@@ -13,13 +13,15 @@ from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity, Report
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
+from quad_gait.balance.foot_laws import GRAVITY
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.faults.commanded_joints import CommandedJoints
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.steering import Steering
-from quad_gait.following.step import Departure, Step
+from quad_gait.following.step import Departure, Gear, LongGear, Step
 from quad_gait.following.stuck_detector import Begun, StuckDetector
 from quad_gait.state.robot_state import RobotState
 
@@ -73,13 +75,14 @@ class Guidance:
         self._progress = StuckDetector(robot.largest_stride)
         # Over uneven ground every swing is balanced by itself: there only legs and joints limit.
         self._least_margin = options.least_margin if options.uneven is None else -math.inf
+        self._balance = options.balance
+        self._keeps_balance = False
         self._take_gaits(gaits)
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
         steps_in_place = options.balance is not None and options.balance.steps_in_place
         self.steering = Steering(options.twist_timeout, correction, steps_in_place)
         """Velocity that is wanted, and the course."""
-        self._keeps_balance = options.balance is not None
         self.unbalanced = ''
         """Reason why the robot walks without keeping its balance; empty if it need not."""
         self._pieces: list[Piece] | None = None
@@ -190,7 +193,7 @@ class Guidance:
         GaitError
             If the plan cannot be followed.
         """
-        was_following = self._use_new_gaits()
+        was_following = self._use_new_gaits() or self._use_manner(state)
         self._use_new_plan(state.pose, joins_again=was_following)
         if not is_ready or self._is_blocked(state):
             return None
@@ -225,16 +228,15 @@ class Guidance:
             return None
         return self._next_step(state.time, start)
 
-    def manner_of(self, step: Step, state: RobotState) -> Activity:
-        """Return whether a step is walked a cycle ahead, or keeping the balance; note why not."""
-        self.unbalanced = ''
-        if not self._keeps_balance or self.gait_pair.of(step).gait.is_static:
-            return Activity.WALKING
-        if state.imu is None or state.joint_velocities is None:
-            what = 'imu tells its attitude and motion' if state.imu is None else 'joint velocities'
-            self.unbalanced = f'the robot walks without keeping its balance: no {what}'
-            return Activity.WALKING
-        return Activity.BALANCING
+    def manner_of(self, step: Step) -> Activity:
+        """Return whether a step is walked a cycle ahead, or keeping the balance."""
+        is_static = self.gait_pair.of(step).gait.is_static
+        return Activity.BALANCING if self._keeps_balance and not is_static else Activity.WALKING
+
+    def period_of(self, step: Step | None) -> float:
+        """Return for how long a step is taken that keeps the balance [s]; or coming to rest."""
+        is_planned = self.steering.twist is None
+        return self._gears[step is not None and step.is_turn].period if is_planned else self.gait_pair.walking.period
 
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
@@ -259,10 +261,24 @@ class Guidance:
         if self._new_gaits is None:
             return False
         was_following = self._follower.plan is not None
+        self._keeps_balance = False
         self._take_gaits(self._new_gaits)
         self._new_gaits = None
         self.steering.lose_course()
         return was_following
+
+    def _use_manner(self, state: RobotState) -> bool:
+        """Keep the balance if that is wanted and possible; return whether it is another manner."""
+        self.unbalanced = ''
+        is_wanted = self._balance is not None and not self.gait_pair.walking.gait.is_static
+        if is_wanted and not state.tells_balance:
+            what = 'imu tells its attitude and motion' if state.imu is None else 'joint velocities'
+            self.unbalanced = f'the robot walks without keeping its balance: no {what}'
+        if self._keeps_balance == (is_wanted and not self.unbalanced):
+            return False
+        self._keeps_balance = not self._keeps_balance
+        self._make_follower()
+        return True
 
     def _use_new_plan(self, pose: Pose2D, joins_again: bool = False) -> None:
         """Go by a plan that was wished for since; or join the one that is followed again."""
@@ -329,7 +345,27 @@ class Guidance:
         """The gaits for walking and for turning."""
         pair = self.gait_pair
         self._turning = wish.follower.turning
-        self._follower = PathFollower(pair.walking, pair.turning, wish.follower)
+        self._follower_options = wish.follower
+        self._make_follower()
+
+    def _make_follower(self) -> None:
+        walking, turning = self.gait_pair.walking, self.gait_pair.turning
+        gears: list[Gear] = [walking, turning]
+        if self._keeps_balance and self._balance is not None:
+            gears = [
+                gear if gear.gait.is_static else long_gear(gear, self._balance.gathering)
+                for gear in (walking, turning)
+            ]
+        self._gears = gears
+        self._follower = PathFollower(*gears, self._follower_options)
+
+
+def long_gear(limits: MotionLimits, acceleration: float) -> Gear:
+    """Return as many cycles as it takes to gather the full speed by a fraction of g."""
+    ahead = BodyMotion(forward=1.0)
+    speed = limits.largest_scale(ahead) / limits.period
+    time = speed / (GRAVITY * acceleration)
+    return LongGear(limits, max(1, math.ceil(time / limits.period - 0.1)))
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:
