@@ -159,7 +159,7 @@ class Supervisor:
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self.gait_pair.prepare()
+        self._guidance.prepare()
 
     def update(self, state: RobotState) -> JointTrajectory | None:
         """

@@ -31,6 +31,9 @@ class BalanceOptions:
 
     knot_time: float = 0.02
     """Time between two knots of a trajectory, and between two decisions at least [s]."""
+    longest_period: float = 2.6
+    """Period of a cycle, at most, in units of sqrt(h / g): a body falls about two feet meanwhile,
+    and gaits that are slower are walked with this one."""
     reaction_time: float = 0.02
     """Time after a measurement for which what was given out before holds: messages arrive in it,
     and the tilt is predicted over it [s]."""
@@ -49,7 +52,7 @@ class BalanceOptions:
     """Part of the body's tilt that swinging feet make up for."""
     righting_time: float = 0.1
     """Time constant with which a leg that has landed rights the body [s]."""
-    trim_gain: float = 2.0
+    trim_gain: float = 1.0
     """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
     largest_trim: float = 0.3
     """Trim, at most, as a fraction of sqrt(g h)."""

@@ -13,8 +13,10 @@ from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity, Report
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
+from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.foot_laws import GRAVITY
 from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.faults.commanded_joints import CommandedJoints
 from quad_gait.following.gait_pair import GaitPair
@@ -101,6 +103,11 @@ class Guidance:
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the plan to the goal [m]."""
         return self._follower.distance_left(pose)
+
+    def prepare(self) -> None:
+        """Find the commonest limits of all gaits beforehand: it takes a while."""
+        for pair in {id(p): p for p in (self._planned_pair, self._balanced_pair)}.values():
+            pair.prepare()
 
     # Wishes
 
@@ -235,8 +242,9 @@ class Guidance:
 
     def period_of(self, step: Step | None) -> float:
         """Return for how long a step is taken that keeps the balance [s]; or coming to rest."""
-        is_planned = self.steering.twist is None
-        return self._gears[step is not None and step.is_turn].period if is_planned else self.gait_pair.walking.period
+        if self.steering.twist is not None:
+            return self.gait_pair.walking.period
+        return self._gears[step is not None and step.is_turn].period
 
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
@@ -277,7 +285,7 @@ class Guidance:
         if self._keeps_balance == (is_wanted and not self.unbalanced):
             return False
         self._keeps_balance = not self._keeps_balance
-        self._make_follower()
+        self._use_gears()
         return True
 
     def _use_new_plan(self, pose: Pose2D, joins_again: bool = False) -> None:
@@ -343,12 +351,21 @@ class Guidance:
     def _take_gaits(self, wish: ChangeGaits) -> None:
         self.gait_pair = GaitPair(self._robot, wish.gait, wish.turning_gait, self._least_margin)
         """The gaits for walking and for turning."""
-        pair = self.gait_pair
+        self._planned_pair = self._balanced_pair = self.gait_pair
+        if self._balance is not None and not wish.gait.is_static:
+            self._balanced_pair = GaitPair(
+                self._robot,
+                balanced_gait(wish.gait, self._balance),
+                balanced_gait(wish.turning_gait, self._balance),
+                self._least_margin,
+            )
         self._turning = wish.follower.turning
         self._follower_options = wish.follower
-        self._make_follower()
+        self._use_gears()
 
-    def _make_follower(self) -> None:
+    def _use_gears(self) -> None:
+        """Walk by the gaits of the manner in which the robot walks."""
+        self.gait_pair = self._balanced_pair if self._keeps_balance else self._planned_pair
         walking, turning = self.gait_pair.walking, self.gait_pair.turning
         gears: list[Gear] = [walking, turning]
         if self._keeps_balance and self._balance is not None:
@@ -358,6 +375,13 @@ class Guidance:
             ]
         self._gears = gears
         self._follower = PathFollower(*gears, self._follower_options)
+
+
+def balanced_gait(gait: Gait, options: BalanceOptions) -> Gait:
+    """Return a gait as fast as a robot that keeps its balance in it steps at least."""
+    if gait.is_static:
+        return gait
+    return gait.with_period(min(gait.cycle_period, options.longest_period / gait.pendulum_rate))
 
 
 def long_gear(limits: MotionLimits, acceleration: float) -> Gear:
