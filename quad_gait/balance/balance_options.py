@@ -52,13 +52,15 @@ class BalanceOptions:
     """Part of the body's tilt that swinging feet make up for."""
     righting_time: float = 0.1
     """Time constant with which a leg that has landed rights the body [s]."""
-    trim_gain: float = 1.0
+    trim_gain: float = 2.0
     """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
     largest_trim: float = 0.3
     """Trim, at most, as a fraction of sqrt(g h)."""
     pushed: float = 0.3
     """Error of the velocity from which on a robot is pushed and the trim waits, as a fraction of
     sqrt(g h)."""
+    steady: float = 0.05
+    """Change of what is wanted from which on the trim waits, as a fraction of sqrt(g h)."""
     acceleration: float = 0.35
     """Acceleration to what is wanted, at most, as a fraction of g."""
     gathering: float = 0.16

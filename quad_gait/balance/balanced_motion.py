@@ -119,7 +119,7 @@ class BalancedMotion:
         place = index - self._first
         if place >= len(self._knots):
             return None
-        self._adapt_trim(body, self._knots[place].pace)
+        self._adapt_trim(body, self._knots[place].pace, pace)
         knots = self._answers(index, place, time, body, pace)
         times = [self._time_of(index + k) for k in range(len(knots))]
         rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)
@@ -179,22 +179,23 @@ class BalancedMotion:
             pace = plan.pace
             size = math.hypot(pace.forward, pace.left)
             ahead = 1.0 + (lead / size if size > lead else 0.0)
+            # What stands is not to move by a trim.
+            trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
             measured = Pace(
-                ahead * pace.forward - self._trim[0],
-                ahead * pace.left - self._trim[1],
-                pace.turn,
+                ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn
             )
-            demand = Demand(STILL, measured, trim=self._trim)
+            demand = Demand(STILL, measured, trim=trim)
             times.append(times[-1] + options.rest_knot_time)
             plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
             knots.append(plan)
         return knots, times[1:]
 
-    def _adapt_trim(self, body: BodyEstimate, pace: Pace) -> None:
-        """Ask for less while the body is faster than planned, unless it was pushed."""
+    def _adapt_trim(self, body: BodyEstimate, pace: Pace, wanted: Pace) -> None:
+        """Ask for less while the body is faster than planned, but for pushes and changes."""
         options, unit = self._options, self._unit
         x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
-        if math.hypot(x, y) > options.pushed * unit:
+        change = math.hypot(wanted.forward - pace.forward, wanted.left - pace.left)
+        if math.hypot(x, y) > options.pushed * unit or change > options.steady * unit:
             return
         step, most = options.trim_gain * options.knot_time, options.largest_trim * unit
         self._trim = (

@@ -15,6 +15,7 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
 from quad_gait.balance.course import Course
+from quad_gait.balance.foot_laws import Pace
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
 from quad_gait.behaviours.guidance import PlannedMotion
@@ -109,7 +110,7 @@ class BalancedTrot(Walk):
             self._balance.course_gain,
             self._balance.largest_correction * motion.unit,
         )
-        self._stop_when_calm(state, motion, body)
+        self._stop_when_calm(state, motion, body, pace)
         trajectory = motion.update(state.time, body, pace)
         if trajectory is not None:
             self._joints.busy_until = trajectory.end
@@ -177,11 +178,11 @@ class BalancedTrot(Walk):
         return self._course
 
     def _stop_when_calm(
-        self, state: RobotState, motion: BalancedMotion, body: BodyEstimate
+        self, state: RobotState, motion: BalancedMotion, body: BodyEstimate, pace: Pace
     ) -> None:
         """Let no foot lift any more once nothing is wanted and the body is calm."""
-        is_calm = math.hypot(*body.velocity) < _CALM_SPEED * motion.unit
-        is_calm = is_calm and state.tilt < _CALM_TILT
+        fastest = max(math.hypot(*body.velocity), math.hypot(pace.forward, pace.left))
+        is_calm = fastest < _CALM_SPEED * motion.unit and state.tilt < _CALM_TILT
         self._calm_since = min(self._calm_since, state.time) if is_calm else math.inf
         waited = state.time - self._stops_since
         if waited < motion.clock.period:
