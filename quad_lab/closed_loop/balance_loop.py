@@ -16,8 +16,9 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.measurement import ImuMotion
 from quad_gait.state.sensor_inputs import JointReadings
+from quad_gait.state.state_estimator import EstimatorOptions, StateEstimator
 from quad_gait.supervisor import Supervisor
-from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.closed_loop import ClosedLoop, Place
 from quad_sim.engines.simulator import Observation
 
 Array = NDArray[np.float64]
@@ -48,7 +49,7 @@ NOISY = SensorNoise(angle=0.002, speed=0.05, attitude=0.005, rate=0.03, force=0.
 
 class BalanceLoop(ClosedLoop):
     """
-    A robot that is told of its imu, and whose trajectories arrive late.
+    A robot that is told of its imu, goes by its own legs, and whose trajectories arrive late.
 
     Parameters
     ----------
@@ -76,6 +77,9 @@ class BalanceLoop(ClosedLoop):
         **others: Any,
     ) -> None:
         super().__init__(robot, controller, **others)
+        options = EstimatorOptions(has_leg_odometry=True, starts_at_origin=True)
+        self._estimator = StateEstimator(robot, options)
+        self.locate = self._place_by_legs
         self._delay = delay
         self._noise = noise
         self._rng = np.random.default_rng(seed)
@@ -84,6 +88,10 @@ class BalanceLoop(ClosedLoop):
         """Whether the imu tells."""
         self.is_deaf = False
         """Whether trajectories are lost."""
+
+    def _place_by_legs(self, seen: Observation) -> Place:
+        pose = self._estimator.leg_odometry.pose
+        return pose, pose
 
     def _step(self) -> None:
         super()._step()
