@@ -24,6 +24,7 @@ BENCHMARKS = {
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
+    'balance': 'quad_lab.balance.bench_balance',
     'view': 'quad_lab.benchmarks.bench_view',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
@@ -40,6 +41,8 @@ EXAMPLES = """examples:
   quadwalk bench terrain --backend mujoco
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
+  quadwalk bench balance --quick
+  quadwalk bench balance --only pushes --backend mujoco
   quadwalk bench view --only updates
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave

@@ -14,7 +14,7 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import angles_from_quaternion, matrix_from_angles
 from quad_gait.balance.balance_options import EstimateOptions
 from quad_gait.balance.foot_laws import GRAVITY
-from quad_gait.state.foot_forces import foot_forces
+from quad_gait.state.foot_forces import weight_torques
 
 Array = NDArray[np.float64]
 
@@ -90,6 +90,7 @@ class BodyEstimator:
         center = robot.center_of_mass(robot.initial_joint_angles)
         height = float(center[2] + robot.standing_height)
         self._slip = options.slip_fraction * math.sqrt(GRAVITY * height)
+        self._own_weight = weight_torques(robot, robot.initial_joint_angles, np.eye(3)[2])
         self._time = -math.inf
         self._velocity: Array = np.zeros(2)
         self._acceleration: Array = np.zeros(2)
@@ -133,11 +134,28 @@ class BodyEstimator:
         self.loads = None
         if reading.efforts is None or not reading.efforts.any():
             return reading.in_stance.astype(np.float64)
-        up = rotation[2]
-        loads = np.nan_to_num(foot_forces(self._robot, reading.joints, reading.efforts, up) @ up)
+        loads = self._foot_loads(reading, rotation[2])
         self.loads = loads
         weights: Array = np.where(reading.in_stance & (loads > self._least_load), 1.0, 0.0)
         return weights
+
+
+    def _foot_loads(self, reading: BodyReading, up: Array) -> Array:
+        """
+        Return the vertical forces on the feet by the motors' torques, shape (4,) [N].
+
+        As :func:`~quad_gait.state.foot_forces.foot_forces` finds them, but with the torques of the
+        legs' own weight as the robot stands: that is enough to tell which feet bear.
+        """
+        assert reading.efforts is not None
+        transposed = np.swapaxes(self._robot.foot_jacobians(reading.joints), -1, -2)
+        try:
+            forces = np.linalg.solve(transposed, (self._own_weight - reading.efforts)[..., None])
+        except np.linalg.LinAlgError:
+            # A stretched leg tells nothing.
+            return np.zeros(len(reading.efforts))
+        loads: Array = forces[..., 0] @ up
+        return loads
 
 
 def leg_velocity(robot: Robot, reading: BodyReading, rotation: Array, weights: Array) -> Array:
