@@ -66,7 +66,8 @@ class GaitStatus:
     def has_changed(self, pose: Pose2D) -> bool:
         """Return whether there is something else to say than last time, with the robot here."""
         supervisor = self._supervisor
-        said = supervisor.reason, supervisor.limit, supervisor.unbalanced, bool(self._estimator.imu_problem)
+        is_silent = bool(self._estimator.imu_problem)
+        said = supervisor.reason, supervisor.limit, supervisor.unbalanced, is_silent
         if said == self._said:
             return False
         self._said = said

@@ -116,7 +116,7 @@ class Supervisor:
     @property
     def unbalanced(self) -> str:
         """Reason why it walks without keeping its balance; empty if it need not."""
-        return self._guidance.unbalanced
+        return self._guidance.gaits.unbalanced
 
     @property
     def wanted_plan(self) -> Plan | None:
@@ -159,7 +159,7 @@ class Supervisor:
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self._guidance.prepare()
+        self._guidance.gaits.prepare()
 
     def update(self, state: RobotState) -> JointTrajectory | None:
         """

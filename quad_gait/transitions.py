@@ -106,7 +106,16 @@ ROUTINE = (
         BalancedTrot,
         takes=Activity.BALANCING,
         says=frozenset(
-            {Activity.BALANCING, Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED}
+            {
+                Activity.BALANCING,
+                Activity.WALKING,
+                Activity.TURNING,
+                Activity.STANDING,
+                Activity.WAITING,
+                Activity.ARRIVED,
+                Activity.BLOCKED,
+                Activity.STOPPED,
+            }
         ),
         hands_over_to=_STANDING,
         suits=lambda options: options.uneven is None and options.balance is not None,

@@ -141,7 +141,10 @@ class BalancedTrot(Walk):
         steered = guidance.steering.twist
         half = course.start + course.period / 2.0
         is_other = steered is not None and steered != self._steered and state.time >= half
-        if state.time < course.start + course.period and not is_other:
+        is_over = state.time >= course.start + course.period
+        if math.isfinite(self._stops_since):
+            is_over = is_over and guidance.wants_more
+        if not is_over and not is_other:
             return course
         if is_other:
             # The course was one to the end of this step.
@@ -163,12 +166,14 @@ class BalancedTrot(Walk):
     def _take_step(self, state: RobotState, step: Step | None, entry: Twist2D) -> Course:
         """Follow a step from now on, or none."""
         guidance = self._guidance
-        period = guidance.period_of(step)
+        period = guidance.gaits.period_of(step, guidance.steering.twist is not None)
         self._steered = guidance.steering.twist
         motion, after = BodyMotion(), STILL
         if step is None:
             self._stops_since = min(self._stops_since, state.time)
             motion = BodyMotion.during(entry, period / 3.0)
+            if not self._report.activity.is_verdict:
+                self._report.say(Activity.BALANCING, 'coming to rest')
         else:
             self._stops_since = math.inf
             motion, after = step.motion, step.exit

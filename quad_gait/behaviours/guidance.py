@@ -11,19 +11,15 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity, Report
+from quad_gait.behaviours.gait_choice import GaitChoice
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
-from quad_gait.balance.balance_options import BalanceOptions
-from quad_gait.balance.foot_laws import GRAVITY
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import Gait
-from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.faults.commanded_joints import CommandedJoints
 from quad_gait.following.gait_pair import GaitPair
-from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.steering import Steering
-from quad_gait.following.step import Departure, Gear, LongGear, Step
+from quad_gait.following.step import Departure, Step
 from quad_gait.following.stuck_detector import Begun, StuckDetector
 from quad_gait.state.robot_state import RobotState
 
@@ -75,18 +71,14 @@ class Guidance:
         self._report = report
         self._joints = joints
         self._progress = StuckDetector(robot.largest_stride)
-        # Over uneven ground every swing is balanced by itself: there only legs and joints limit.
-        self._least_margin = options.least_margin if options.uneven is None else -math.inf
-        self._balance = options.balance
-        self._keeps_balance = False
-        self._take_gaits(gaits)
+        self.gaits = GaitChoice(robot, gaits, options)
+        """The gaits, and whether the balance is kept in them."""
+        self._follower = self.gaits.follower()
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
         steps_in_place = options.balance is not None and options.balance.steps_in_place
         self.steering = Steering(options.twist_timeout, correction, steps_in_place)
         """Velocity that is wanted, and the course."""
-        self.unbalanced = ''
-        """Reason why the robot walks without keeping its balance; empty if it need not."""
         self._pieces: list[Piece] | None = None
         self._has_new_plan = False
         self._stopped_goal: Pose2D | None = None
@@ -100,14 +92,19 @@ class Guidance:
         self.begun: Begun | None = None
         """Motion that was begun last; None if nothing is expected of it."""
 
+    @property
+    def gait_pair(self) -> GaitPair:
+        """The gaits for walking and for turning."""
+        return self.gaits.pair
+
+    @property
+    def wants_more(self) -> bool:
+        """Whether something new is wanted of a robot that comes to rest."""
+        return self._has_new_plan or bool(self.steering.twist)
+
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the plan to the goal [m]."""
         return self._follower.distance_left(pose)
-
-    def prepare(self) -> None:
-        """Find the commonest limits of all gaits beforehand: it takes a while."""
-        for pair in {id(p): p for p in (self._planned_pair, self._balanced_pair)}.values():
-            pair.prepare()
 
     # Wishes
 
@@ -200,7 +197,7 @@ class Guidance:
         GaitError
             If the plan cannot be followed.
         """
-        was_following = self._use_new_gaits() or self._use_manner(state)
+        was_following = self._use_new_gaits(state)
         self._use_new_plan(state.pose, joins_again=was_following)
         if not is_ready or self._is_blocked(state):
             return None
@@ -235,17 +232,6 @@ class Guidance:
             return None
         return self._next_step(state.time, start)
 
-    def manner_of(self, step: Step) -> Activity:
-        """Return whether a step is walked a cycle ahead, or keeping the balance."""
-        is_static = self.gait_pair.of(step).gait.is_static
-        return Activity.BALANCING if self._keeps_balance and not is_static else Activity.WALKING
-
-    def period_of(self, step: Step | None) -> float:
-        """Return for how long a step is taken that keeps the balance [s]; or coming to rest."""
-        if self.steering.twist is not None:
-            return self.gait_pair.walking.period
-        return self._gears[step is not None and step.is_turn].period
-
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
         self.begun = Begun(state.pose, state.motion_pose, planned.end)
@@ -259,34 +245,27 @@ class Guidance:
         if step.is_turn or not size > 1e-3:
             report.say(Activity.TURNING, turn)
             return
-        turns_too = self._turning != 'in_place' or is_steered
+        turns_too = self.gaits.follower_options.turning != 'in_place' or is_steered
         report.say(
             Activity.WALKING, f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
         )
 
-    def _use_new_gaits(self) -> bool:
-        """Take gaits that were wished for since; return whether they are to follow a plan."""
-        if self._new_gaits is None:
+    def _use_new_gaits(self, state: RobotState) -> bool:
+        """
+        Take gaits that were wished for since, and keep the balance if that is possible now.
+
+        Returns whether they are others, and are to follow a plan.
+        """
+        new_gaits, self._new_gaits = self._new_gaits, None
+        if new_gaits is not None:
+            self.gaits.take(new_gaits)
+            self.steering.lose_course()
+        is_other_manner = self.gaits.look_at(state)
+        if new_gaits is None and not is_other_manner:
             return False
         was_following = self._follower.plan is not None
-        self._keeps_balance = False
-        self._take_gaits(self._new_gaits)
-        self._new_gaits = None
-        self.steering.lose_course()
+        self._follower = self.gaits.follower()
         return was_following
-
-    def _use_manner(self, state: RobotState) -> bool:
-        """Keep the balance if that is wanted and possible; return whether it is another manner."""
-        self.unbalanced = ''
-        is_wanted = self._balance is not None and not self.gait_pair.walking.gait.is_static
-        if is_wanted and not state.tells_balance:
-            what = 'imu tells its attitude and motion' if state.imu is None else 'joint velocities'
-            self.unbalanced = f'the robot walks without keeping its balance: no {what}'
-        if self._keeps_balance == (is_wanted and not self.unbalanced):
-            return False
-        self._keeps_balance = not self._keeps_balance
-        self._use_gears()
-        return True
 
     def _use_new_plan(self, pose: Pose2D, joins_again: bool = False) -> None:
         """Go by a plan that was wished for since; or join the one that is followed again."""
@@ -347,49 +326,6 @@ class Guidance:
         if steered.reason and not start.entry:
             self._report.say(Activity.STANDING, steered.reason)
         return steered.step
-
-    def _take_gaits(self, wish: ChangeGaits) -> None:
-        self.gait_pair = GaitPair(self._robot, wish.gait, wish.turning_gait, self._least_margin)
-        """The gaits for walking and for turning."""
-        self._planned_pair = self._balanced_pair = self.gait_pair
-        if self._balance is not None and not wish.gait.is_static:
-            self._balanced_pair = GaitPair(
-                self._robot,
-                balanced_gait(wish.gait, self._balance),
-                balanced_gait(wish.turning_gait, self._balance),
-                self._least_margin,
-            )
-        self._turning = wish.follower.turning
-        self._follower_options = wish.follower
-        self._use_gears()
-
-    def _use_gears(self) -> None:
-        """Walk by the gaits of the manner in which the robot walks."""
-        self.gait_pair = self._balanced_pair if self._keeps_balance else self._planned_pair
-        walking, turning = self.gait_pair.walking, self.gait_pair.turning
-        gears: list[Gear] = [walking, turning]
-        if self._keeps_balance and self._balance is not None:
-            gears = [
-                gear if gear.gait.is_static else long_gear(gear, self._balance.gathering)
-                for gear in (walking, turning)
-            ]
-        self._gears = gears
-        self._follower = PathFollower(*gears, self._follower_options)
-
-
-def balanced_gait(gait: Gait, options: BalanceOptions) -> Gait:
-    """Return a gait as fast as a robot that keeps its balance in it steps at least."""
-    if gait.is_static:
-        return gait
-    return gait.with_period(min(gait.cycle_period, options.longest_period / gait.pendulum_rate))
-
-
-def long_gear(limits: MotionLimits, acceleration: float) -> Gear:
-    """Return as many cycles as it takes to gather the full speed by a fraction of g."""
-    ahead = BodyMotion(forward=1.0)
-    speed = limits.largest_scale(ahead) / limits.period
-    time = speed / (GRAVITY * acceleration)
-    return LongGear(limits, max(1, math.ceil(time / limits.period - 0.1)))
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:

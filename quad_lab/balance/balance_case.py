@@ -64,9 +64,8 @@ class BalanceCase:
         if self.period is not None:
             words.append(f'({self.period:g} s)')
         words.append(speeds.get(self.speed, f'at {self.speed:g} of the most'))
-        for name in ('is_slippery', 'has_payload', 'is_late', 'is_noisy'):
-            if getattr(self, name):
-                words.append(name.rpartition('_')[2])
+        names = ('is_slippery', 'has_payload', 'is_late', 'is_noisy')
+        words += [name.rpartition('_')[2] for name in names if getattr(self, name)]
         if not self.keeps_balance:
             words.append('planned')
         return ' '.join(words)
@@ -111,7 +110,7 @@ class BalanceWalk:
         height = float(center[2] + robot.standing_height)
         self.unit = math.sqrt(GRAVITY * height)
         """Velocity sqrt(g h), by which pushes are measured [m/s]."""
-        self._weight = np.zeros(3)
+        self._weight: Array = np.zeros(3)
         if case.has_payload:
             self._weight = np.array([0.0, 0.0, -_PAYLOAD * robot.mass * GRAVITY])
         self.push(np.zeros(3))

@@ -9,6 +9,7 @@ import os
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -79,8 +80,8 @@ def survival(case: BalanceCase, directions: int, phases: int, seed: int = 0) -> 
         if not walk.loop.record.has_fallen:
             for _ in range(phases):
                 walk.loop.run(walk.period / phases)
-                for k in range(directions):
-                    found.append(_hardest(walk, 2.0 * math.pi * k / directions))
+                angles = [2.0 * math.pi * k / directions for k in range(directions)]
+                found += [_hardest(walk, angle) for angle in angles]
         impulses, gained = zip(*found) if found else ((), ())
         return Survival(case, impulses, gained, walk.loop.record.has_fallen)
     finally:
@@ -117,7 +118,7 @@ def _hardest(walk: BalanceWalk, angle: float) -> tuple[float, float]:
 
 
 def _tried(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, float]:
-    return apart(lambda: _pushed(walk, impulse, angle))
+    return apart(partial(_pushed, walk, impulse, angle))
 
 
 def _pushed(walk: BalanceWalk, impulse: float, angle: float) -> tuple[bool, float]:

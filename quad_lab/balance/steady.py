@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -118,7 +119,7 @@ def silences(case: BalanceCase, count: int, seed: int = 0) -> int:
     walk = BalanceWalk(case, seed)
     instants = np.random.default_rng(seed).uniform(0.0, 2.0 * walk.period, count)
     try:
-        return sum(apart(lambda after=after: _comes_to_stand(walk, after)) for after in instants)
+        return sum(apart(partial(_comes_to_stand, walk, after)) for after in instants)
     finally:
         walk.close()
 

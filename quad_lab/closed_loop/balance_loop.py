@@ -4,6 +4,7 @@ The closed loop of a robot that keeps its balance: sensors of its own, which are
 
 from __future__ import annotations
 
+import contextlib
 from collections import deque
 from dataclasses import dataclass
 from typing import Any
@@ -115,13 +116,11 @@ class BalanceLoop(ClosedLoop):
             # A small turn about each axis is half of it in the quaternion.
             attitude = seen.orientation + 0.5 * noise.attitude * rng.normal(size=4)
             attitude /= np.linalg.norm(attitude)
-            try:
+            # A body that turns over is not believed for a moment.
+            with contextlib.suppress(InvalidMessage):
                 self._estimator.take_imu(
                     seen.time, attitude, float(rates[2]), ImuMotion(rates, force)
                 )
-            except InvalidMessage:
-                # It turned over: what comes next is believed again.
-                pass
         super().decide(seen)
 
     def _readings(self, seen: Observation) -> JointReadings:
