@@ -44,7 +44,7 @@ class BalanceOptions:
     """Time between two knots of that rest [s]."""
     capture_gain: float = 1.0
     """Part of the step to the capture point that is made."""
-    giving_way: float = 0.7
+    giving_way: float = 0.8
     """Part of an error of the velocity that standing legs give way to."""
     turn_giving_way: float = 0.3
     """Part of an error of the turn that they give way to."""
@@ -75,8 +75,12 @@ class BalanceOptions:
     """Velocity with which it is, at most, as a fraction of sqrt(g h)."""
     freeze_time: float = 0.03
     """Time before its touchdown from which on a foot keeps its target [s]."""
-    reach_fraction: float = 0.9
-    """Fraction of the largest stride within which feet are put."""
+    reach_fraction: float = 1.5
+    """Distance from its neutral place at which a foot is put, at most, over half of the largest
+    stride."""
+    reach_speed: float = 0.55
+    """The same over the duration of its swing, as a fraction of sqrt(g h): legs that swing fast
+    push the body."""
     speed_fraction: float = 0.68
     """Fraction of their largest speeds to which the joints of a leg are slowed that would exceed
     them: between two knots a cubic may be 1.5 times as fast as its mean."""

@@ -106,7 +106,11 @@ class FootPlanner:
         self.capture_time = options.capture_gain * pendulum_time(self.height)
         """Length of the capture step over the error of the velocity [s]."""
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
-        self._largest = 0.5 * options.reach_fraction * robot.largest_stride
+        fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
+        self._largest = min(
+            0.5 * options.reach_fraction * robot.largest_stride,
+            fast * PhaseClock.of(gait).longest_swing,
+        )
 
     def at_rest(self, places: Array) -> FootPlan:
         """Return the plan of a robot that stands level, its feet at places (4, 3) [m]."""

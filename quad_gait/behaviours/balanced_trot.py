@@ -76,7 +76,7 @@ class BalancedTrot(Walk):
         """Begin to trot."""
         assert done.step is not None
         gait = self._guidance.gait_pair.of(done.step).gait
-        positions, _ = self._joints.commanded(state)
+        positions, _ = self._joints.gate.command(state.time, state.joints.reshape(-1))
         self._motion = BalancedMotion(
             self._robot, gait, self._balance, state.time, positions.reshape(4, 3)
         )
@@ -143,7 +143,7 @@ class BalancedTrot(Walk):
         is_other = steered is not None and steered != self._steered and state.time >= half
         is_over = state.time >= course.start + course.period
         if math.isfinite(self._stops_since):
-            is_over = is_over and guidance.wants_more
+            is_over = is_over and (guidance.has_new_plan or bool(steered))
         if not is_over and not is_other:
             return course
         if is_other:

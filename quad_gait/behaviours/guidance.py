@@ -73,6 +73,8 @@ class Guidance:
         self._progress = StuckDetector(robot.largest_stride)
         self.gaits = GaitChoice(robot, gaits, options)
         """The gaits, and whether the balance is kept in them."""
+        self.gait_pair = self.gaits.pair
+        """The gaits for walking and for turning."""
         self._follower = self.gaits.follower()
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
@@ -80,7 +82,8 @@ class Guidance:
         self.steering = Steering(options.twist_timeout, correction, steps_in_place)
         """Velocity that is wanted, and the course."""
         self._pieces: list[Piece] | None = None
-        self._has_new_plan = False
+        self.has_new_plan = False
+        """Whether another plan, or none, was wished for that is not followed yet."""
         self._stopped_goal: Pose2D | None = None
         self._reason_to_stand = ''
         self.wanted_plan: Plan | None = None
@@ -91,16 +94,6 @@ class Guidance:
         """Whether the robot is to sit, and nothing else."""
         self.begun: Begun | None = None
         """Motion that was begun last; None if nothing is expected of it."""
-
-    @property
-    def gait_pair(self) -> GaitPair:
-        """The gaits for walking and for turning."""
-        return self.gaits.pair
-
-    @property
-    def wants_more(self) -> bool:
-        """Whether something new is wanted of a robot that comes to rest."""
-        return self._has_new_plan or bool(self.steering.twist)
 
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the plan to the goal [m]."""
@@ -123,7 +116,7 @@ class Guidance:
             return
         self.wanted_plan = plan
         self._pieces = wish.pieces
-        self._has_new_plan = True
+        self.has_new_plan = True
         self.steering.end()
         self._reason_to_stand = ''
 
@@ -151,7 +144,7 @@ class Guidance:
         if self.wanted_plan is not None:
             self._stopped_goal = self.wanted_plan.poses[-1]
             self.wanted_plan = None
-            self._has_new_plan = True
+            self.has_new_plan = True
 
     def give_up(self, activity: Activity, reason: str) -> None:
         """Follow the plan no farther, though it is still wanted, and say why."""
@@ -264,16 +257,17 @@ class Guidance:
         if new_gaits is None and not is_other_manner:
             return False
         was_following = self._follower.plan is not None
+        self.gait_pair = self.gaits.pair
         self._follower = self.gaits.follower()
         return was_following
 
     def _use_new_plan(self, pose: Pose2D, joins_again: bool = False) -> None:
         """Go by a plan that was wished for since; or join the one that is followed again."""
-        if self._has_new_plan or joins_again:
+        if self.has_new_plan or joins_again:
             self._follower.follow(self.wanted_plan, pose, self._pieces)
-        if not self._has_new_plan:
+        if not self.has_new_plan:
             return
-        self._has_new_plan = False
+        self.has_new_plan = False
         self._progress.reset()
         if self._report.activity.is_verdict:
             self._report.say(Activity.STANDING, self.why_standing)
