@@ -181,9 +181,7 @@ class BalancedMotion:
             ahead = 1.0 + (lead / size if size > lead else 0.0)
             # What stands is not to move by a trim.
             trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
-            measured = Pace(
-                ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn
-            )
+            measured = Pace(ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn)
             demand = Demand(STILL, measured, trim=trim)
             times.append(times[-1] + options.rest_knot_time)
             plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)

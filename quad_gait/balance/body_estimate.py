@@ -139,7 +139,6 @@ class BodyEstimator:
         weights: Array = np.where(reading.in_stance & (loads > self._least_load), 1.0, 0.0)
         return weights
 
-
     def _foot_loads(self, reading: BodyReading, up: Array) -> Array:
         """
         Return the vertical forces on the feet by the motors' torques, shape (4,) [N].

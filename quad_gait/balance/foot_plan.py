@@ -177,9 +177,7 @@ class FootPlanner:
                 vx, vy = ground_velocity(foot.x, foot.y, given_way)
             target = foot.target
             if not foot.swings or left >= options.freeze_time:
-                target = landing_place(
-                    neutral[0], neutral[1], aim, excess, stance, self._largest
-                )
+                target = landing_place(neutral[0], neutral[1], aim, excess, stance, self._largest)
             at_landing = ground_velocity(*target, given_way)
             x, vx = swing_on(foot.x, vx, target[0], at_landing[0], left + dt, dt)
             y, vy = swing_on(foot.y, vy, target[1], at_landing[1], left + dt, dt)

@@ -81,7 +81,7 @@ def measure(
     bars: list[Criterion] = []
     details: dict[str, Any] = {'quick': quick, 'seed': seed, 'backend': resolved(AUTO)}
     for name, part in PARTS.items():
-        if only and name not in only:
+        if (only and name not in only) or (quick and not only and name == 'levels'):
             continue
         console.rule(name)
         part_bars, details[name] = part(console, quick, seed)
@@ -133,6 +133,22 @@ def _pushes(console: Console, quick: bool, seed: int) -> Bars:
             figure(f'{one.case}: the same, planned', other.survived_by(_SURVIVE), 'm sqrt(g h)'),
         ]
     return bars, {str(one.case): asdict(one) for one in found}
+
+
+def _levels(console: Console, quick: bool, seed: int) -> Bars:
+    """Push all robots as hard as nine of ten pushes are to be survived, sixteen times each."""
+    whos = [_QUICK] if quick else list(LEVELS)
+    cases = [BalanceCase(*who) for who in whos]
+    cases += [replace(case, keeps_balance=False) for case in cases]
+    jobs = [(case, _level(case.robot, case.period), 8, 1 if quick else 2) for case in cases]
+    fractions = _in_workers(survivors, jobs)
+    bars = []
+    for (case, level, _, _), fraction in zip(jobs, fractions):
+        name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived'
+        keeps = case.keeps_balance
+        value = 100.0 * fraction
+        bars.append(at_least(name, value, '%', 90.0) if keeps else figure(name, value, '%'))
+    return bars, {str(job[0]): fraction for job, fraction in zip(jobs, fractions)}
 
 
 def _disturbed(console: Console, quick: bool, seed: int) -> Bars:
@@ -232,6 +248,7 @@ def _silence(console: Console, quick: bool, seed: int) -> Bars:
 
 
 PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
+    'levels': _levels,
     'pushes': _pushes,
     'disturbed': _disturbed,
     'unpushed': _unpushed,

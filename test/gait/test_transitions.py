@@ -27,9 +27,7 @@ def test_a_row_is_handed_over_to_by_what_it_says(row):
     assert issubclass(row.behaviour, Walk) == (row.takes in {Activity.WALKING, Activity.BALANCING})
 
 
-@pytest.mark.parametrize(
-    'options', [FLAT, BALANCED, UNEVEN], ids=['flat', 'balanced', 'uneven']
-)
+@pytest.mark.parametrize('options', [FLAT, BALANCED, UNEVEN], ids=['flat', 'balanced', 'uneven'])
 def test_every_behaviour_is_reached_from_the_first_and_leads_back_to_it(options):
     rows = {row.takes: row for row in ROUTINE if row.suits(options)}
     if options is not BALANCED:
@@ -44,9 +42,7 @@ def test_every_behaviour_is_reached_from_the_first_and_leads_back_to_it(options)
     assert all(first in row.hands_over_to for row in rows.values() if row.takes is not first)
 
 
-@pytest.mark.parametrize(
-    'options', [FLAT, BALANCED, UNEVEN], ids=['flat', 'balanced', 'uneven']
-)
+@pytest.mark.parametrize('options', [FLAT, BALANCED, UNEVEN], ids=['flat', 'balanced', 'uneven'])
 def test_on_each_ground_one_behaviour_takes_an_activity(options):
     taken = Counter(row.takes for row in ROUTINE if row.suits(options))
     assert set(taken.values()) == {1}

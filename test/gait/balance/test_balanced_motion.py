@@ -104,7 +104,9 @@ def test_each_foot_stands_for_its_part_of_a_cycle():
     clock = PhaseClock.of(GAIT, 0.0)
     times = np.linspace(10 * GAIT.cycle_period, 12 * GAIT.cycle_period, 4000, endpoint=False)
     stands = np.mean([clock.in_stance(t) for t in times], axis=0)
-    assert stands == pytest.approx([GAIT.duty_factor(leg) for leg in ('lf', 'rf', 'lh', 'rh')], abs=2e-3)
+    assert stands == pytest.approx(
+        [GAIT.duty_factor(leg) for leg in ('lf', 'rf', 'lh', 'rh')], abs=2e-3
+    )
 
 
 def test_parabolas_are_differentiated_exactly_whatever_the_spacing():
@@ -124,7 +126,12 @@ def test_monotone_speeds_never_leave_the_range_of_two_knots():
 
 
 def test_a_course_begins_and_ends_as_it_was_planned():
-    start, entry, motion, after = Pose2D(1.0, 2.0, 0.5), Twist2D(0.1), BodyMotion(0.2, 0.05, 0.1), Twist2D(0.3, 0.0, 0.2)
+    start, entry, motion, after = (
+        Pose2D(1.0, 2.0, 0.5),
+        Twist2D(0.1),
+        BodyMotion(0.2, 0.05, 0.1),
+        Twist2D(0.3, 0.0, 0.2),
+    )
     course = Course(3.0, 0.5, start, entry, motion, after)
     pose, twist = course.at(3.0)
     assert (pose, twist) == (start, entry)
@@ -155,7 +162,9 @@ def rolling(velocity, rates=np.zeros(3)):
     for _ in range(20):
         calves = ROBOT.calf_angular_velocities(joints, speeds) + rates
         feet = ROBOT.foot_positions(joints)
-        wanted = ROBOT.foot_radius * np.cross(calves, [0.0, 0.0, 1.0]) - np.cross(rates, feet) - velocity
+        wanted = (
+            ROBOT.foot_radius * np.cross(calves, [0.0, 0.0, 1.0]) - np.cross(rates, feet) - velocity
+        )
         speeds = np.linalg.solve(ROBOT.foot_jacobians(joints), wanted[..., None])[..., 0]
     return speeds
 
