@@ -16,7 +16,6 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.faults.commanded_joints import CommandedJoints
-from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.steering import Steering
 from quad_gait.following.step import Departure, Step

@@ -24,6 +24,8 @@ GAIT = load_gait('trot', ROBOT).with_period(0.25)
 POSTURE = ROBOT.initial_joint_angles
 STILL = BodyEstimate((0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0)
 RNG = np.random.default_rng(19)
+NONE = np.zeros(3)
+AHEAD = Pace(0.2, 0.0, 0.0)
 
 
 def motion_with(**options):
@@ -36,7 +38,7 @@ def pushed(rng):
     return BodyEstimate((vx, vy), turn, roll, pitch, p, q)
 
 
-def updates(motion, bodies, pace=Pace(0.2, 0.0, 0.0)):
+def updates(motion, bodies, pace=AHEAD):
     """Answer to measurements; return the trajectories, with their times."""
     given = [(1.0 + 0.02 * k, motion.update(1.0 + 0.02 * k, b, pace)) for k, b in enumerate(bodies)]
     return [(time, trajectory) for time, trajectory in given if trajectory is not None]
@@ -155,7 +157,7 @@ def test_a_robot_beside_its_course_is_drawn_back_to_it():
 # The estimate
 
 
-def rolling(velocity, rates=np.zeros(3)):
+def rolling(velocity, rates=NONE):
     """Joint speeds with which feet stand while the body moves, for a level body."""
     joints = POSTURE
     speeds = np.zeros((4, 3))
@@ -169,7 +171,7 @@ def rolling(velocity, rates=np.zeros(3)):
     return speeds
 
 
-def reading(time, speeds, rates=np.zeros(3), force=None, **changes):
+def reading(time, speeds, rates=NONE, force=None, **changes):
     level = np.array([0.0, 0.0, 0.0, 1.0])
     stands = np.ones(4, dtype=bool)
     return replace(BodyReading(time, POSTURE, speeds, None, level, rates, force, stands), **changes)
