@@ -88,6 +88,12 @@ class BalancedMotion:
         """Return whether nothing can follow any more what was given out by a time [s]."""
         return self._index_at(time) - self._first >= len(self._knots)
 
+    def is_pushed(self, body: BodyEstimate) -> bool:
+        """Return whether a body moves so differently from the plan that it must have been pushed."""
+        pace = self.pace
+        x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
+        return math.hypot(x, y) > self._options.pushed * self._unit
+
     def is_due(self, time: float) -> bool:
         """Return whether a decision is due at a time [s]."""
         return time >= self._decided + self._options.knot_time - 1e-6

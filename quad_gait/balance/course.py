@@ -5,7 +5,7 @@ Where a robot should be by now in the step that it takes, and how fast it is to 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from quad_common.planar_pose import Pose2D, Twist2D, wrap_angle
 from quad_gait.balance.foot_laws import Pace
@@ -54,6 +54,12 @@ class Course:
             done.append(s * (u + s * (b + s * c)))
             speeds.append((u + s * (2.0 * b + 3.0 * s * c)) / T if time < self.start + T else last)
         return self.pose @ BodyMotion(*done).end, Twist2D(*speeds)
+
+    def through(self, time: float, pose: Pose2D) -> Course:
+        """Return the same course shifted to where the robot is at a time [s], not turned."""
+        planned, start = self.at(time)[0], self.pose
+        x, y = start.x + pose.x - planned.x, start.y + pose.y - planned.y
+        return replace(self, pose=Pose2D(x, y, start.yaw))
 
     def pace(self, time: float, pose: Pose2D, gain: float, largest: float) -> Pace:
         """

@@ -104,6 +104,10 @@ class BalancedTrot(Walk):
         self._pose = state.pose
         body = self._estimate(state, motion)
         course = self._next_course(state)
+        if motion.is_pushed(body):
+            # It is caught where it is; what it was pushed off is taken back by the next steps.
+            self._course = course = course.through(state.time, state.motion_pose)
+            self._guidance.steering.lose_course()
         pace = course.pace(
             state.time,
             state.motion_pose,
