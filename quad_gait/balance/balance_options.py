@@ -46,7 +46,7 @@ class BalanceOptions:
     """Part of the step to the capture point that is made."""
     giving_way: float = 0.8
     """Part of an error of the velocity that standing legs give way to."""
-    turn_giving_way: float = 0.3
+    turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
     leveling: float = 0.7
     """Part of the body's tilt that swinging feet make up for."""
@@ -61,7 +61,7 @@ class BalanceOptions:
     sqrt(g h)."""
     steady: float = 0.05
     """Change of what is wanted from which on the trim waits, as a fraction of sqrt(g h)."""
-    acceleration: float = 0.35
+    acceleration: float = 0.18
     """Acceleration to what is wanted, at most, as a fraction of g."""
     gathering: float = 0.16
     """Acceleration with which plans are followed, as a fraction of g."""
