@@ -89,7 +89,7 @@ class BalancedMotion:
         return self._index_at(time) - self._first >= len(self._knots)
 
     def is_pushed(self, body: BodyEstimate) -> bool:
-        """Return whether a body moves so differently from the plan that it must have been pushed."""
+        """Return whether a body is so far off the planned velocity that it was pushed."""
         pace = self.pace
         x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
         return math.hypot(x, y) > self._options.pushed * self._unit
