@@ -26,6 +26,7 @@ BENCHMARKS = {
     'engines': 'quad_lab.benchmarks.bench_engines',
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
+    'balance': 'quad_lab.balance.bench_balance',
     'view': 'quad_lab.benchmarks.viewing.bench_view',
     'campaign': 'quad_lab.campaigns.bench_campaign',
     'fleet': 'quad_lab.benchmarks.bench_fleet',
@@ -48,6 +49,8 @@ EXAMPLES = """examples:
   quadwalk bench ground --only genibo boxes --seed 100
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
+  quadwalk bench balance --quick
+  quadwalk bench balance --only pushes --backend mujoco
   quadwalk bench view --only updates
   quadwalk bench campaign --quick
   quadwalk bench fleet --only cancels

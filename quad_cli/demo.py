@@ -82,6 +82,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default='in_place',
         help='how the robot turns at turning points',
     )
+    parser.add_argument(
+        '--balance',
+        action='store_true',
+        help='keep the balance at every measurement, in gaits such as the trot',
+    )
     parser.add_argument('--backend', choices=BACKENDS, default=AUTO, help='the simulator')
     parser.add_argument(
         '--terrain',
@@ -164,6 +169,7 @@ def _walk(arguments: argparse.Namespace) -> int:
         method=arguments.method,
         gait=arguments.gait,
         turning=arguments.turning,
+        balance=arguments.balance,
         backend=arguments.backend,
         terrain=arguments.terrain,
         perception=arguments.perception,

@@ -35,7 +35,12 @@ from quad_gait.gait_topics import GaitServices, GaitTopics
 from quad_gait.parameters import GaitParameters
 from quad_gait.plan_topics import PlanTopics
 from quad_gait.planner_watch import PlannerWatch
-from quad_gait.ros_conversions import imu_from_message, joints_from_message, twist_from_message
+from quad_gait.ros_conversions import (
+    imu_from_message,
+    imu_motion_from_message,
+    joints_from_message,
+    twist_from_message,
+)
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 
@@ -106,7 +111,8 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _on_imu(self, message: Imu) -> None:
         stamp = seconds_from_time(message.header.stamp)
-        self._estimator.take_imu(stamp or None, *imu_from_message(message))
+        motion = imu_motion_from_message(message)
+        self._estimator.take_imu(stamp or None, *imu_from_message(message), motion)
 
     def _on_joint_states(self, message: JointState) -> None:
         if self._estimator.take_joints(joints_from_message(message, self._robot)):

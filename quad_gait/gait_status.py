@@ -55,7 +55,7 @@ class GaitStatus:
         self._received_at: float | None = None
         self._is_time_still = False
         self._distance_left = 0.0
-        self._said: tuple[str, str, bool] | None = None
+        self._said: tuple[str, str, str, bool] | None = None
 
     def take_odometry(self, is_new: bool) -> None:
         """Note that odometry came, and whether it is another reading than the one before."""
@@ -66,7 +66,8 @@ class GaitStatus:
     def has_changed(self, pose: Pose2D) -> bool:
         """Return whether there is something else to say than last time, with the robot here."""
         supervisor = self._supervisor
-        said = supervisor.reason, supervisor.limit, bool(self._estimator.imu_problem)
+        is_silent = bool(self._estimator.imu_problem)
+        said = supervisor.reason, supervisor.limit, supervisor.unbalanced, is_silent
         if said == self._said:
             return False
         self._said = said
@@ -110,4 +111,4 @@ class GaitStatus:
             },
             is_waiting=activity is Activity.WAITING,
         )
-        return status.with_notes(supervisor.limit, missing, *notes)
+        return status.with_notes(supervisor.limit, missing, supervisor.unbalanced, *notes)

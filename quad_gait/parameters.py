@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from quad_common.parameters import parameter
 from quad_common.plan import LONGEST_PLAN
 from quad_common.robot.robot import Robot
+from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
 from quad_gait.following.follower_options import FollowerOptions
@@ -43,6 +44,21 @@ class GaitParameters:
         'm/s',
         lower=0.0,
         is_dynamic=True,
+    )
+    balance: bool = parameter(
+        False,
+        'Whether the robot keeps its balance in gaits with two feet down, as the trot: decisions '
+        'are made at every measurement, by joints and imu, and not once a cycle.',
+    )
+    balance_reaction_time: float = parameter(
+        0.02,
+        'With balance, time that a trajectory has to reach the joints: what runs holds until then.',
+        's',
+        lower=0.0,
+        upper=0.1,
+    )
+    steps_in_place: bool = parameter(
+        False, 'With balance, whether a robot that is steered at zero trots in place.'
     )
     ground: str = parameter(
         'flat',
@@ -222,6 +238,9 @@ class GaitParameters:
     def supervisor_options(self) -> SupervisorOptions:
         """Timing and tolerances of the supervisor."""
         uneven = UnevenOptions(sample_period=self.sample_period, reaction_time=self.reaction_time)
+        balance = BalanceOptions(
+            reaction_time=self.balance_reaction_time, steps_in_place=self.steps_in_place
+        )
         return SupervisorOptions(
             settle_time=self.settle_time,
             lead_time=self.lead_time,
@@ -231,6 +250,7 @@ class GaitParameters:
             tracking_gain=self.tracking_gain if self.foot_tracking == 'backstepping' else None,
             follower=self.follower_options,
             uneven=uneven if self.is_uneven else None,
+            balance=balance if self.balance else None,
         )
 
     @property

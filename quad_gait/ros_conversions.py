@@ -29,6 +29,8 @@ from quad_common.ros.pose_conversions import (
 )
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.leg_odometry import LegOdometry
+from quad_gait.state.measurement import ImuMotion
+from quad_gait.state.possible_steps import TURN_SPEED
 from quad_gait.state.sensor_inputs import JointReadings
 
 Array = NDArray[np.float64]
@@ -38,6 +40,9 @@ _FASTEST = 100.0
 
 _MOST_JOINTS = 1000
 """Names in one message of joint states, of whatever robots."""
+
+_MOST_FORCE = 500.0
+"""Specific force that an accelerometer says, at most [m/s^2]."""
 
 _NEGLIGIBLE = 1e-6
 """Slower than this is not at all [m/s, rad/s]."""
@@ -207,6 +212,31 @@ def imu_from_message(message: Imu) -> tuple[Array | None, float | None]:
             f'to {_FASTEST:g}',
         )
     return orientation, float(rate) if has_rate else None
+
+
+def imu_motion_from_message(message: Imu) -> ImuMotion | None:
+    """
+    Read how the body moves by an imu.
+
+    Parameters
+    ----------
+    message : sensor_msgs/Imu
+        A first covariance of -1 says that the imu does not measure the quantity.
+
+    Returns
+    -------
+    ImuMotion or None
+        None without an angular velocity that makes sense.
+    """
+    if message.angular_velocity_covariance[0] == -1.0:
+        return None
+    w, a = message.angular_velocity, message.linear_acceleration
+    rates, force = np.array([w.x, w.y, w.z]), np.array([a.x, a.y, a.z])
+    if not (np.abs(rates) <= TURN_SPEED).all():
+        return None
+    has_force = message.linear_acceleration_covariance[0] != -1.0
+    has_force = has_force and bool((np.abs(force) <= _MOST_FORCE).all())
+    return ImuMotion(rates, force if has_force else None)
 
 
 def leg_odometry_message(odometry: LegOdometry, frame: str, stamp: Time) -> Odometry:

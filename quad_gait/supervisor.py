@@ -114,6 +114,11 @@ class Supervisor:
         return self._report.limit
 
     @property
+    def unbalanced(self) -> str:
+        """Reason why it walks without keeping its balance; empty if it need not."""
+        return self._guidance.gaits.unbalanced
+
+    @property
     def wanted_plan(self) -> Plan | None:
         """The plan to follow, also while something blocks the robot; None: there is none."""
         return self._guidance.wanted_plan
@@ -159,7 +164,7 @@ class Supervisor:
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self.gait_pair.prepare()
+        self._guidance.gaits.prepare()
 
     def update(self, state: RobotState) -> JointTrajectory | None:
         """

@@ -7,6 +7,7 @@ A new mode is a new file and a row here.
 from __future__ import annotations
 
 from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.balanced_trot import BalancedTrot
 from quad_gait.behaviours.cycle_walk import CycleWalk
 from quad_gait.behaviours.routine import Row
 from quad_gait.behaviours.sit import Sit
@@ -65,7 +66,14 @@ ROUTINE = (
                 Activity.STOPPED,
             }
         ),
-        hands_over_to=frozenset({Activity.STANDING_UP, Activity.SITTING_DOWN, Activity.WALKING}),
+        hands_over_to=frozenset(
+            {
+                Activity.STANDING_UP,
+                Activity.SITTING_DOWN,
+                Activity.WALKING,
+                Activity.BALANCING,
+            }
+        ),
     ),
     Row(
         StandUp,
@@ -93,6 +101,24 @@ ROUTINE = (
         ),
         hands_over_to=_STANDING,
         suits=lambda options: options.uneven is None,
+    ),
+    Row(
+        BalancedTrot,
+        takes=Activity.BALANCING,
+        says=frozenset(
+            {
+                Activity.BALANCING,
+                Activity.WALKING,
+                Activity.TURNING,
+                Activity.STANDING,
+                Activity.WAITING,
+                Activity.ARRIVED,
+                Activity.BLOCKED,
+                Activity.STOPPED,
+            }
+        ),
+        hands_over_to=_STANDING,
+        suits=lambda options: options.uneven is None and options.balance is not None,
     ),
     Row(
         UnevenWalk,

@@ -306,6 +306,10 @@ class Simulation:
         """Return the normal forces against the feet; see :class:`SolidSimulator`."""
         return self.check_solid('the forces on the feet').foot_forces()
 
+    def push(self, force: Array) -> None:
+        """Push against the body from now on; see :meth:`SolidSimulator.push`."""
+        self.check_solid('a push').push(force)
+
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""
         self.check_visible('a goal marker').put_goal_marker(pose)

@@ -17,6 +17,7 @@ class Activity(enum.Enum):
     SITTING = 'sitting'
     WALKING = 'walking'
     TURNING = 'turning'
+    BALANCING = 'balancing'
     ARRIVED = 'arrived'
     STOPPED = 'stopped'
     BLOCKED = 'blocked'

@@ -5,19 +5,17 @@ Where the robot is to go: a plan, or steering, as one step after the other.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity, Report
+from quad_gait.behaviours.gait_choice import GaitChoice
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits, FollowPlan, Steer
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.faults.commanded_joints import CommandedJoints
-from quad_gait.following.follower_options import FollowerOptions
-from quad_gait.following.gait_pair import GaitPair
-from quad_gait.following.path_follower import PathFollower
 from quad_gait.following.reference_path import Piece
 from quad_gait.following.steering import Steering
 from quad_gait.following.step import Departure, Step
@@ -26,10 +24,6 @@ from quad_gait.state.robot_state import RobotState
 from quad_gait.uneven.ways_out import WaysOut
 
 _NOWHERE = Pose2D(0.0, 0.0, 0.0)
-
-_SETTLING_DISTANCE, _SETTLING_ANGLE = 0.06, math.radians(5.0)
-"""Distance from the goal, and angle, at which a robot may stay on uneven ground where corrections
-bring it no nearer [m, of TITAN-VIII; rad]."""
 
 _UNFOLLOWED = 0.1
 """Time after which joints that have not followed say nothing of what is in the robot's way [s]."""
@@ -82,15 +76,19 @@ class Guidance:
         """What is tried where strides over uneven ground lead nowhere."""
         self.impassable: Pose2D | None = None
         """Pose from which no stride ahead was possible; None before there is one."""
-        # Over uneven ground every swing is balanced by itself: there only legs and joints limit.
-        self._least_margin = options.least_margin if options.uneven is None else -math.inf
-        self._take_gaits(gaits)
+        self.gaits = GaitChoice(robot, gaits, options)
+        """The gaits, and whether the balance is kept in them."""
+        self.gait_pair = self.gaits.pair
+        """The gaits for walking and for turning."""
+        self._follower = self.gaits.follower()
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
-        self.steering = Steering(options.twist_timeout, correction)
+        steps_in_place = options.balance is not None and options.balance.steps_in_place
+        self.steering = Steering(options.twist_timeout, correction, steps_in_place)
         """Velocity that is wanted, and the course."""
         self._pieces: list[Piece] | None = None
-        self._has_new_plan = False
+        self.has_new_plan = False
+        """Whether another plan, or none, was wished for that is not followed yet."""
         self._stopped_goal: Pose2D | None = None
         self._reason_to_stand = ''
         self.wanted_plan: Plan | None = None
@@ -132,7 +130,7 @@ class Guidance:
             return
         self.wanted_plan = plan
         self._pieces = wish.pieces
-        self._has_new_plan = True
+        self.has_new_plan = True
         self.steering.end()
         self._reason_to_stand = ''
 
@@ -160,7 +158,7 @@ class Guidance:
         if self.wanted_plan is not None:
             self._stopped_goal = self.wanted_plan.poses[-1]
             self.wanted_plan = None
-            self._has_new_plan = True
+            self.has_new_plan = True
 
     def give_up(self, activity: Activity, reason: str) -> None:
         """Follow the plan no farther, though it is still wanted, and say why."""
@@ -206,7 +204,7 @@ class Guidance:
         GaitError
             If the plan cannot be followed.
         """
-        was_following = self._use_new_gaits()
+        was_following = self._use_new_gaits(state)
         self._use_new_plan(state.pose, joins_again=was_following)
         if not is_ready or self._is_blocked(state):
             return None
@@ -254,28 +252,36 @@ class Guidance:
         if step.is_turn or not size > 1e-3:
             report.say(Activity.TURNING, turn)
             return
-        turns_too = self._turning != 'in_place' or is_steered
+        turns_too = self.gaits.follower_options.turning != 'in_place' or is_steered
         report.say(
             Activity.WALKING, f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
         )
 
-    def _use_new_gaits(self) -> bool:
-        """Take gaits that were wished for since; return whether they are to follow a plan."""
-        if self._new_gaits is None:
+    def _use_new_gaits(self, state: RobotState) -> bool:
+        """
+        Take gaits that were wished for since, and keep the balance if that is possible now.
+
+        Returns whether they are others, and are to follow a plan.
+        """
+        new_gaits, self._new_gaits = self._new_gaits, None
+        if new_gaits is not None:
+            self.gaits.take(new_gaits)
+            self.steering.lose_course()
+        is_other_manner = self.gaits.look_at(state)
+        if new_gaits is None and not is_other_manner:
             return False
         was_following = self._follower.plan is not None
-        self._take_gaits(self._new_gaits)
-        self._new_gaits = None
-        self.steering.lose_course()
+        self.gait_pair = self.gaits.pair
+        self._follower = self.gaits.follower()
         return was_following
 
     def _use_new_plan(self, pose: Pose2D, joins_again: bool = False) -> None:
         """Go by a plan that was wished for since; or join the one that is followed again."""
-        if self._has_new_plan or joins_again:
+        if self.has_new_plan or joins_again:
             self._follower.follow(self.wanted_plan, pose, self._pieces)
-        if not self._has_new_plan:
+        if not self.has_new_plan:
             return
-        self._has_new_plan = False
+        self.has_new_plan = False
         self._progress.reset()
         self.ways_out.reset()
         if self._report.activity.is_verdict:
@@ -336,20 +342,6 @@ class Guidance:
         if steered.reason and not start.entry:
             self._report.say(Activity.STANDING, steered.reason)
         return steered.step
-
-    def _take_gaits(self, wish: ChangeGaits) -> None:
-        self.gait_pair = GaitPair(self._robot, wish.gait, wish.turning_gait, self._least_margin)
-        """The gaits for walking and for turning."""
-        pair = self.gait_pair
-        self._turning = wish.follower.turning
-        follower = _settling(wish.follower, self._robot) if self._is_uneven else wish.follower
-        self._follower = PathFollower(pair.walking, pair.turning, follower)
-
-
-def _settling(follower: FollowerOptions, robot: Robot) -> FollowerOptions:
-    """Let a robot stay near the goal where there is no footing to get nearer."""
-    distance = robot.relative_size * _SETTLING_DISTANCE
-    return replace(follower, settling_distance=distance, settling_angle=_SETTLING_ANGLE)
 
 
 def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:

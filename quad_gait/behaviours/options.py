@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.uneven.uneven_options import UnevenOptions
 
@@ -39,5 +40,8 @@ class SupervisorOptions:
     """Options for following plans."""
     uneven: UnevenOptions | None = None
     """Options for walking where the ground is not flat; None: it is flat."""
+    balance: BalanceOptions | None = None
+    """Options for keeping the balance in gaits with two feet down; None: they are planned a cycle
+    ahead."""
     watches_joints: bool = True
     """Whether a joint that does not answer brings the robot to a standstill."""

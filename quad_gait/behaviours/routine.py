@@ -53,7 +53,9 @@ class Routine:
 
     @property
     def walk(self) -> Walk:
-        """The behaviour that walks."""
+        """The behaviour that walks, or would."""
+        if isinstance(self._current, Walk):
+            return self._current
         walk = self._behaviours[Activity.WALKING]
         assert isinstance(walk, Walk)
         return walk

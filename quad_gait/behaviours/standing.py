@@ -57,7 +57,7 @@ class Standing(Behaviour):
             step = None
         if is_ready:
             self._note_rest(state)
-            return GO_ON if step is None else Done(Activity.WALKING, step)
+            return GO_ON if step is None else Done(self._guidance.gaits.manner_of(step), step)
         if not state.has_joints:
             self._report.say(Activity.WAITING, state.problem or 'no joint states yet')
             return GO_ON

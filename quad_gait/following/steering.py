@@ -38,9 +38,14 @@ class Steering:
         A velocity older than this is over [s].
     largest_correction : float
         A robot farther than this from its course has lost it [m]; 0: none is kept.
+    steps_in_place : bool
+        Whether no velocity is walked in place, and not a reason to stand.
     """
 
-    def __init__(self, timeout: float, largest_correction: float) -> None:
+    def __init__(
+        self, timeout: float, largest_correction: float, steps_in_place: bool = False
+    ) -> None:
+        self._steps_in_place = steps_in_place
         self._timeout = timeout
         self._largest_correction = largest_correction
         self._since = -math.inf
@@ -93,6 +98,9 @@ class Steering:
             return Steered(None, reason='the steering has timed out')
         gear = gait_pair.of_twist(wanted)
         twist, limit = gear.limited(wanted)
+        if not wanted and self._steps_in_place:
+            self._course = None
+            return Steered(Step(is_turn=False, motion=BodyMotion()))
         if not wanted or not twist:
             self._course = None
             return Steered(None, limit, limit or 'steered to stand')

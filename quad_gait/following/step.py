@@ -38,6 +38,43 @@ class Gear(Protocol):
 
 
 @dataclass(frozen=True)
+class LongGear:
+    """
+    Several cycles of a gait as one, for a robot that decides within them too.
+
+    It gathers and loses its speed over all of them.
+    """
+
+    gear: Gear
+    """Gear of one cycle."""
+    cycles: int
+    """Number of cycles."""
+
+    @property
+    def period(self) -> float:
+        """Duration of all cycles [s]."""
+        return self.cycles * self.gear.period
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the body may keep its speed."""
+        return self.gear.is_steady
+
+    @property
+    def acceleration_fraction(self) -> float:
+        """Fraction of their length at speed in which it gathers that speed: evenly."""
+        return 0.5
+
+    def largest_scale(self, motion: BodyMotion) -> float:
+        """Return how many times a motion fits into all cycles."""
+        return self.cycles * self.gear.largest_scale(motion)
+
+    def reason(self, motion: BodyMotion) -> str:
+        """Say what forbids more of a motion."""
+        return self.gear.reason(motion)
+
+
+@dataclass(frozen=True)
 class Departure:
     """Where a step begins, and how."""
 

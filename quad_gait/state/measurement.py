@@ -5,6 +5,7 @@ What the gait is told about the robot at one instant.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,15 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Pose2D
 
 Array = NDArray[np.float64]
+
+
+class ImuMotion(NamedTuple):
+    """How the body moves by its imu, in its own axes."""
+
+    angular_velocity: Array
+    """Angular velocity, shape (3,) [rad/s]."""
+    specific_force: Array | None
+    """What the accelerometer measures, +g upward at rest, shape (3,) [m/s^2]; None without one."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +50,9 @@ class Measurement:
     """Whether something else has moved the robot since the last one, as a reset does."""
     odometry: Pose2D | None = None
     """Pose of base_link in odometry's own frame, without leaps; None: that is the plan's frame."""
+
+    imu: ImuMotion | None = None
+    """Motion by the imu; None where it does not tell attitude and motion, or has fallen silent."""
 
     @property
     def motion_pose(self) -> Pose2D:

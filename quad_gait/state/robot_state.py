@@ -54,6 +54,11 @@ class RobotState(Measurement):
         """Whether the joints have been measured at all."""
         return self.joint_positions is not None
 
+    @property
+    def tells_balance(self) -> bool:
+        """Whether imu and joints tell how the body moves."""
+        return self.imu is not None and self.joint_velocities is not None
+
     @cached_property
     def joints(self) -> Array:
         """Joint positions by leg, shape (4, 3) [rad]; for a state that has joints."""

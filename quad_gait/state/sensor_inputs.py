@@ -21,7 +21,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
-from quad_gait.state.measurement import Measurement
+from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.state.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
 from quad_gait.state.series_check import SeriesCheck, Taken
 
@@ -90,6 +90,7 @@ class SensorInputs:
         # When they were measured or, without a stamp, came.
         self._joints_time: float | None = None
         self._imu: tuple[Array | None, float | None] = (None, None)
+        self._imu_motion: ImuMotion | None = None
         self._imu_time: float | None = None
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
@@ -150,7 +151,11 @@ class SensorInputs:
         return True
 
     def take_imu(
-        self, time: float | None, orientation: Array | None, yaw_rate: float | None
+        self,
+        time: float | None,
+        orientation: Array | None,
+        yaw_rate: float | None,
+        motion: ImuMotion | None = None,
     ) -> None:
         """
         Take what an imu says.
@@ -163,6 +168,8 @@ class SensorInputs:
             Unit quaternion xyzw; None if it is not measured.
         yaw_rate : float or None
             About the body's z axis [rad/s]; None if it is not measured.
+        motion : ImuMotion, optional
+            How the body moves, for whoever keeps its balance.
 
         Raises
         ------
@@ -176,6 +183,7 @@ class SensorInputs:
                 'imu', f'its yaw rate is {yaw_rate:.4g} rad/s; {TURN_SPEED:g} are the most'
             )
         self._imu = (orientation, yaw_rate)
+        self._imu_motion = motion
         self._without_imu = 0
         self._imu_time = self._pose_check.time if time is None else time
 
@@ -224,6 +232,7 @@ class SensorInputs:
             joint_time=None if joints is None else joints.time,
             problem=self._problem(time),
             was_moved=was_moved,
+            imu=None if imu is None else self._imu_motion,
         )
 
     def _silence_of_imu(self, time: float) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.state.leg_odometry import LegOdometry
-from quad_gait.state.measurement import Measurement
+from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.state.rest_check import RestCheck
 from quad_gait.state.robot_state import RobotState
 from quad_gait.state.sensor_inputs import InputOptions, JointReadings, SensorInputs
@@ -104,10 +104,14 @@ class StateEstimator:
         return True
 
     def take_imu(
-        self, time: float | None, orientation: Array | None, yaw_rate: float | None
+        self,
+        time: float | None,
+        orientation: Array | None,
+        yaw_rate: float | None,
+        motion: ImuMotion | None = None,
     ) -> None:
         """Take what an imu says; see :meth:`SensorInputs.take_imu`."""
-        self._inputs.take_imu(time, orientation, yaw_rate)
+        self._inputs.take_imu(time, orientation, yaw_rate, motion)
 
     def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> RobotState | None:
         """

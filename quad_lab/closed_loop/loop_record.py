@@ -101,6 +101,11 @@ class Record:
         return np.array([seen.joint_positions for seen in self._seen]).reshape(-1, 12)
 
     @property
+    def last_seen(self) -> Observation:
+        """What was seen last; of a walk that has been seen."""
+        return self._seen[-1]
+
+    @property
     def last_feet(self) -> Array | None:
         """Centers of the feet in the world at the last measurement, shape (4, 3) [m]."""
         if not self._seen:

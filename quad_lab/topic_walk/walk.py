@@ -86,6 +86,8 @@ class WalkOptions:
     gait: str = 'crawl'
     turning: str = 'in_place'
     """How the plan is followed; see gait_node."""
+    balance: bool = False
+    """Whether a trot keeps its balance; see gait_node."""
     backend: str = AUTO
     safety_distance: float | None = None
     """The planner's default if None [m]."""
@@ -224,6 +226,7 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
         'robot': options.robot,
         'gait': options.gait,
         'turning': options.turning,
+        'balance': options.balance,
     }
     if options.terrain != 'flat':
         simulator |= {'terrain': options.terrain, 'terrain_seed': options.seed}

@@ -148,6 +148,7 @@ class BulletSimulator:
         """Feet by the calves that they are fixed to."""
         self._foot_zone = foot_zone(robot)
         self._last_velocity = np.zeros(3)
+        self._force: list[float] | None = None
         self.reset(Pose2D(0.0, 0.0, 0.0))
 
     @property
@@ -163,6 +164,7 @@ class BulletSimulator:
         else:
             orientation = quaternion_from_matrix(rotation)
         self._last_velocity = np.zeros(3)
+        self._force = None
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
         angles = self._robot.initial_joint_angles.reshape(-1)
@@ -207,6 +209,11 @@ class BulletSimulator:
         check_commands(joint_positions, joint_velocities)
         self._command(joint_positions, joint_velocities)
         self._last_velocity = np.array(self._bullet.getBaseVelocity(self._body)[0])
+        if self._force is not None:
+            center = self._bullet.getBasePositionAndOrientation(self._body)[0]
+            self._bullet.applyExternalForce(
+                self._body, -1, self._force, center, pybullet.WORLD_FRAME
+            )
         self._bullet.stepSimulation()
         self._steps += 1
 
@@ -255,6 +262,10 @@ class BulletSimulator:
             if point[2] != self._body and self._is_foot(point[3], point[5]):
                 forces[self._link_names[self._foot_of.get(point[3], point[3])]] += point[9]
         return np.array(list(forces.values()))
+
+    def push(self, force: Array) -> None:
+        """Push against the body from now on; see :meth:`SolidSimulator.push`."""
+        self._force = force.tolist() if np.any(force) else None
 
     def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
         """

@@ -112,6 +112,7 @@ class MujocoSimulator:
         self._scene: MujocoScene | None = None
         self._goal: Pose2D | None = None
         self._model, self._data = self._parts.compile()
+        self._force: Array | None = None
         self._find_places()
         self.reset(Pose2D(0.0, 0.0, 0.0))
         self._window: MujocoWindow | None = None
@@ -132,6 +133,7 @@ class MujocoSimulator:
         else:
             x, y, z, w = quaternion_from_matrix(rotation)
         self.drives.reset()
+        self._force = None
         mujoco.mj_resetData(self._model, self._data)
         self._last_velocity[:] = 0.0
         self._has_efforts = False
@@ -171,6 +173,8 @@ class MujocoSimulator:
         self.drives.aim(joint_positions, joint_velocities)
         model, data = self._model, self._data
         self._last_velocity[:] = self._base_velocity
+        if self._force is not None:
+            data.xfrc_applied[self._base, :3] = self._force
         mujoco.mj_step1(model, data)
         self.drives.pull()
         mujoco.mj_step2(model, data)
@@ -238,6 +242,11 @@ class MujocoSimulator:
                 forces[foot] += float(force[0])
         return np.array(list(forces.values()))
 
+    def push(self, force: Array) -> None:
+        """Push against the body from now on; see :meth:`SolidSimulator.push`."""
+        self._force = force.copy() if np.any(force) else None
+        self._data.xfrc_applied[self._base, :3] = 0.0
+
     def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
         """Put an obstacle, in the place of the one of that name if there is one; it stands fast."""
         self._parts.put_obstacle(name, obstacle)
@@ -292,6 +301,7 @@ class MujocoSimulator:
             raise RuntimeError("MuJoCo's joints are not in the order of the robot's")
         self._angles = slice(int(angles[0]), int(angles[0]) + 12)
         self._speeds = slice(int(speeds[0]), int(speeds[0]) + 12)
+        self._base = int(model.body_rootid[model.jnt_bodyid[joints[0]]])
         # It shows MuJoCo's own numbers, whatever they become.
         self._base_velocity = self._data.qvel[:3]
         self.drives.bind(model, self._data, self._angles, self._speeds)

@@ -120,6 +120,16 @@ class SolidSimulator(Simulator, Protocol):
     def foot_forces(self) -> Array:
         """Return the normal forces against the feet in the order of ``LEGS``, shape (4,) [N]."""
 
+    def push(self, force: Array) -> None:
+        """
+        Push against the center of mass of the robot's body from now on, until the next push.
+
+        Parameters
+        ----------
+        force : ndarray, shape (3,)
+            In the world's axes [N]; zeros to leave it alone.
+        """
+
     @property
     def obstacles(self) -> Mapping[Hashable, Obstacle]:
         """Those that stand there now, besides the walls."""

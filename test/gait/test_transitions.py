@@ -4,7 +4,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from walk_scenes import CORNER, FAULT, FLAT, SCENES, UNEVEN, Traced, play
+from walk_scenes import BALANCED, CORNER, FAULT, FLAT, SCENES, UNEVEN, Traced, play
 
 from quad_common.planar_pose import Twist2D
 from quad_gait.behaviours.activity import Activity
@@ -24,22 +24,25 @@ def test_every_activity_is_in_the_table():
 @pytest.mark.parametrize('row', ROUTINE, ids=lambda row: row.behaviour.__name__)
 def test_a_row_is_handed_over_to_by_what_it_says(row):
     assert row.takes in row.says
-    assert issubclass(row.behaviour, Walk) == (row.takes is Activity.WALKING)
+    assert issubclass(row.behaviour, Walk) == (row.takes in {Activity.WALKING, Activity.BALANCING})
 
 
-@pytest.mark.parametrize('options', [FLAT, UNEVEN], ids=['flat', 'uneven'])
+@pytest.mark.parametrize('options', [FLAT, BALANCED, UNEVEN], ids=['flat', 'balanced', 'uneven'])
 def test_every_behaviour_is_reached_from_the_first_and_leads_back_to_it(options):
     rows = {row.takes: row for row in ROUTINE if row.suits(options)}
+    if options is not BALANCED:
+        assert Activity.BALANCING not in rows
+        rows[Activity.BALANCING] = rows[Activity.WALKING]
     first = ROUTINE[0].takes
     reached, new = {first}, {first}
     while new:
         new = set().union(*(rows[activity].hands_over_to for activity in new)) - reached
         reached |= new
-    assert reached == set(rows)
+    assert reached == set(rows) | {Activity.BALANCING}
     assert all(first in row.hands_over_to for row in rows.values() if row.takes is not first)
 
 
-@pytest.mark.parametrize('options', [FLAT, UNEVEN], ids=['flat', 'uneven'])
+@pytest.mark.parametrize('options', [FLAT, BALANCED, UNEVEN], ids=['flat', 'balanced', 'uneven'])
 def test_on_each_ground_one_behaviour_takes_an_activity(options):
     taken = Counter(row.takes for row in ROUTINE if row.suits(options))
     assert set(taken.values()) == {1}

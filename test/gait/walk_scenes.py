@@ -3,17 +3,19 @@
 from contextlib import contextmanager
 from dataclasses import replace
 
+import numpy as np
 from told_supervisor import ToldSupervisor
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot_files.robot_file import load_robot
+from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import Done
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.faults.joint_fault import JointFault
-from quad_gait.state.measurement import Measurement
+from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.transitions import GUARDS, ROUTINE
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
@@ -23,6 +25,9 @@ ROBOT = load_robot('titan_viii')
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 FLAT = SupervisorOptions(watches_joints=False)
 UNEVEN = replace(FLAT, uneven=UnevenOptions())
+BALANCED = replace(FLAT, balance=BalanceOptions())
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+AT_REST = ImuMotion(np.zeros(3), np.array([0.0, 0.0, 9.80665]))
 CORNER = Plan.through([[0.0, 0.0], [0.1, 0.0], [0.1, 0.1]], 1.5)
 FAULT = JointFault(4, ROBOT.joint_names[4], 'free', 0.0, 0.1, None, 0.0, is_slack=True)
 
@@ -41,7 +46,7 @@ class Traced:
         self.said = set()
         routine = self.supervisor._routine
         for row in ROUTINE:
-            behaviour = routine._behaviours[row.takes]
+            behaviour = routine._behaviours.get(row.takes)
             if type(behaviour) is row.behaviour:
                 self._trace(behaviour, row, ('begin', 'update'))
         for guard, row in zip(self.supervisor._guards, GUARDS):
@@ -197,6 +202,21 @@ def walk_uneven(walk):
 
 
 SCENES[walk_uneven] = UNEVEN
+
+
+def keep_the_balance(walk):
+    walk.change = {'imu': AT_REST, 'orientation': LEVEL}
+    trot = load_gait('trot', ROBOT)
+    walk.supervisor.set_gaits(trot, trot, FLAT.follower)
+    walk.run(0.2)
+    walk.supervisor.set_twist(Twist2D(0.1))
+    walk.run(1.0, Activity.BALANCING)
+    walk.run(1.0)
+    walk.supervisor.set_twist(Twist2D())
+    walk.run(10.0, Activity.STANDING)
+
+
+SCENES[keep_the_balance] = BALANCED
 
 
 def play(scene):

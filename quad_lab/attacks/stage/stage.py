@@ -269,7 +269,11 @@ class Stage:
 
     def is_moving(self) -> bool:
         """Return whether the gait node says that the robot walks or turns."""
-        return self.activity in (Activity.WALKING.value, Activity.TURNING.value)
+        return self.activity in {
+            Activity.WALKING.value,
+            Activity.TURNING.value,
+            Activity.BALANCING.value,
+        }
 
     @property
     def has_fallen(self) -> bool:

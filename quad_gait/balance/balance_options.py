@@ -1,0 +1,90 @@
+"""
+Gains and times of a trot that keeps its balance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class EstimateOptions:
+    """How the velocity of a body is estimated."""
+
+    leg_gain: float = 0.5
+    """Part of the difference to what the feet say that is made up at each measurement."""
+    bias_gain: float = 10.0
+    """Gain with which a bias of the accelerometer is learned [1/s^2]."""
+    largest_bias: float = 2.0
+    """Bias, at most [m/s^2]."""
+    least_load: float = 0.06
+    """Load from which on a foot counts, as a fraction of the robot's weight."""
+    slip_fraction: float = 0.25
+    """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
+    longest_gap: float = 0.1
+    """Time between two measurements, at most; after a longer one the body is taken to rest [s]."""
+
+
+@dataclass(frozen=True)
+class BalanceOptions:
+    """How a robot trots and keeps its balance; the same for all robots."""
+
+    knot_time: float = 0.02
+    """Time between two knots of a trajectory, and between two decisions at least [s]."""
+    longest_period: float = 2.6
+    """Period of a cycle, at most, in units of sqrt(h / g): a body falls about two feet meanwhile,
+    and gaits that are slower are walked with this one."""
+    reaction_time: float = 0.02
+    """Time after a measurement for which what was given out before holds: messages arrive in it,
+    and the tilt is predicted over it [s]."""
+    knots: int = 6
+    """Number of knots after it that answer to the measurement; the rest brings the robot to
+    rest."""
+    rest_knot_time: float = 0.04
+    """Time between two knots of that rest [s]."""
+    capture_gain: float = 1.0
+    """Part of the step to the capture point that is made."""
+    giving_way: float = 0.8
+    """Part of an error of the velocity that standing legs give way to."""
+    turn_giving_way: float = 0.7
+    """Part of an error of the turn that they give way to."""
+    leveling: float = 0.7
+    """Part of the body's tilt that swinging feet make up for."""
+    righting_time: float = 0.1
+    """Time constant with which a leg that has landed rights the body [s]."""
+    trim_gain: float = 2.0
+    """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
+    largest_trim: float = 0.3
+    """Trim, at most, as a fraction of sqrt(g h)."""
+    pushed: float = 0.3
+    """Error of the velocity from which on a robot is pushed and the trim waits, as a fraction of
+    sqrt(g h)."""
+    steady: float = 0.05
+    """Change of what is wanted from which on the trim waits, as a fraction of sqrt(g h)."""
+    acceleration: float = 0.18
+    """Acceleration to what is wanted, at most, as a fraction of g."""
+    gathering: float = 0.16
+    """Acceleration with which plans are followed, as a fraction of g."""
+    slowing: float = 0.15
+    """Deceleration to rest of a robot that receives nothing more, as a fraction of g."""
+    turn_acceleration: float = 4.0
+    """Acceleration of turns [rad/s^2]."""
+    course_gain: float = 1.5
+    """Gain with which the robot is drawn back to its course [1/s]."""
+    largest_correction: float = 0.15
+    """Velocity with which it is, at most, as a fraction of sqrt(g h)."""
+    freeze_time: float = 0.03
+    """Time before its touchdown from which on a foot keeps its target [s]."""
+    reach_fraction: float = 1.5
+    """Distance from its neutral place at which a foot is put, at most, over half of the largest
+    stride."""
+    reach_speed: float = 0.55
+    """The same over the duration of its swing, as a fraction of sqrt(g h): legs that swing fast
+    push the body."""
+    speed_fraction: float = 0.68
+    """Fraction of their largest speeds to which the joints of a leg are slowed that would exceed
+    them: between two knots a cubic may be 1.5 times as fast as its mean."""
+    steps_in_place: bool = False
+    """Whether a robot that is steered with no velocity trots in place, and does not stand."""
+    estimate: EstimateOptions = field(default_factory=EstimateOptions)
+    """How the velocity is estimated."""

@@ -1,0 +1,216 @@
+"""
+The motion of a robot that keeps its balance, replaced at every measurement.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.body_estimate import BodyEstimate
+from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
+from quad_gait.balance.foot_plan import Demand, FootPlan, FootPlanner
+from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
+from quad_gait.balance.phase_clock import PhaseClock
+from quad_gait.cycle.gait import Gait
+
+Array = NDArray[np.float64]
+
+_LEAST_SPEED = 0.02
+"""Velocity, as a fraction of sqrt(g h), below which a body comes to rest at once."""
+
+
+class BalancedMotion:
+    """
+    Knots that were given out, and those that replace them.
+
+    What was given out holds until a reaction time after a measurement. From there on knots answer
+    to it, and after them the robot comes to rest: it goes on trotting while it loses its speed,
+    then no foot lifts any more. So a robot that receives nothing more stands on four feet.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        Its trot, fitted to it.
+    options : BalanceOptions
+        Gains and times.
+    start : float
+        When it begins [s].
+    joints : ndarray, shape (4, 3)
+        Where the joints are commanded then, at rest [rad].
+    """
+
+    def __init__(
+        self, robot: Robot, gait: Gait, options: BalanceOptions, start: float, joints: Array
+    ) -> None:
+        self._robot, self._options = robot, options
+        self._planner = FootPlanner(robot, gait, options)
+        self._joint_planner = JointMotionPlanner(robot, options.speed_fraction)
+        self._start = start
+        still = math.ceil(options.reaction_time / options.knot_time - 1e-6) + 1
+        self.clock = PhaseClock.of(gait, self._time_of(still - 1))
+        """When feet swing."""
+        plan = self._planner.at_rest(robot.foot_positions(joints))
+        self._first = 0
+        self._knots = still * [plan]
+        self._given = JointMotion(
+            np.array([self._time_of(k) for k in range(still)]),
+            np.repeat(joints[None], still, axis=0),
+            np.zeros((still, 4, 3)),
+        )
+        self._unit = math.sqrt(GRAVITY * self._planner.height)
+        self._trim = (0.0, 0.0)
+        self._decided = -math.inf
+
+    @property
+    def unit(self) -> float:
+        """Velocity sqrt(g h), by which others are measured [m/s]."""
+        return self._unit
+
+    @property
+    def pace(self) -> Pace:
+        """Velocity that is planned at the first knot that answers to the last measurement."""
+        return self._knots[min(1, len(self._knots) - 1)].pace
+
+    def footholds(self) -> Array:
+        """Return where the feet land next, or have landed, beside the body, (4, 3) [m]."""
+        return np.array([(*foot.target, 0.0) for foot in self._knots[-1].feet])
+
+    def is_over(self, time: float) -> bool:
+        """Return whether nothing can follow any more what was given out by a time [s]."""
+        return self._index_at(time) - self._first >= len(self._knots)
+
+    def is_pushed(self, body: BodyEstimate) -> bool:
+        """Return whether a body is so far off the planned velocity that it was pushed."""
+        pace = self.pace
+        x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
+        return math.hypot(x, y) > self._options.pushed * self._unit
+
+    def is_due(self, time: float) -> bool:
+        """Return whether a decision is due at a time [s]."""
+        return time >= self._decided + self._options.knot_time - 1e-6
+
+    def rest(self, time: float) -> None:
+        """Let no foot lift any more after what holds at a time [s]."""
+        self.clock = replace(self.clock, end=self._time_of(self._index_at(time)))
+
+    def update(self, time: float, body: BodyEstimate, pace: Pace) -> JointTrajectory | None:
+        """
+        Answer to a measurement.
+
+        Parameters
+        ----------
+        time : float
+            When it was taken [s].
+        body : BodyEstimate
+            How the body moves.
+        pace : Pace
+            Velocity that is wanted.
+
+        Returns
+        -------
+        JointTrajectory or None
+            It replaces the last one; None if that is to go on.
+        """
+        self._decided = time
+        index = self._index_at(time)
+        place = index - self._first
+        if place >= len(self._knots):
+            return None
+        self._adapt_trim(body, self._knots[place].pace, pace)
+        knots = self._answers(index, place, time, body, pace)
+        times = [self._time_of(index + k) for k in range(len(knots))]
+        rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)
+        before = max(place - 1, 0)
+        held = slice(before, place + 1)
+        given = self._given
+        motion = self._joint_planner.go_on(
+            JointMotion(given.times[held], given.positions[held], given.speeds[held]),
+            [*knots[1:], *rest],
+            [*times[1:], *rest_times],
+        )
+        if motion is None:
+            return None
+        self._knots = self._knots[before:place] + knots
+        self._first += before
+        self._given = motion
+        stamp = float(motion.times[0])
+        return JointTrajectory(
+            joint_names=self._robot.joint_names,
+            stamp=stamp,
+            times=motion.times - stamp,
+            positions=motion.positions.reshape(-1, 12),
+            velocities=motion.speeds.reshape(-1, 12),
+        )
+
+    def _answers(
+        self, index: int, place: int, time: float, body: BodyEstimate, pace: Pace
+    ) -> list[FootPlan]:
+        """Return the knot that still holds, and those after it that answer to a measurement."""
+        plan = self._knots[place]
+        roll, pitch = body.tilt_in(self._time_of(index) - time)
+        demand = Demand(pace, Pace(*body.velocity, body.turn), roll, pitch, self._trim)
+        knots = [plan]
+        for k in range(index, index + self._options.knots):
+            times = self._time_of(k), self._time_of(k + 1)
+            plan = self._planner.advance(plan, self.clock, times, demand)
+            knots.append(plan)
+        return knots
+
+    def _coming_to_rest(
+        self, plan: FootPlan, time: float, body: BodyEstimate
+    ) -> tuple[list[FootPlan], list[float]]:
+        """Return the knots after a plan at a time [s] that bring the robot to rest."""
+        options, clock = self._options, self.clock
+        slowing = GRAVITY * options.slowing
+        speed = math.hypot(*body.velocity)
+        end = time
+        if speed > _LEAST_SPEED * self._unit or any(foot.roll or foot.pitch for foot in plan.feet):
+            end += max(clock.period, speed / slowing)
+        clock = replace(clock, end=min(clock.end, end))
+        plan = plan._replace(pace=Pace(*body.velocity, plan.pace.turn))
+        # A body that is slowed down has its feet ahead, as if it were faster than it is to be.
+        lead = self._planner.height / GRAVITY * slowing / max(self._planner.capture_time, 1e-6)
+        count = math.ceil((end + clock.longest_swing - time) / options.rest_knot_time) + 1
+        knots, times = [], [time]
+        for _ in range(count):
+            pace = plan.pace
+            size = math.hypot(pace.forward, pace.left)
+            ahead = 1.0 + (lead / size if size > lead else 0.0)
+            # What stands is not to move by a trim.
+            trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
+            measured = Pace(ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn)
+            demand = Demand(STILL, measured, trim=trim)
+            times.append(times[-1] + options.rest_knot_time)
+            plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
+            knots.append(plan)
+        return knots, times[1:]
+
+    def _adapt_trim(self, body: BodyEstimate, pace: Pace, wanted: Pace) -> None:
+        """Ask for less while the body is faster than planned, but for pushes and changes."""
+        options, unit = self._options, self._unit
+        x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
+        change = math.hypot(wanted.forward - pace.forward, wanted.left - pace.left)
+        if math.hypot(x, y) > options.pushed * unit or change > options.steady * unit:
+            return
+        step, most = options.trim_gain * options.knot_time, options.largest_trim * unit
+        self._trim = (
+            min(max(self._trim[0] + step * x, -most), most),
+            min(max(self._trim[1] + step * y, -most), most),
+        )
+
+    def _index_at(self, time: float) -> int:
+        """Return which knot is the first that need not hold after a measurement at a time [s]."""
+        since = time + self._options.reaction_time - self._start
+        return max(0, math.ceil(since / self._options.knot_time - 1e-6))
+
+    def _time_of(self, index: int) -> float:
+        return self._start + index * self._options.knot_time

@@ -1,0 +1,199 @@
+"""
+The body's velocity and tilt, by joints and imu, predicted to when a decision takes effect.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.robot.robot import Robot
+from quad_common.rotations import angles_from_quaternion, matrix_from_angles
+from quad_gait.balance.balance_options import EstimateOptions
+from quad_gait.balance.foot_laws import GRAVITY
+from quad_gait.state.foot_forces import weight_torques
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BodyReading:
+    """What joints and imu say at one instant."""
+
+    time: float
+    """Time of the measurement [s]."""
+    joints: Array
+    """Joint positions, shape (4, 3) [rad]."""
+    speeds: Array
+    """Joint velocities, shape (4, 3) [rad/s]."""
+    efforts: Array | None
+    """Torques of the motors, shape (4, 3) [N m]; None where they do not tell."""
+    orientation: Array
+    """Attitude by the imu, quaternion xyzw, shape (4,)."""
+    rates: Array
+    """Angular velocity by the imu in the body's axes, shape (3,) [rad/s]."""
+    specific_force: Array | None
+    """What the accelerometer says, in the body's axes, shape (3,) [m/s^2]; None without one."""
+    in_stance: NDArray[np.bool_]
+    """Which feet are to stand, shape (4,)."""
+
+
+@dataclass(frozen=True)
+class BodyEstimate:
+    """How the body moves, in its level axes: x as its heading, z up."""
+
+    velocity: tuple[float, float]
+    """Velocity of base_link along x and y [m/s]."""
+    turn: float
+    """Turn about the vertical [rad/s]."""
+    roll: float
+    """Roll [rad]."""
+    pitch: float
+    """Pitch [rad]."""
+    roll_rate: float
+    """Angular velocity about the level x axis [rad/s]."""
+    pitch_rate: float
+    """Angular velocity about the level y axis [rad/s]."""
+
+    def tilt_in(self, time: float) -> tuple[float, float]:
+        """Return roll and pitch so much later [s], turning on as it does [rad]."""
+        return self.roll + time * self.roll_rate, self.pitch + time * self.pitch_rate
+
+
+class BodyEstimator:
+    """
+    Follows the velocity of a body by its feet and its accelerometer.
+
+    Between two measurements the velocity changes by the accelerometer's, trapezoidally; then it is
+    drawn toward what the feet say that bear load. Feet that slip or bounce disagree with what the
+    body can have gained meanwhile, and count less. Impacts that are sampled leave the accelerometer
+    a bias, which is learned::
+
+        v = v + dt (R f - g - b),   e = v_feet - v,
+        v = v + k e / (1 + (|e| / s)^2),   b = b - dt k_b e
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : EstimateOptions
+        Gains.
+    """
+
+    def __init__(self, robot: Robot, options: EstimateOptions) -> None:
+        self._robot = robot
+        self._options = options
+        self._least_load = options.least_load * robot.mass * GRAVITY
+        center = robot.center_of_mass(robot.initial_joint_angles)
+        height = float(center[2] + robot.standing_height)
+        self._slip = options.slip_fraction * math.sqrt(GRAVITY * height)
+        self._own_weight = weight_torques(robot, robot.initial_joint_angles, np.eye(3)[2])
+        self._time = -math.inf
+        self._velocity: Array = np.zeros(2)
+        self._acceleration: Array = np.zeros(2)
+        self._bias: Array = np.zeros(2)
+        self.loads: Array | None = None
+        """Vertical forces on the feet at the last measurement, shape (4,) [N]; None if unknown."""
+
+    def update(self, reading: BodyReading) -> BodyEstimate:
+        """Take a measurement."""
+        roll, pitch, _ = angles_from_quaternion(reading.orientation)
+        rotation = matrix_from_angles(np.array([roll, pitch, 0.0]))
+        rates = rotation @ reading.rates
+        dt = reading.time - self._time
+        self._time = reading.time
+        weights = self._weights(reading, rotation)
+        if not 0.0 < dt <= self._options.longest_gap:
+            self._velocity[:] = self._acceleration[:] = 0.0
+            dt = 0.0
+        turn = float(rates[2]) * dt
+        vx, vy = self._velocity.tolist()
+        # The axes turn with the body.
+        self._velocity = np.array([vx + turn * vy, vy - turn * vx])
+        if reading.specific_force is not None:
+            acceleration = (rotation @ reading.specific_force)[:2]
+            mean = (self._acceleration + acceleration) / 2.0
+            self._velocity += dt * (mean - self._bias)
+            self._acceleration = acceleration
+        if weights.any():
+            error = leg_velocity(self._robot, reading, rotation, weights) - self._velocity
+            trust = self._options.leg_gain / (1.0 + float(error @ error) / self._slip**2)
+            self._velocity = self._velocity + trust * error
+            bias = self._bias - dt * self._options.bias_gain * error
+            self._bias = np.clip(bias, -self._options.largest_bias, self._options.largest_bias)
+        return BodyEstimate(
+            (float(self._velocity[0]), float(self._velocity[1])),
+            float(rates[2]), roll, pitch, float(rates[0]), float(rates[1]),
+        )  # fmt: skip
+
+    def _weights(self, reading: BodyReading, rotation: Array) -> Array:
+        """Return how much each foot counts, shape (4,): 0 for one in the air."""
+        self.loads = None
+        if reading.efforts is None or not reading.efforts.any():
+            return reading.in_stance.astype(np.float64)
+        loads = self._foot_loads(reading, rotation[2])
+        self.loads = loads
+        weights: Array = np.where(reading.in_stance & (loads > self._least_load), 1.0, 0.0)
+        return weights
+
+    def _foot_loads(self, reading: BodyReading, up: Array) -> Array:
+        """
+        Return the vertical forces on the feet by the motors' torques, shape (4,) [N].
+
+        As :func:`~quad_gait.state.foot_forces.foot_forces` finds them, but with the torques of the
+        legs' own weight as the robot stands: that is enough to tell which feet bear.
+        """
+        assert reading.efforts is not None
+        transposed = np.swapaxes(self._robot.foot_jacobians(reading.joints), -1, -2)
+        try:
+            forces = np.linalg.solve(transposed, (self._own_weight - reading.efforts)[..., None])
+        except np.linalg.LinAlgError:
+            # A stretched leg tells nothing.
+            return np.zeros(len(reading.efforts))
+        loads: Array = forces[..., 0] @ up
+        return loads
+
+
+def leg_velocity(robot: Robot, reading: BodyReading, rotation: Array, weights: Array) -> Array:
+    """
+    Find the body's velocity by the feet that stand.
+
+    With a foot's center p and its velocity J q' in the body, which turns with w, and the calf
+    turning with w_c in the world, a ball of the radius r that rolls on the ground has its center
+    move by r w_c x z; so the body moves by::
+
+        v = r w_c x z - w x p - J q'
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    reading : BodyReading
+        Joints and imu.
+    rotation : ndarray, shape (3, 3)
+        From the body's axes to its level axes.
+    weights : ndarray, shape (4,)
+        How much each foot counts; not all 0.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        In level axes, the mean of the feet's [m/s].
+    """
+    joints, speeds, rates = reading.joints, reading.speeds, reading.rates
+    feet = robot.foot_positions(joints)
+    moving = np.einsum('kij,kj->ki', robot.foot_jacobians(joints), speeds)
+    calves = robot.calf_angular_velocities(joints, speeds) + rates
+    velocities = robot.foot_radius * _cross(calves, rotation[2]) + _cross(feet, rates) - moving
+    level: Array = rotation @ (weights @ velocities / weights.sum())
+    return level[:2]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return a x b for rows a, shape (n, 3), faster than numpy.cross."""
+    x, y, z = b.tolist()
+    product: Array = a @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return product

@@ -1,0 +1,127 @@
+"""
+The laws of balance: where feet land, how standing legs give way, how they right the body.
+
+All of it is beside the level body: x as the body's heading, z up, from base_link. Feet are plain
+numbers, one foot at a time: so few are added up ten times faster than arrays are made of them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+GRAVITY = 9.80665
+"""Acceleration of free fall [m/s^2]."""
+
+
+class Pace(NamedTuple):
+    """A velocity of the body in the plane."""
+
+    forward: float
+    """Velocity along x [m/s]."""
+    left: float
+    """Velocity along y [m/s]."""
+    turn: float
+    """Angular velocity, counter-clockwise [rad/s]."""
+
+
+STILL = Pace(0.0, 0.0, 0.0)
+"""No velocity."""
+
+
+def pendulum_time(height: float) -> float:
+    """Return the time constant of an inverted pendulum, sqrt(h / g) [s], h in [m]."""
+    return math.sqrt(height / GRAVITY)
+
+
+def landing_place(
+    x: float, y: float, pace: Pace, excess: tuple[float, float], stance: float, largest: float
+) -> tuple[float, float]:
+    """
+    Find where a foot is to land beside the body.
+
+    It lands so far ahead of its neutral place p that it is there in mid-stance (Raibert), and
+    farther by the step to the capture point (Pratt)::
+
+        p + (v + w x p) T / 2 + k sqrt(h / g) (v_measured - v)
+
+    Parameters
+    ----------
+    x, y : float
+        Neutral place of the foot, under a standing body [m].
+    pace : Pace
+        Velocity v, and turn w, that are wanted.
+    excess : tuple of float
+        Step to the capture point, k sqrt(h / g) (v_measured - v) [m].
+    stance : float
+        Duration of its stance, T [s].
+    largest : float
+        Distance from the neutral place at most [m].
+
+    Returns
+    -------
+    tuple of float
+        Place x and y [m].
+    """
+    half = stance / 2.0
+    dx = half * (pace.forward - pace.turn * y) + excess[0]
+    dy = half * (pace.left + pace.turn * x) + excess[1]
+    distance = math.hypot(dx, dy)
+    if distance > largest:
+        dx, dy = dx * largest / distance, dy * largest / distance
+    return x + dx, y + dy
+
+
+def ground_velocity(x: float, y: float, pace: Pace) -> tuple[float, float]:
+    """Return how fast the ground under a place moves beside a body with a pace [m/s]."""
+    return pace.turn * y - pace.forward, -pace.turn * x - pace.left
+
+
+def swing_on(
+    place: float, velocity: float, target: float, at_landing: float, left: float, dt: float
+) -> tuple[float, float]:
+    """
+    Move a swinging foot on, in one coordinate.
+
+    It follows the cubic from where and how fast it is to where, and how fast, it is to land.
+
+    Parameters
+    ----------
+    place, velocity : float
+        Where it is [m], and how fast [m/s].
+    target, at_landing : float
+        Where it is to land, and how fast then.
+    left : float
+        Time until it lands [s]; less than ``dt`` counts as that.
+    dt : float
+        Time to move on by [s].
+
+    Returns
+    -------
+    tuple of float
+        Place and velocity then.
+    """
+    h = max(left, dt)
+    s = dt / h
+    u, v, d = velocity * h, at_landing * h, target - place
+    b, c = 3.0 * d - 2.0 * u - v, u + v - 2.0 * d
+    return place + s * (u + s * (b + s * c)), (u + s * (2.0 * b + 3.0 * s * c)) / h
+
+
+def swing_height(fraction: float) -> float:
+    """
+    Return how high a foot is at a fraction of its swing, as a fraction of the most.
+
+    Half an ellipse over time, as S2's (5) has it: it leaves and meets the ground fast, and meets
+    it in time where the ground is not quite where it should be.
+    """
+    return math.sin(math.pi * min(max(fraction, 0.0), 1.0))
+
+
+def tilted_back(
+    x: float, y: float, z: float, roll: float, pitch: float
+) -> tuple[float, float, float]:
+    """Turn a place beside the level body into a tilted body's axes: R^T p, R = Ry Rx [m]."""
+    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
+    up = sp * x + cp * z
+    return cp * x - sp * z, cr * y + sr * up, cr * up - sr * y

@@ -1,0 +1,201 @@
+"""
+Trotting with a new decision at every measurement: the robot keeps its balance.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.errors import GaitError
+from quad_common.planar_pose import STILL, Pose2D, Twist2D
+from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.balanced_motion import BalancedMotion
+from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
+from quad_gait.balance.course import Course
+from quad_gait.balance.foot_laws import Pace
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
+from quad_gait.behaviours.guidance import PlannedMotion
+from quad_gait.behaviours.wishes import Wish
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.following.step import Departure, Step
+from quad_gait.state.robot_state import RobotState
+
+_CALM_SPEED = 0.06
+"""Velocity, as a fraction of sqrt(g h), below which a body is calm."""
+
+_CALM_TILT = math.radians(3.0)
+"""Tilt below which a body is calm [rad]."""
+
+_PATIENCE = 3.0
+"""Time after which a robot that is to stand stops trotting, calm or not [s]."""
+
+
+class BalancedTrot(Walk):
+    """Follows steps as they come, cycle after cycle, until nothing is wanted and it is calm."""
+
+    def __init__(self, shared: Shared) -> None:
+        super().__init__(shared)
+        self._balance = shared.options.balance or BalanceOptions()
+        self._estimator = BodyEstimator(shared.robot, self._balance.estimate)
+        self._motion: BalancedMotion | None = None
+        self._course: Course | None = None
+        self._steered: Twist2D | None = None
+        self._pose = Pose2D(0.0, 0.0, 0.0)
+        self._stops_since = self._calm_since = math.inf
+        self._is_ending = False
+
+    def take(self, wish: Wish) -> None:
+        """Take notice of nothing: the ground is flat."""
+
+    def in_contact_at(self, time: float) -> NDArray[np.bool_]:
+        """Return which feet are planned to be down at a time [s], shape (4,)."""
+        if self._motion is None or time >= self._joints.busy_until:
+            return np.ones(4, dtype=bool)
+        return self._motion.clock.in_stance(time)
+
+    def footholds(self) -> NDArray[np.float64]:
+        """Return where the feet are to land, (4, 3) [m]; (0, 3) without a motion."""
+        if self._motion is None:
+            return np.empty((0, 3))
+        return self._pose.transform(self._motion.footholds())
+
+    def forget(self) -> None:
+        """Know of no motion."""
+        self._motion = self._course = None
+
+    def come_to_rest(self, state: RobotState) -> bool:
+        """Give nothing more out: what was given out brings the robot to rest."""
+        self._is_ending = True
+        return super().come_to_rest(state)
+
+    def begin(self, state: RobotState, done: Done) -> Command | Done:
+        """Begin to trot."""
+        assert done.step is not None
+        gait = self._guidance.gait_pair.of(done.step).gait
+        positions, _ = self._joints.gate.command(state.time, state.joints.reshape(-1))
+        self._motion = BalancedMotion(
+            self._robot, gait, self._balance, state.time, positions.reshape(4, 3)
+        )
+        self._cycles.clear()
+        self._stops_since = self._calm_since = math.inf
+        self._is_ending = False
+        self._take_step(state, done.step, STILL)
+        return self._balanced(state, self._motion)
+
+    def update(self, state: RobotState) -> Command | Done:
+        """Answer to a measurement; be done when the robot is at rest."""
+        motion = self._motion
+        if motion is None or self._is_ending or motion.is_over(state.time):
+            return GO_ON if state.time < self._is_settled_at else Done(Activity.STANDING)
+        if not state.tells_balance:
+            self._is_ending = True
+            self._report.limit = 'the robot comes to rest: no imu to keep its balance by'
+            return GO_ON
+        if not motion.is_due(state.time):
+            return GO_ON
+        return self._balanced(state, motion)
+
+    def _balanced(self, state: RobotState, motion: BalancedMotion) -> Command:
+        """Give out how it goes on."""
+        self._pose = state.pose
+        body = self._estimate(state, motion)
+        course = self._next_course(state)
+        if motion.is_pushed(body):
+            # It is caught where it is; what it was pushed off is taken back by the next steps.
+            self._course = course = course.through(state.time, state.motion_pose)
+            self._guidance.steering.lose_course()
+        pace = course.pace(
+            state.time,
+            state.motion_pose,
+            self._balance.course_gain,
+            self._balance.largest_correction * motion.unit,
+        )
+        self._stop_when_calm(state, motion, body, pace)
+        trajectory = motion.update(state.time, body, pace)
+        if trajectory is not None:
+            self._joints.busy_until = trajectory.end
+        return Command(trajectory)
+
+    def _estimate(self, state: RobotState, motion: BalancedMotion) -> BodyEstimate:
+        assert state.imu is not None
+        assert state.orientation is not None
+        assert state.joint_velocities is not None
+        efforts = state.joint_efforts
+        return self._estimator.update(
+            BodyReading(
+                state.time,
+                state.joints,
+                state.joint_velocities.reshape(4, 3),
+                None if efforts is None else efforts.reshape(4, 3),
+                state.orientation,
+                state.imu.angular_velocity,
+                state.imu.specific_force,
+                motion.clock.in_stance(state.time),
+            )
+        )
+
+    def _next_course(self, state: RobotState) -> Course:
+        """Return the course that holds now: the next one, if its time has come."""
+        course, guidance = self._course, self._guidance
+        assert course is not None
+        steered = guidance.steering.twist
+        half = course.start + course.period / 2.0
+        is_other = steered is not None and steered != self._steered and state.time >= half
+        is_over = state.time >= course.start + course.period
+        if math.isfinite(self._stops_since):
+            is_over = is_over and (guidance.has_new_plan or bool(steered))
+        if not is_over and not is_other:
+            return course
+        if is_other:
+            # The course was one to the end of this step.
+            guidance.steering.lose_course()
+        entry = course.at(state.time)[1]
+        try:
+            start = Departure(
+                state.pose, state.motion_pose, entry, guidance.gait_pair.walking if entry else None
+            )
+            expected = state.pose @ (state.motion_pose.inverse() @ course.at(state.time)[0])
+            step = guidance.next_in_motion(state, expected, start)
+        except GaitError as error:
+            self._report.limit = str(error)
+            step = None
+        if step is not None and guidance.gait_pair.of(step).gait.is_static:
+            step = None
+        return self._take_step(state, step, entry)
+
+    def _take_step(self, state: RobotState, step: Step | None, entry: Twist2D) -> Course:
+        """Follow a step from now on, or none."""
+        guidance = self._guidance
+        period = guidance.gaits.period_of(step, guidance.steering.twist is not None)
+        self._steered = guidance.steering.twist
+        motion, after = BodyMotion(), STILL
+        if step is None:
+            self._stops_since = min(self._stops_since, state.time)
+            motion = BodyMotion.during(entry, period / 3.0)
+            if not self._report.activity.is_verdict:
+                self._report.say(Activity.BALANCING, 'coming to rest')
+        else:
+            self._stops_since = math.inf
+            motion, after = step.motion, step.exit
+            guidance.note_begun(state, step, PlannedMotion(motion, state.pose @ motion.end))
+            self._report.say(Activity.BALANCING, self._report.reason)
+        self._course = Course(state.time, period, state.motion_pose, entry, motion, after)
+        return self._course
+
+    def _stop_when_calm(
+        self, state: RobotState, motion: BalancedMotion, body: BodyEstimate, pace: Pace
+    ) -> None:
+        """Let no foot lift any more once nothing is wanted and the body is calm."""
+        fastest = max(math.hypot(*body.velocity), math.hypot(pace.forward, pace.left))
+        is_calm = fastest < _CALM_SPEED * motion.unit and state.tilt < _CALM_TILT
+        self._calm_since = min(self._calm_since, state.time) if is_calm else math.inf
+        waited = state.time - self._stops_since
+        if waited < motion.clock.period:
+            return
+        if state.time - self._calm_since >= motion.clock.period / 2.0 or waited > _PATIENCE:
+            motion.rest(state.time)
+            self._is_ending = True

@@ -1,0 +1,3 @@
+"""
+Pushes, silence and steady walks of robots that keep their balance.
+"""

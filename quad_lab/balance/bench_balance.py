@@ -1,0 +1,257 @@
+"""
+``quadwalk bench balance``: pushes that trotting robots survive, and how they trot without.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, replace
+from typing import Any, TypeVar
+
+from rich.console import Console
+from rich.table import Table
+
+from quad_lab.balance.balance_case import BalanceCase
+from quad_lab.balance.pushes import Survival, survival, survivors
+from quad_lab.balance.steady import SteadyTrot, silences, steady_trot
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
+from quad_lab.tools.workers import worker_pool
+from quad_sim.engines.registry import AUTO, preferred, resolved
+
+Result = TypeVar('Result')
+
+Bars = tuple[list[Criterion], dict[str, object]]
+
+LEVELS = {
+    ('a1', 0.447): 0.9,
+    ('a1', 0.3): 1.2,
+    ('mini_cheetah', None): 0.8,
+    ('genibo', None): 0.8,
+    ('cuhk', None): 0.8,
+    ('titan_viii', None): 1.1,
+}
+"""Impulse over m sqrt(g h) that nine of ten pushes are to survive, by robot and period [s]."""
+
+_IN_MUJOCO = 0.8
+"""Fraction of it in MuJoCo."""
+
+_HARDEST = 0.7
+"""Fraction of it with everything that makes it harder together."""
+
+_SURVIVE = 0.9
+
+_SPEEDS = (0.0, 0.5, 1.0)
+
+_DIRECTIONS, _PHASES = 8, 8
+
+_SILENCES = 200
+
+_STEADY = 20.0
+"""Time of a trot that nothing disturbs [s]."""
+
+_QUICK = ('a1', 0.3)
+
+
+def measure(
+    console: Console, quick: bool, seed: int, only: tuple[str, ...] = ()
+) -> tuple[list[Criterion], dict[str, Any]]:
+    """
+    Push robots, disturb them, and let them trot.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress and tables are shown.
+    quick : bool
+        A few pushes of one robot.
+    seed : int
+        Seed of the sensors' errors, and of instants.
+    only : tuple of str
+        Parts to run; all if empty.
+
+    Returns
+    -------
+    bars : list of Criterion
+        What was measured.
+    details : dict
+        Every case.
+    """
+    bars: list[Criterion] = []
+    details: dict[str, Any] = {'quick': quick, 'seed': seed, 'backend': resolved(AUTO)}
+    for name, part in PARTS.items():
+        if (only and name not in only) or (quick and not only and name == 'levels'):
+            continue
+        console.rule(name)
+        part_bars, details[name] = part(console, quick, seed)
+        bars += part_bars
+    return bars, details
+
+
+def _level(robot: str, period: float | None) -> float:
+    """Return the impulse that is to be survived in the engine that runs."""
+    return LEVELS[robot, period] * (_IN_MUJOCO if resolved(AUTO) == 'mujoco' else 1.0)
+
+
+def _in_workers(work: Callable[..., Result], jobs: Sequence[tuple[Any, ...]]) -> list[Result]:
+    """Do all jobs in worker processes, in the engine that runs here."""
+    with worker_pool() as pool:
+        return _mapped(pool, work, jobs)
+
+
+def _mapped(
+    pool: Executor, work: Callable[..., Result], jobs: Sequence[tuple[Any, ...]]
+) -> list[Result]:
+    backend = resolved(AUTO)
+    return [f.result() for f in [pool.submit(_in_engine, backend, work, *job) for job in jobs]]
+
+
+def _in_engine(backend: str, work: Callable[..., Result], *given: Any) -> Result:
+    with preferred(backend):
+        return work(*given)
+
+
+def _pushes(console: Console, quick: bool, seed: int) -> Bars:
+    """Push from all directions at all phases, in place, at half and at full speed."""
+    if quick:
+        case = BalanceCase(*_QUICK)
+        level = _level(*_QUICK)
+        (fraction,) = _in_workers(survivors, [(case, level, 4, 2)])
+        name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived, of 8'
+        return [at_least(name, 8.0 * fraction, '', 7.0)], {str(case): fraction}
+    cases = [BalanceCase(*who, speed=speed) for who in LEVELS for speed in _SPEEDS]
+    planned = [replace(case, keeps_balance=False) for case in cases]
+    found = _in_workers(survival, [(c, _DIRECTIONS, _PHASES, seed) for c in (*cases, *planned)])
+    console.print(_push_table(found))
+    bars = []
+    for one, other in zip(found, found[len(cases) :]):
+        level = _level(one.case.robot, one.case.period)
+        value = one.survived_by(_SURVIVE)
+        bars += [
+            at_least(f'{one.case}: impulse that 90 % survive', value, 'm sqrt(g h)', level),
+            figure(f'{one.case}: the same, planned', other.survived_by(_SURVIVE), 'm sqrt(g h)'),
+        ]
+    return bars, {str(one.case): asdict(one) for one in found}
+
+
+def _levels(console: Console, quick: bool, seed: int) -> Bars:
+    """Push all robots as hard as nine of ten pushes are to be survived, sixteen times each."""
+    whos = [_QUICK] if quick else list(LEVELS)
+    cases = [BalanceCase(*who) for who in whos]
+    cases += [replace(case, keeps_balance=False) for case in cases]
+    jobs = [(case, _level(case.robot, case.period), 8, 1 if quick else 2) for case in cases]
+    fractions = _in_workers(survivors, jobs)
+    bars = []
+    for (case, level, _, _), fraction in zip(jobs, fractions):
+        name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived'
+        keeps = case.keeps_balance
+        value = 100.0 * fraction
+        bars.append(at_least(name, value, '%', 90.0) if keeps else figure(name, value, '%'))
+    return bars, {str(job[0]): fraction for job, fraction in zip(jobs, fractions)}
+
+
+def _disturbed(console: Console, quick: bool, seed: int) -> Bars:
+    """Push on slippery ground, with a payload, late, with noise; each alone and all together."""
+    if quick:
+        case = BalanceCase(*_QUICK).hardest()
+        level = _HARDEST * _level(*_QUICK)
+        (fraction,) = _in_workers(survivors, [(case, level, 4, 2)])
+        name = f'{case}: pushes of {level:.3g} m sqrt(g h) survived, of 8'
+        return [at_least(name, 8.0 * fraction, '', 7.0)], {str(case): fraction}
+    cases = []
+    for who in LEVELS:
+        case = BalanceCase(*who)
+        cases += [
+            replace(case, is_slippery=True),
+            replace(case, has_payload=True),
+            replace(case, is_late=True),
+            replace(case, is_noisy=True),
+            case.hardest(),
+        ]
+    found = _in_workers(survival, [(case, _DIRECTIONS, _PHASES, seed) for case in cases])
+    console.print(_push_table(found))
+    bars = []
+    for one in found:
+        value, name = one.survived_by(_SURVIVE), f'{one.case}: impulse that 90 % survive'
+        level = _HARDEST * _level(one.case.robot, one.case.period)
+        is_all = one.case == one.case.hardest()
+        bars.append(
+            at_least(name, value, 'm sqrt(g h)', level)
+            if is_all
+            else figure(name, value, 'm sqrt(g h)')
+        )
+    return bars, {str(one.case): asdict(one) for one in found}
+
+
+def _push_table(found: Sequence[Survival]) -> Table:
+    table = Table(
+        'case', '90 % survive', '50 %', 'the least', 'gained by the body, median',
+        title='impulse over m sqrt(g h), of 0.1 s',
+    )  # fmt: skip
+    for one in found:
+        if one.has_fallen:
+            table.add_row(str(one.case), 'fell before', '', '', '')
+            continue
+        gained = sorted(one.gained)[len(one.gained) // 2]
+        figures = (one.survived_by(_SURVIVE), one.survived_by(0.5), min(one.impulses), gained)
+        table.add_row(str(one.case), *(f'{value:.2f}' for value in figures))
+    return table
+
+
+def _unpushed(console: Console, quick: bool, seed: int) -> Bars:
+    """Trot straight on, and compare with the trot that is planned as a whole."""
+    whos = [_QUICK] if quick else list(LEVELS)
+    speeds = (0.5,) if quick else _SPEEDS
+    cases = [BalanceCase(*who, speed=speed) for who in whos for speed in speeds]
+    planned = [replace(case, keeps_balance=False) for case in cases]
+    duration = 4.0 if quick else _STEADY
+    trots = _in_workers(steady_trot, [(case, duration, seed) for case in (*cases, *planned)])
+    table = Table('case', 'asked', 'walked', 'drift', 'tilt rms', 'decision', title='steady trots')
+    for trot in trots:
+        table.add_row(
+            str(trot.case), f'{trot.asked:.3f} m/s', f'{trot.speed:.3f} m/s',
+            f'{1e2 * trot.drift:.2f} %', f'{math.degrees(trot.tilt_rms):.2f} deg',
+            f'{1e3 * trot.update_time:.2f} ms',
+        )  # fmt: skip
+    console.print(table)
+    bars = [at_most('falls of steady trots', sum(t.has_fallen for t in trots[: len(cases)]), '', 0)]
+    for trot, other in zip(trots, trots[len(cases) :]):
+        bars += _trot_bars(trot, other)
+    slowest = max(trot.update_time for trot in trots[: len(cases)])
+    bars.append(at_most('time of a decision, median of the slowest', 1e3 * slowest, 'ms', 2.0))
+    return bars, {str(trot.case): asdict(trot) for trot in trots}
+
+
+def _trot_bars(trot: SteadyTrot, planned: SteadyTrot) -> list[Criterion]:
+    name = str(trot.case)
+    tilt, before = math.degrees(trot.tilt_rms), math.degrees(planned.tilt_rms)
+    bars = [at_most(f'{name}: tilt rms (planned: {before:.2f})', tilt, 'deg', max(before, 0.1))]
+    if trot.asked:
+        bars += [
+            at_most(f'{name}: error of the speed', 1e2 * abs(trot.error), '%', 2.0),
+            at_most(f'{name}: drift', 1e2 * trot.drift, '%', 1.0),
+        ]
+    return bars
+
+
+def _silence(console: Console, quick: bool, seed: int) -> Bars:
+    """Let robots receive nothing more at random instants."""
+    whos = [_QUICK] if quick else list(LEVELS)
+    count = 6 if quick else _SILENCES
+    cases = [BalanceCase(*who, speed=1.0) for who in whos]
+    stood = _in_workers(silences, [(case, count, seed) for case in cases])
+    return [
+        at_least(f'{case}: silences that end on four feet, of {count}', number, '', count)
+        for case, number in zip(cases, stood)
+    ], {str(case): number for case, number in zip(cases, stood)}
+
+
+PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
+    'levels': _levels,
+    'pushes': _pushes,
+    'disturbed': _disturbed,
+    'unpushed': _unpushed,
+    'silence': _silence,
+}
+"""What is measured, by the name for ``--only``."""

@@ -1,0 +1,219 @@
+"""What is given out goes on with what runs, keeps the limits, and ends on four feet."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from quad_common.planar_pose import Pose2D, Twist2D
+from quad_common.robot_files.robot_file import load_robot
+from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
+from quad_common.trajectory.trajectory_gate import JointLimits
+from quad_gait.balance.balance_options import BalanceOptions, EstimateOptions
+from quad_gait.balance.balanced_motion import BalancedMotion
+from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading, leg_velocity
+from quad_gait.balance.course import Course
+from quad_gait.balance.foot_laws import Pace
+from quad_gait.balance.joint_motion import monotone_speeds, smooth_speeds
+from quad_gait.balance.phase_clock import PhaseClock
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait
+
+ROBOT = load_robot('cuhk')
+GAIT = load_gait('trot', ROBOT).with_period(0.25)
+POSTURE = ROBOT.initial_joint_angles
+STILL = BodyEstimate((0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0)
+RNG = np.random.default_rng(19)
+NONE = np.zeros(3)
+AHEAD = Pace(0.2, 0.0, 0.0)
+
+
+def motion_with(**options):
+    return BalancedMotion(ROBOT, GAIT, BalanceOptions(**options), 1.0, POSTURE)
+
+
+def pushed(rng):
+    """How a body moves that somebody shoves about."""
+    vx, vy, turn, roll, pitch, p, q = rng.normal(0.0, 1.0, 7) * [0.4, 0.4, 1.0, 0.1, 0.1, 1.0, 1.0]
+    return BodyEstimate((vx, vy), turn, roll, pitch, p, q)
+
+
+def updates(motion, bodies, pace=AHEAD):
+    """Answer to measurements; return the trajectories, with their times."""
+    given = [(1.0 + 0.02 * k, motion.update(1.0 + 0.02 * k, b, pace)) for k, b in enumerate(bodies)]
+    return [(time, trajectory) for time, trajectory in given if trajectory is not None]
+
+
+def test_every_trajectory_goes_on_with_the_one_before():
+    limits = JointLimits.of(ROBOT)
+    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE.reshape(-1), limits.velocity)
+    rng = np.random.default_rng(1)
+    for time, trajectory in updates(motion_with(), [pushed(rng) for _ in range(60)]):
+        for late in (0.0, 0.013):
+            before = executor.command(time + late)
+            if late:
+                assert executor.accept(trajectory, time + late)
+            after = executor.command(time + late)
+            assert np.allclose(after[0], before[0], atol=1e-6)
+            assert np.allclose(after[1], before[1], atol=1e-4)
+
+
+def test_joints_keep_their_limits_however_the_body_is_shoved():
+    limits, rng = JointLimits.of(ROBOT), np.random.default_rng(2)
+    given = updates(motion_with(), [pushed(rng) for _ in range(100)])
+    assert len(given) > 80
+    for _, trajectory in given:
+        limits.check(trajectory.times, trajectory.positions, trajectory.velocities)
+
+
+def test_every_trajectory_ends_at_rest_with_all_feet_down():
+    rng = np.random.default_rng(3)
+    ground = ROBOT.neutral_feet[:, 2].mean()
+    for _, trajectory in updates(motion_with(), [STILL] * 10 + [pushed(rng) for _ in range(20)]):
+        assert not trajectory.velocities[-1].any()
+        feet = ROBOT.foot_positions(trajectory.positions[-1].reshape(4, 3))
+        assert np.ptp(feet[:, 2]) < 0.25 * ROBOT.hip_height
+    trajectory = updates(motion_with(), [STILL] * 20, Pace(0.0, 0.0, 0.0))[-1][1]
+    feet = ROBOT.foot_positions(trajectory.positions[-1].reshape(4, 3))
+    assert np.allclose(feet[:, 2], ground, atol=1e-6)
+    assert np.allclose(feet, ROBOT.neutral_feet, atol=1e-3)
+
+
+def test_what_holds_is_not_changed_by_what_is_measured():
+    calm, shoved = motion_with(), motion_with()
+    bodies = [STILL] * 12
+    first = updates(calm, bodies)[-1]
+    other = updates(shoved, [*bodies[:-1], pushed(np.random.default_rng(4))])[-1]
+    time = np.array([first[0] + 0.02])
+    assert np.allclose(first[1].positions_at(time), other[1].positions_at(time))
+    assert not np.allclose(first[1].positions[-1], other[1].positions[-1], atol=1e-3)
+
+
+def test_nothing_follows_what_was_not_answered_to_in_time():
+    motion = motion_with()
+    updates(motion, [STILL] * 5)
+    assert motion.is_over(1.0 + 0.02 * 30)
+    assert motion.update(1.0 + 0.02 * 30, STILL, Pace(0.0, 0.0, 0.0)) is None
+
+
+def test_no_foot_lifts_after_the_end():
+    clock = replace(PhaseClock.of(GAIT, 1.0), end=2.0)
+    assert all(clock.in_stance(t).all() for t in np.arange(2.0 + clock.longest_swing, 4.0, 0.01))
+    assert not all(clock.in_stance(t).all() for t in np.arange(1.0, 2.0, 0.01))
+
+
+def test_each_foot_stands_for_its_part_of_a_cycle():
+    clock = PhaseClock.of(GAIT, 0.0)
+    times = np.linspace(10 * GAIT.cycle_period, 12 * GAIT.cycle_period, 4000, endpoint=False)
+    stands = np.mean([clock.in_stance(t) for t in times], axis=0)
+    assert stands == pytest.approx(
+        [GAIT.duty_factor(leg) for leg in ('lf', 'rf', 'lh', 'rh')], abs=2e-3
+    )
+
+
+def test_parabolas_are_differentiated_exactly_whatever_the_spacing():
+    times = np.cumsum(RNG.uniform(0.01, 0.05, 12))
+    a, b = RNG.normal(size=(2, 4, 3))
+    positions = a * times[:, None, None] ** 2 + b
+    assert np.allclose(smooth_speeds(times, positions)[1:-1], (2 * a * times[:, None, None])[1:-1])
+
+
+def test_monotone_speeds_never_leave_the_range_of_two_knots():
+    times = np.arange(20) * 0.02
+    positions = RNG.normal(size=(20, 4, 3))
+    speeds = monotone_speeds(times, positions)
+    slopes = np.abs(np.diff(positions, axis=0)) / 0.02
+    # Three times the slope is what a monotone cubic bears.
+    assert (np.abs(speeds[1:-1]) <= 3.0 * np.minimum(slopes[:-1], slopes[1:]) + 1e-9).all()
+
+
+def test_a_course_begins_and_ends_as_it_was_planned():
+    start, entry, motion, after = (
+        Pose2D(1.0, 2.0, 0.5),
+        Twist2D(0.1),
+        BodyMotion(0.2, 0.05, 0.1),
+        Twist2D(0.3, 0.0, 0.2),
+    )
+    course = Course(3.0, 0.5, start, entry, motion, after)
+    pose, twist = course.at(3.0)
+    assert (pose, twist) == (start, entry)
+    pose, twist = course.at(3.5)
+    end = start @ motion.end
+    assert (pose.x, pose.y, pose.yaw) == pytest.approx((end.x, end.y, end.yaw))
+    assert twist == after
+    pace = course.pace(3.0, start, 1.5, 0.1)
+    assert pace == pytest.approx((0.1, 0.0, 0.0))
+
+
+def test_a_robot_beside_its_course_is_drawn_back_to_it():
+    course = Course(0.0, 1.0, Pose2D(0.0, 0.0, 0.0), Twist2D(), BodyMotion(), Twist2D())
+    pace = course.pace(0.5, Pose2D(0.02, -0.04, 0.1), 1.5, 1.0)
+    assert pace.forward < 0.0 < pace.left
+    assert pace.turn < 0.0
+    far = course.pace(0.5, Pose2D(5.0, 0.0, 0.0), 1.5, 0.1)
+    assert np.hypot(far.forward, far.left) == pytest.approx(0.1)
+
+
+# The estimate
+
+
+def rolling(velocity, rates=NONE):
+    """Joint speeds with which feet stand while the body moves, for a level body."""
+    joints = POSTURE
+    speeds = np.zeros((4, 3))
+    for _ in range(20):
+        calves = ROBOT.calf_angular_velocities(joints, speeds) + rates
+        feet = ROBOT.foot_positions(joints)
+        wanted = (
+            ROBOT.foot_radius * np.cross(calves, [0.0, 0.0, 1.0]) - np.cross(rates, feet) - velocity
+        )
+        speeds = np.linalg.solve(ROBOT.foot_jacobians(joints), wanted[..., None])[..., 0]
+    return speeds
+
+
+def reading(time, speeds, rates=NONE, force=None, **changes):
+    level = np.array([0.0, 0.0, 0.0, 1.0])
+    stands = np.ones(4, dtype=bool)
+    return replace(BodyReading(time, POSTURE, speeds, None, level, rates, force, stands), **changes)
+
+
+def test_feet_that_roll_on_the_ground_tell_the_velocity():
+    velocity, rates = np.array([0.3, -0.1, 0.0]), np.array([0.2, -0.3, 0.5])
+    now = reading(1.0, rolling(velocity, rates), rates)
+    assert leg_velocity(ROBOT, now, np.eye(3), np.ones(4)) == pytest.approx([0.3, -0.1])
+
+
+def test_an_estimate_comes_to_what_feet_and_accelerometer_agree_on():
+    estimator = BodyEstimator(ROBOT, EstimateOptions())
+    up = np.array([0.0, 0.0, 9.80665])
+    speeds = rolling(np.array([0.2, 0.0, 0.0]))
+    for k in range(100):
+        found = estimator.update(reading(1.0 + 0.02 * k, speeds, force=up))
+    assert found.velocity == pytest.approx((0.2, 0.0), abs=1e-3)
+
+
+def test_the_bias_of_an_accelerometer_is_learned():
+    estimator = BodyEstimator(ROBOT, EstimateOptions())
+    biased = np.array([1.0, -0.5, 9.80665])
+    for k in range(300):
+        found = estimator.update(reading(1.0 + 0.02 * k, rolling(np.zeros(3)), force=biased))
+    assert found.velocity == pytest.approx((0.0, 0.0), abs=2e-3)
+
+
+def test_a_push_is_felt_by_the_accelerometer_while_no_foot_bears():
+    estimator = BodyEstimator(ROBOT, EstimateOptions())
+    up = np.array([0.0, 0.0, 9.80665])
+    estimator.update(reading(1.0, np.zeros((4, 3)), force=up))
+    none = np.zeros(4, dtype=bool)
+    for k in range(1, 6):
+        force = up + [0.0, 3.0, 0.0]
+        found = estimator.update(
+            reading(1.0 + 0.02 * k, np.zeros((4, 3)), force=force, in_stance=none)
+        )
+    # Trapezoids: half of the first step.
+    assert found.velocity == pytest.approx((0.0, 3.0 * 0.09))
+
+
+def test_a_tilt_goes_on_as_fast_as_the_body_turns():
+    body = BodyEstimate((0.0, 0.0), 0.0, 0.1, -0.2, 1.0, 2.0)
+    assert body.tilt_in(0.05) == pytest.approx((0.15, -0.1))

@@ -1,0 +1,120 @@
+"""A robot that keeps its balance: pushed, left alone, without its imu, and at a goal."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+
+from quad_common.plan import Plan
+from quad_common.planar_pose import Twist2D
+from quad_common.robot_files.robot_file import load_robot
+from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.behaviours.activity import Activity
+from quad_gait.behaviours.options import SupervisorOptions
+from quad_gait.cycle.gait import load_gait
+from quad_lab.balance.balance_case import BalanceCase, BalanceWalk
+from quad_lab.balance.pushes import apart, survivors
+from quad_lab.balance.steady import silences
+from quad_lab.closed_loop.balance_loop import NOISY, BalanceLoop
+from quad_lab.closed_loop.controllers import controller_for
+from quad_sim.engines.registry import preferred
+
+ROBOT = load_robot('cuhk')
+
+
+@pytest.fixture(autouse=True)
+def in_mujoco():
+    pytest.importorskip('mujoco')
+    with preferred('mujoco'):
+        yield
+
+
+@pytest.fixture
+def loop():
+    gait = load_gait('trot', ROBOT)
+    options = SupervisorOptions(
+        least_margin=0.005, twist_timeout=math.inf, balance=BalanceOptions()
+    )
+    made = BalanceLoop(ROBOT, controller_for(ROBOT, gait, options), delay=0.02, noise=NOISY)
+    made.run(0.3)
+    yield made
+    made.close()
+
+
+def test_pushes_from_all_sides_are_survived():
+    case = BalanceCase('cuhk', speed=0.0)
+    assert survivors(case, 0.6, directions=4, phases=1) == 1.0
+
+
+def test_a_robot_that_receives_nothing_more_comes_to_stand_on_four_feet():
+    assert silences(BalanceCase('cuhk', speed=1.0), 2) == 2
+
+
+def test_a_trial_leaves_everything_as_it_was():
+    walk = BalanceWalk(BalanceCase('cuhk', speed=0.0))
+    try:
+        time, pose = walk.loop.time, walk.loop.simulation.observe().pose
+        assert apart(partial(walk.loop.run, 0.1)) is False
+        assert walk.loop.time == time
+        assert walk.loop.simulation.observe().pose == pose
+    finally:
+        walk.close()
+
+
+def test_without_its_imu_it_walks_by_plans_and_says_so(loop):
+    controller = loop.controller
+    controller.set_twist(Twist2D(0.15))
+    loop.run(1.0)
+    assert controller.activity is Activity.BALANCING
+    loop.has_imu = False
+    loop.run(0.5)
+    assert 'no imu' in controller.limit
+    assert loop.run(6.0, until=lambda: controller.activity is Activity.WALKING)
+    assert 'without keeping its balance' in controller.unbalanced
+    assert not loop.record.has_fallen
+
+
+def test_it_arrives_where_a_plan_leads(loop):
+    controller = loop.controller
+    plan = Plan.through([[0.0, 0.0], [0.25, 0.0], [0.25, 0.2]], 1.57)
+    controller.set_plan(plan)
+    loop.run(20.0, until=lambda: controller.activity.is_terminal)
+    assert controller.activity is Activity.ARRIVED
+    loop.run(1.0)
+    end = loop.record.poses[-1]
+    assert end.distance_to(plan.poses[-1]) < 0.05
+    assert abs(end.yaw - 1.57) < math.radians(5.0)
+
+
+def test_it_stops_and_starts_again_at_once(loop):
+    controller = loop.controller
+    for forward in (0.2, 0.0, 0.2):
+        controller.set_twist(Twist2D(forward))
+        loop.run(0.45)
+    loop.run(0.6)
+    assert controller.activity is Activity.BALANCING
+    controller.set_twist(Twist2D())
+    assert loop.run(4.0, until=lambda: controller.activity is Activity.STANDING)
+    assert not loop.record.has_fallen
+
+
+def test_the_emergency_stop_holds_all_joints(loop):
+    controller = loop.controller
+    controller.set_twist(Twist2D(0.1))
+    loop.run(1.0)
+    hold = controller.freeze()
+    loop.simulation.accept(hold)
+    loop.run(0.3)
+    before = loop.simulation.commanded
+    loop.run(0.3)
+    assert controller.activity is Activity.EMERGENCY_STOP
+    assert np.array_equal(loop.simulation.commanded, before)
+
+
+def test_the_joint_watch_finds_nothing_wrong_with_sound_joints(loop):
+    controller = loop.controller
+    controller.set_twist(Twist2D(0.3, 0.0, 0.3))
+    loop.run(3.0)
+    assert controller.activity is Activity.BALANCING
+    assert controller.limit == '' or 'the most' in controller.limit
