@@ -139,10 +139,12 @@ class Planner(Generic[Prepared]):
         side = self._method.clearance_radius / 2.0
         grid = OccupancyGrid(cells, side, Pose2D(0.0, 0.0, 0.0))
         start, behind, before = (Pose2D(x * side, 24.3 * side, 0.3) for x in (8.6, 40.2, 15.4))
+        # Far enough from the wall, in a cell that is not as a whole.
+        corner = Pose2D(27.9 * side, 33.9 * side, 0.3)
         # Whether there is a plan does not matter, nor whether the method can use this map.
         with suppress(QuadError):
             prepared = self._method.prepare(grid)
-            for goal in (behind, before):
+            for goal in (behind, before, corner):
                 with suppress(PlannerError):
                     self._method.plan(prepared, start, goal)
 
