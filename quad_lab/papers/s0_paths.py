@@ -26,9 +26,10 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.papers.comparison import Exhibit, at_least, at_most, same, words
 from quad_lab.papers.drawing import COLORS, name_axes, panels
+from quad_lab.tools.dijkstra import DijkstraResult, shortest_path
+from quad_planner.methods.mesh_moves import MOVES
 from quad_planner.methods.mesh_planner import MeshPlanner, PreparedMesh
 from quad_planner.parameters import PlannerParameters
-from quad_planner.search.dijkstra import DijkstraResult, shortest_path
 
 Array = NDArray[np.float64]
 
@@ -218,9 +219,7 @@ def _distance_to_box(point: Array, box: _Box) -> float:
 def _least_length(mesh: PreparedMesh, size: float) -> float:
     """Return the length of the shortest path over the mesh by scipy [m]."""
     columns = mesh.candidates.shape[1]
-    edges = [
-        (u, u + step) for u, exits in enumerate(mesh.exits) for step, _, _ in mesh.moves[exits]
-    ]
+    edges = [(u, u + step) for u in range(mesh.exits.size) for step in _steps(mesh, u)]
     starts, ends = np.array(edges).T
     along = np.isin(np.abs(ends - starts), (1, columns))
     lengths = np.where(along, size, math.sqrt(2.0) * size)
@@ -228,6 +227,14 @@ def _least_length(mesh: PreparedMesh, size: float) -> float:
     graph = csr_array((lengths, (starts, ends)), shape=(count, count))
     source, goal = (round(y) * columns + round(x) for x, y in _ENDS)
     return float(dijkstra(graph, indices=source)[goal])
+
+
+def _steps(mesh: PreparedMesh, crossing: int) -> Iterator[int]:
+    """Give the differences between a crossing's number and those that may be walked to from it."""
+    columns = mesh.exits.shape[1]
+    for number, (right, up) in enumerate(MOVES):
+        if mesh.exits.flat[crossing] >> number & 1:
+            yield up * columns + right
 
 
 def _draw_room(figure: Figure, mesh: PreparedMesh, corners: Array) -> None:
@@ -265,7 +272,7 @@ def _choice_exhibit() -> Exhibit:
     corners = plan.corners / planner.mesh_size
     columns = mesh.candidates.shape[1]
     x, y = _NUMBERED[2]
-    free = {step for step, _, _ in mesh.moves[mesh.exits[y * columns + x]]}
+    free = set(_steps(mesh, y * columns + x))
     towards = {n: (_NUMBERED[n][1] - y) * columns + _NUMBERED[n][0] - x for n in (3, 6, 7)}
     rows = (
         words('move from 1', 'along the diagonal, to 2', _move(corners, 1)),
