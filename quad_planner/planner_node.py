@@ -114,8 +114,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
     def _on_followed(self, message: Path) -> None:
         if self.rest_note():
             return
-        plan = plan_from_message(message)
-        header = message.header
+        plan, header = plan_from_message(message), message.header
         self._session.take_followed(nanoseconds_from_time(header.stamp), header.frame_id, plan)
 
     def _on_heartbeat(self) -> None:

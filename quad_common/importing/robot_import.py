@@ -5,6 +5,7 @@ Imports a robot: from a description to everything that a gait needs.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -109,9 +110,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     MissingOptionalDependency
         If the packages that read descriptions are not installed.
     """
-    options = ImportOptions() if options is None else options
-    notes = Notes()
-    path = Path(path)
+    options, notes, path = options or ImportOptions(), Notes(), Path(path)
     robot = read_description(path, dict(options.arguments))
     tree = KinematicTree(robot, path)
     chains = find_legs(tree, notes)
@@ -122,14 +121,14 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     order = corners(moved(to_base, axes.hips), path)
     chains, feet = [chains[k] for k in order], [feet[k] for k in order]
     at_zero = _at_zero(axes, order, feet, to_base)
-    legs = [
-        _ranged_leg(leg, chain, leg_type, options.knees, notes, path)
-        for leg, chain in zip(at_zero, chains)
-    ]
+    hips = np.array([leg.hip for leg in at_zero])
+    ranged = partial(_ranged_leg, leg_type=leg_type, knees=options.knees, notes=notes, path=path)
+    legs = [ranged(leg, chain) for leg, chain in zip(at_zero, chains)]
     parts = find_parts(tree, chains, notes)
     masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))
-    sizes = _sizes(tree, chains, parts, at_zero, feet, to_base, notes)
+    box = body_box(tree, list(parts.body.links), to_base, hips, notes)
+    sizes = Sizes(*box, _radii(tree, chains, at_zero, feet, to_base, notes))
     return ImportedRobot(
         name=file_name(options.name) if options.name else _name(path, robot.name),
         leg_type=leg_type,
@@ -188,24 +187,21 @@ def _at_zero(axes: LegAxes, order: list[int], feet: list[Foot], to_base: Array) 
     ]
 
 
-def _sizes(
+def _radii(
     tree: KinematicTree,
     chains: list[LegChain],
-    parts: Parts,
     at_zero: list[LegAtZero],
     feet: list[Foot],
     to_base: Array,
     notes: Notes,
-) -> Sizes:
-    hips = np.array([leg.hip for leg in at_zero])
-    size, center = body_box(tree, list(parts.body.links), to_base, hips, notes)
+) -> dict[str, float]:
     back = inverse(to_base)
     ends = np.array(
         [[moved(back, np.array(pair)) for pair in _middle_lines(leg)] for leg in at_zero]
     )
     across = np.array([leg.axes[1] for leg in at_zero]) @ to_base[:3, :3]
     foot_links = [foot.link for foot, chain in zip(feet, chains) if foot.link != chain.links[-1]]
-    return Sizes(size, center, link_radii(tree, chains, ends, across, foot_links, notes))
+    return link_radii(tree, chains, ends, across, foot_links, notes)
 
 
 def _middle_lines(leg: LegAtZero) -> list[tuple[Array, Array]]:

@@ -138,16 +138,10 @@ class FootPlanner:
         -------
         FootPlan
         """
-        options = self._options
-        then, dt = times[1], times[1] - times[0]
+        options, measured = self._options, demand.measured
+        dt = times[1] - times[0]
         part, kept = options.giving_way, math.exp(-dt / options.righting_time)
-        step, turn_step = dt * GRAVITY * options.acceleration, dt * options.turn_acceleration
-        wanted, last, measured = demand.pace, plan.pace, demand.measured
-        pace = Pace(
-            _toward(last.forward, wanted.forward, step),
-            _toward(last.left, wanted.left, step),
-            _toward(last.turn, wanted.turn, turn_step),
-        )
+        pace = self._pace_after(plan.pace, demand.pace, dt)
         aim = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
         error = measured.forward - aim.forward, measured.left - aim.left
         given_way = Pace(
@@ -156,20 +150,13 @@ class FootPlanner:
             pace.turn + options.turn_giving_way * (measured.turn - pace.turn),
         )
         excess = self.capture_time * error[0], self.capture_time * error[1]
-        phases = clock.swing_phases(then)
+        phases = clock.swing_phases(times[1])
         feet = []
         for foot, neutral, (fraction, left), stance in zip(
             plan.feet, self._neutral, phases, clock.stance_times
         ):
             if fraction is None and not foot.swings:
-                vx, vy = ground_velocity(foot.x, foot.y, given_way)
-                roll, pitch = kept * foot.roll, kept * foot.pitch
-                feet.append(
-                    Foot(
-                        foot.x + dt * vx, foot.y + dt * vy, neutral[2], vx, vy,
-                        roll, pitch, False, foot.target,
-                    )
-                )  # fmt: skip
+                feet.append(_standing(foot, neutral[2], given_way, dt, kept))
                 continue
             vx, vy = foot.vx, foot.vy
             if not foot.swings:
@@ -190,6 +177,23 @@ class FootPlanner:
                 )
             )  # fmt: skip
         return FootPlan(tuple(feet), pace)
+
+    def _pace_after(self, last: Pace, wanted: Pace, dt: float) -> Pace:
+        """Return the pace after a time [s], gathered no faster than the options allow."""
+        step = dt * GRAVITY * self._options.acceleration
+        turn_step = dt * self._options.turn_acceleration
+        return Pace(
+            _toward(last.forward, wanted.forward, step),
+            _toward(last.left, wanted.left, step),
+            _toward(last.turn, wanted.turn, turn_step),
+        )
+
+
+def _standing(foot: Foot, height: float, given_way: Pace, dt: float, kept: float) -> Foot:
+    """Return a foot that stands after a time [s], with the part of its tilt that is kept."""
+    vx, vy = ground_velocity(foot.x, foot.y, given_way)
+    x, y = foot.x + dt * vx, foot.y + dt * vy
+    return Foot(x, y, height, vx, vy, kept * foot.roll, kept * foot.pitch, False, foot.target)
 
 
 def _toward(value: float, wanted: float, step: float) -> float:

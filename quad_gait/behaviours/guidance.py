@@ -83,8 +83,7 @@ class Guidance:
         self._follower = self.gaits.follower()
         self._new_gaits: ChangeGaits | None = None
         correction = options.follower.largest_correction if options.hold_course else 0.0
-        steps_in_place = options.balance is not None and options.balance.steps_in_place
-        self.steering = Steering(options.twist_timeout, correction, steps_in_place)
+        self.steering = Steering(options.twist_timeout, correction, options.steps_in_place)
         """Velocity that is wanted, and the course."""
         self._pieces: list[Piece] | None = None
         self.has_new_plan = False

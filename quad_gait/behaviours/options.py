@@ -45,3 +45,8 @@ class SupervisorOptions:
     ahead."""
     watches_joints: bool = True
     """Whether a joint that does not answer brings the robot to a standstill."""
+
+    @property
+    def steps_in_place(self) -> bool:
+        """Whether a robot that keeps its balance steps in place when nothing else is wanted."""
+        return self.balance is not None and self.balance.steps_in_place

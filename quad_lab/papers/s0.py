@@ -183,7 +183,7 @@ def _draw_sequence(robot: Robot, cycle: Cycle, figure: Figure) -> None:
     figure.supylabel('forward [m]', fontsize=8)
 
 
-def _joints_exhibit(courses: LegCourses) -> Exhibit:
+def _joint_rows(courses: LegCourses) -> tuple[Row, ...]:
     times, theta = courses.times, courses.angles
     at = {second: int(np.argmin(np.abs(times - second))) for second in range(6)}
     leg_1 = theta[:, 0]
@@ -193,7 +193,7 @@ def _joints_exhibit(courses: LegCourses) -> Exhibit:
     wrong_length = np.abs(b * np.cos(t3) + d * np.cos(t2) + e - courses.lengths).max()
     wrong_height = np.abs(b * np.sin(t3) + d * np.sin(t2) + a - courses.heights).max()
     rate = (leg_1[at[2], 0] - leg_1[at[2] - 1, 0]) / (times[1] - times[0])
-    rows = (
+    return (
         same('a cycle', 5.0, float(times[-1]), 's', 0.05),
         at_most(
             'change of all joints, 0 to 1 s',
@@ -243,6 +243,10 @@ def _joints_exhibit(courses: LegCourses) -> Exhibit:
         ),
     )
 
+
+def _joints_exhibit(courses: LegCourses) -> Exhibit:
+    times, theta = courses.times, courses.angles
+
     def draw(figure: Figure) -> None:
         for k, axes in enumerate(panels(figure, 1, 3)):
             draw_legs(axes, times, theta[..., k])
@@ -254,7 +258,7 @@ def _joints_exhibit(courses: LegCourses) -> Exhibit:
         'S0',
         'Fig. 15',
         'joint angles over a straight cycle',
-        rows,
+        _joint_rows(courses),
         'The curves are lost; their course is told.',
         draw,
     )

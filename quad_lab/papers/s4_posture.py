@@ -93,15 +93,14 @@ def ranges_exhibit() -> Exhibit:
     robot, gait = wave()
     timed = _evenly_timed(gait)
     beta = timed.duty_factor('lf')
-    stroke = beta * STRIDE.forward
-    offsets = _offsets(robot, timed) / stroke
+    offsets = _offsets(robot, timed) / (beta * STRIDE.forward)
     published = (
         -(0.5 - (beta - 0.75) / beta),
         -(0.5 - (beta - 0.5) / beta),
         (beta - 0.25) / beta - 0.5,
         0.5,
     )
-    proper, equal = _centers(robot, gait), _centers(robot, with_equal_feet(gait))
+    proper, equal = (np.ptp(_centers(robot, one)) for one in (gait, with_equal_feet(gait)))
     rows = (
         *(
             same(
@@ -116,14 +115,14 @@ def ranges_exhibit() -> Exhibit:
         at_most(
             'middles of the ranges, apart: proper posture',
             'even',
-            1e3 * float(np.ptp(proper)),
+            1e3 * float(proper),
             'mm',
             0.1,
         ),
         at_least(
             'middles of the ranges, apart: feet begin alike',
             'different',
-            1e3 * float(np.ptp(equal)),
+            1e3 * float(equal),
             'mm',
             1.0,
         ),

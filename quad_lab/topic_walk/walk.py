@@ -150,12 +150,7 @@ def walk(
         _start_nodes(nodes, options)
         if options.page is not None:
             on_page(start_viewer(stack.enter_context(NodeProcesses()), options.page))
-        recording = None
-        if options.recording is not None:
-            # It needs a package that is not everywhere.
-            from quad_lab.recordings.robot_recording import RobotRecording
-
-            recording = stack.enter_context(RobotRecording(options.recording))
+        recording = stack.enter_context(_recording(options))
         observer = stack.enter_context(_observer(options, nodes, recording))
         listen = observer.listen
         if not isinstance(nodes, NodeProcesses):
@@ -171,6 +166,16 @@ def walk(
 
         on_end(record, go_on)
         return record
+
+
+def _recording(options: WalkOptions) -> contextlib.AbstractContextManager[RobotRecording | None]:
+    """Return what records the walk, or nothing."""
+    if options.recording is None:
+        return contextlib.nullcontext()
+    # It needs a package that is not everywhere.
+    from quad_lab.recordings.robot_recording import RobotRecording
+
+    return RobotRecording(options.recording)
 
 
 def _facts(options: WalkOptions, record: WalkRecord) -> dict[str, object]:
