@@ -30,6 +30,8 @@ COMMANDS = {
     'plan': 'plan a path on a map, and draw it',
     'reproduce': "draw a paper's figures again, and print its numbers",
     'bench': 'measure what quadwalk does, and compare it with what it should do',
+    'campaign': 'walk thousands of walks over what varies, on any number of machines',
+    'replay-walk': 'run one walk of a campaign again, bit for bit',
     'calibrate': 'measure in simulation how far a gait goes, and keep it with the robot',
     'gait': 'list the gaits, or check one on a robot',
     'camera': 'see what a ceiling camera shows: colors, map, robot and goal, or where it is',
@@ -39,13 +41,16 @@ COMMANDS = {
 }
 """The commands."""
 
-_ROOMS = dict.fromkeys(('record', 'evaluate', 'replay'), 'recordings.')
+_ROOMS = {
+    **dict.fromkeys(('record', 'evaluate', 'replay'), 'recordings.'),
+    **dict.fromkeys(('campaign', 'replay-walk'), 'campaigns.'),
+}
 """Rooms of commands that are not in ``quad_cli`` itself."""
 
 
 def command_module(name: str) -> ModuleType:
     """Import the module of a command, one of :data:`COMMANDS`."""
-    return importlib.import_module(f'quad_cli.{_ROOMS.get(name, "")}{name}')
+    return importlib.import_module(f'quad_cli.{_ROOMS.get(name, "")}{name.replace("-", "_")}')
 
 
 def main(args: list[str] | None = None) -> int:

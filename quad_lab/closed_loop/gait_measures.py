@@ -89,22 +89,38 @@ def steady_walk(
     SteadyWalk
         What was measured; ``done`` is nan if there was no time for four cycles.
     """
-    controller = measuring_controller(robot, gait, least_margin=least_margin)
-    walk = ClosedLoop(robot, controller)
+    walk = ClosedLoop(robot, measuring_controller(robot, gait, least_margin=least_margin))
     try:
-        walk.run(0.1)
-        gear = controller.gait_pair.of_twist(direction.rate(1.0))
-        period = gear.period
-        if asked is None:
-            asked = direction.scaled(0.6 * gear.largest_scale(direction))
-        controller.set_twist(asked.rate(period))
-        walk.run(0.5)
-        ends = []
-        while walk.time < duration and not walk.record.has_fallen:
-            ends.append(walk.next_cycle_end())
-        return _steady_walk(robot, walk, asked, period, ends[2:])
+        return steered_walk(walk, direction, duration, asked)
     finally:
         walk.close()
+
+
+def steered_walk(
+    walk: ClosedLoop, direction: BodyMotion, duration: float, asked: BodyMotion | None = None
+) -> SteadyWalk:
+    """
+    Steer a robot that is ready to walk; as :func:`steady_walk`, which makes it ready.
+
+    Parameters
+    ----------
+    walk : ClosedLoop
+        The robot; it is for the caller to close.
+    direction, duration, asked
+        As of :func:`steady_walk`.
+    """
+    controller = walk.controller
+    walk.run(0.1)
+    gear = controller.gait_pair.of_twist(direction.rate(1.0))
+    period = gear.period
+    if asked is None:
+        asked = direction.scaled(0.6 * gear.largest_scale(direction))
+    controller.set_twist(asked.rate(period))
+    walk.run(0.5)
+    ends = []
+    while walk.time < duration and not walk.record.has_fallen:
+        ends.append(walk.next_cycle_end())
+    return _steady_walk(walk.robot, walk, asked, period, ends[2:])
 
 
 def _steady_walk(
