@@ -25,6 +25,7 @@ BENCHMARKS = {
     'localisation': 'quad_lab.benchmarks.bench_localisation',
     'robots': 'quad_lab.robots.bench_robots',
     'view': 'quad_lab.benchmarks.bench_view',
+    'campaign': 'quad_lab.campaigns.bench_campaign',
     'faults': 'quad_lab.attacks.bench_faults',
     'matrix': 'quad_lab.attacks.bench_matrix',
 }
@@ -41,6 +42,7 @@ EXAMPLES = """examples:
   quadwalk bench engines --only steps creep
   quadwalk bench localisation --quick
   quadwalk bench view --only updates
+  quadwalk bench campaign --quick
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
   quadwalk bench robots --only imports broken

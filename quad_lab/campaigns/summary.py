@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from quad_lab.campaigns.campaign_spec import CampaignSpec, Span
 from quad_lab.campaigns.campaign_run import Outcome
+from quad_lab.campaigns.campaign_spec import CampaignSpec, Span
 from quad_lab.campaigns.intervals import wilson_interval
 from quad_lab.campaigns.tuning import Tuned
 from quad_lab.seeded_walks.walk_task import Result, key_of

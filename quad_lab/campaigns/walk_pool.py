@@ -5,7 +5,7 @@ Where walks are computed: a cluster of Dask, or this process.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -121,12 +121,17 @@ class DaskPool:
         if not self._client.nthreads():
             raise NoWorkers(address)
         try:
-            digests = self._client.run(code_digest)
+            digests = self.on_every_worker(code_digest)
         except ModuleNotFoundError as error:
             raise WorkersDiffer(tuple(sorted(self._client.nthreads()))) from error
         other = sorted(worker for worker, found in digests.items() if found != code_digest())
         if other:
             raise WorkersDiffer(tuple(other))
+
+    def on_every_worker(self, function: Callable[..., Any], *arguments: Any) -> dict[str, Any]:
+        """Call a function on each worker; return what it returns, by the workers' addresses."""
+        results: dict[str, Any] = self._client.run(function, *arguments)
+        return results
 
     def run(self, jobs: Iterable[Job]) -> Iterator[list[Result]]:
         """

@@ -69,7 +69,7 @@ class BulletBody:
     inertial: InertialFrame
     """Frame of the body's inertia."""
     feet_by_calf: dict[int, int]
-    """Links of the feet by those that they are fixed to; none where all shapes are known."""
+    """Links of the feet by those that they are fixed to."""
 
 
 def load_body(client: Any, robot: Robot, in_physics: bool) -> BulletBody:
@@ -107,7 +107,7 @@ def load_body(client: Any, robot: Robot, in_physics: bool) -> BulletBody:
     for index in range(client.getNumJoints(number)):
         described = client.getJointInfo(number, index)
         by_name[described[1].decode()], links[index] = index, described[12].decode()
-        if robot.own_urdf and links[index] in robot.part_names.feet:
+        if links[index] in robot.part_names.feet:
             is_fixed = described[2] == client.JOINT_FIXED
             feet.update({described[16]: index} if is_fixed else {})
     joints = [by_name[name] for name in robot.joint_names]

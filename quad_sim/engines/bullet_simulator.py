@@ -27,13 +27,13 @@ from quad_sim.engines.bullet_scene import BulletScene
 from quad_sim.engines.bullet_walls import build_walls
 from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
-    FOOT_ZONE,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
     Observation,
     check_commands,
     falls_of,
+    foot_zone,
 )
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import initial_place
@@ -145,7 +145,8 @@ class BulletSimulator:
         self._feet = robot.part_names.feet
         self._falls = falls_of(robot)
         self._foot_of = body.feet_by_calf
-        """Feet by the calves that they are fixed to, of robots with a URDF of their own."""
+        """Feet by the calves that they are fixed to."""
+        self._foot_zone = foot_zone(robot)
         self._last_velocity = np.zeros(3)
         self.reset(Pose2D(0.0, 0.0, 0.0))
 
@@ -356,7 +357,7 @@ class BulletSimulator:
         if foot is None:
             return False
         center = self._bullet.getLinkState(self._body, foot)[4]
-        return math.dist(place, center) < FOOT_ZONE * self._robot.foot_radius
+        return math.dist(place, center) < self._foot_zone
 
     def _contacts(self) -> tuple[Contact, ...]:
         found = set()

@@ -17,12 +17,12 @@ from quad_common.rotations import quaternion_from_matrix
 from quad_sim.engines.joint_failure import FAILURES
 from quad_sim.engines.mujoco_drives import MujocoDrives
 from quad_sim.engines.simulator import (
-    FOOT_ZONE,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
     Observation,
     falls_of,
+    foot_zone,
 )
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.standing import initial_place
@@ -103,7 +103,8 @@ class MujocoSimulator:
         """Motors, and the anchors of contacts."""
         self._last_velocity = np.zeros(3)
         self._last_efforts: Array = np.zeros(12)
-        self._has_efforts = False
+        self._feet = robot.part_names.feet
+        self._foot_zone = foot_zone(robot)
         self._feet = robot.part_names.feet
         self._falls = falls_of(robot)
         self._appearance = Appearance() if appearance is None else appearance
@@ -297,7 +298,7 @@ class MujocoSimulator:
         self._names = [self._name_of(geom) for geom in range(model.ngeom)]
         self._is_foot = [name in self._feet for name in self._names]
         self._is_ground = [name == GROUND for name in self._names]
-        feet = [model.body(name).id for name in self._feet] if self._robot.own_urdf else []
+        feet = [model.body(name).id for name in self._feet]
         jointed = set(model.jnt_bodyid.tolist())
         self._foot_of = {int(model.body_parentid[f]): f for f in feet if f not in jointed}
 
@@ -331,7 +332,7 @@ class MujocoSimulator:
         if foot is None or not self._is_ground[other]:
             return False
         arm = self._data.contact.pos[index] - self._data.xpos[foot]
-        return float(np.linalg.norm(arm)) < FOOT_ZONE * self._robot.foot_radius
+        return float(np.linalg.norm(arm)) < self._foot_zone
 
     def _contact(self, a: int, b: int) -> Contact:
         """Name two geometries that touch, the robot's first."""

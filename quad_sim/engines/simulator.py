@@ -170,9 +170,18 @@ def falls_of(robot: Robot) -> frozenset[Contact]:
     return frozenset(Contact(link, 'ground') for link in robot.part_names.falls)
 
 
-FOOT_ZONE = 2.5
-"""Distance from a foot's center, in its radii, within which its calf stands on the ground as the
-foot does: meshes of calves reach around their feet."""
+_FOOT_ZONE = 2.5
+"""Distance from a foot's center, in its radii: meshes of calves reach around their feet."""
+
+def foot_zone(robot: Robot) -> float:
+    """
+    Return how near to its foot's center a calf stands on the ground as the foot does [m].
+
+    The rod of a calf that is made of a data file ends in the middle of the foot's ball: where a
+    hard landing presses half of the ball into the ground, the rod's end touches it too.
+    """
+    return (_FOOT_ZONE if robot.own_urdf else 1.0) * robot.foot_radius
+
 
 TILT_OF_A_FALL = np.deg2rad(45.0)
 """A body tilted farther than this has fallen [rad]."""
