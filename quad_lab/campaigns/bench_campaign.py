@@ -1,5 +1,5 @@
 """
-``quadwalk bench campaign``: the same figures on any number of workers, whatever ends, and the costs.
+``quadwalk bench campaign``: the same figures whatever computes them and whatever ends, and costs.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _TRIALS = {
 }
 """A campaign of short walks."""
 
-_WAIT = 120.0
+_WAIT = 300.0
 """Time for a process to have its first results [s]."""
 
 _LEAST_SAVED = 0.2

@@ -103,9 +103,9 @@ class MujocoSimulator:
         """Motors, and the anchors of contacts."""
         self._last_velocity = np.zeros(3)
         self._last_efforts: Array = np.zeros(12)
+        self._has_efforts = False
         self._feet = robot.part_names.feet
         self._foot_zone = foot_zone(robot)
-        self._feet = robot.part_names.feet
         self._falls = falls_of(robot)
         self._appearance = Appearance() if appearance is None else appearance
         self._parts = MujocoModel(robot, world, time_step, self._appearance)

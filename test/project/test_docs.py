@@ -28,6 +28,7 @@ from quad_common.parameters import parameters_of, valid_range
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.gait import Gait
+from quad_lab.seeded_walks.walk_settings import WalkSettings
 
 ROOT = Path(__file__).resolve().parents[2]
 MSG_DOCS = ROOT / 'msg_docs'
@@ -197,10 +198,10 @@ def first_table(page: Path) -> dict[str, str]:
     return {name.strip(): text.strip() for name, text in rows}
 
 
-def parameter_table(node: str) -> str:
-    """Write the parameters of a node as the Markdown table of its page."""
+def parameter_table(table: type) -> str:
+    """Write parameters, of a node or of a walk, as the Markdown table of a page."""
     lines = ['| name | default | unit | valid | description |', '| --- | --- | --- | --- | --- |']
-    for parameter in parameters_of(TABLES[node]):
+    for parameter in parameters_of(table):
         cells = (
             f'`{parameter.name}`',
             f'`{REFERENCE["default_as_yaml"](parameter)}`',
@@ -279,7 +280,7 @@ def layer_table() -> str:
 
 
 GENERATED = {
-    **{node: (MSG_DOCS / f'{node}.md', partial(parameter_table, node)) for node in NODES},
+    **{node: (MSG_DOCS / f'{node}.md', partial(parameter_table, TABLES[node])) for node in NODES},
     'errors': (MSG_DOCS / 'diagnostics.md', error_table),
     **{package: (ROOT / 'docs' / 'api.md', partial(name_table, package)) for package in LIBRARY},
     **{
@@ -287,6 +288,7 @@ GENERATED = {
         for name in (*LIBRARY, 'quad_view')
     },
     'layers': (ARCHITECTURE, layer_table),
+    'walks': (ROOT / 'docs' / 'campaigns.md', partial(parameter_table, WalkSettings)),
 }
 """Each page that holds a generated table, and what writes the table."""
 

@@ -60,6 +60,9 @@ FROM_PIP = {
     'imageio_ffmpeg': 'imageio-ffmpeg',
 }
 
+# Of campaigns, which are nothing without them: imported when a campaign is run.
+OF_CAMPAIGNS = {'distributed': 'dask', 'pyarrow': 'pyarrow', 'cma': 'cma'}
+
 # Of the viewer, which is nothing without viser: for that there is no rosdep key.
 OF_THE_VIEWER = ('viser', 'trimesh', 'msgspec', 'websockets', 'zstandard')
 
@@ -125,7 +128,7 @@ def test_what_a_module_imports_is_declared_in_package_xml(path, manifest):
     needed = {
         LIBRARIES.get(name, (name, ''))[0]
         for name in imported_modules(path)
-        if name not in {*COMPARED_WITH, *FROM_PIP, *OF_THE_VIEWER}
+        if name not in {*COMPARED_WITH, *FROM_PIP, *OF_CAMPAIGNS, *OF_THE_VIEWER}
     }
     assert needed <= declared
 
@@ -135,6 +138,7 @@ def test_what_the_code_imports_from_pypi_is_required_in_setup_py(metadata):
     optional = extras['sim'] + extras['record'] + extras['robots']
     required = requirement_names(metadata['install_requires'] + optional)
     assert set(OF_THE_VIEWER) <= requirement_names(extras['view'])
+    assert set(OF_CAMPAIGNS.values()) <= requirement_names(extras['campaign'])
     imported = {module for path in sources() for module in imported_modules(path)}
     assert {LIBRARIES[name][1] for name in imported if name in LIBRARIES} <= required
 
@@ -219,6 +223,7 @@ def test_data_files_exist_and_hold_what_ros_looks_for(metadata):
         'share/quadwalk/launch/robot.launch.py',
         'share/quadwalk/launch/camera.launch.py',
         'share/quadwalk/maps/room.yaml',
+        'share/quadwalk/config/campaigns/reliability.yaml',
     } <= files
 
 
