@@ -9,6 +9,7 @@ import importlib.util
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
@@ -119,6 +120,19 @@ def preferred(backend: str) -> Iterator[None]:
             os.environ[PREFERRED] = before
 
 
+_IN_WINDOW: ContextVar[bool] = ContextVar('in_window', default=False)
+
+
+@contextmanager
+def in_window() -> Iterator[None]:
+    """Have simulators that are made meanwhile in this thread show their own windows."""
+    token = _IN_WINDOW.set(True)
+    try:
+        yield
+    finally:
+        _IN_WINDOW.reset(token)
+
+
 def engines_with(feature: str) -> tuple[str, ...]:
     """Return the backends that have a feature, one of the fields of :class:`Engine`."""
     return tuple(name for name, engine in ENGINES.items() if getattr(engine, feature))
@@ -167,6 +181,7 @@ def make_simulator(
         If the backend's package is not installed.
     """
     engine = ENGINES[resolved(backend)]
+    gui = gui or _IN_WINDOW.get()
     if gui and engine.has_world and not engine.has_window:
         raise NotSimulated('a window', engines_with('has_window'))
     if not engine.has_world and world is not None and world.terrain is not None:
