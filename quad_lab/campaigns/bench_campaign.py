@@ -48,8 +48,6 @@ _WAIT = 300.0
 _LEAST_SAVED = 0.2
 """Part of the weighted figures that a tuning is to save."""
 
-_QUICK_TUNING = {'population': 4, 'generations': 2}
-
 
 def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = ()
@@ -149,7 +147,7 @@ def _worker_bars(
 
 def _warm_up(pool: DaskPool, spec: CampaignSpec) -> None:
     """Have every worker import what it needs: what a long campaign does once."""
-    jobs = [replace(job, seed=job.seed + 1) for job in jobs_of(spec)[:4]]
+    jobs = [replace(job, seed=job.seed + 1) for job in jobs_of(spec)[:2]]
     pool.on_every_worker(_walk_all, jobs)
 
 
@@ -229,7 +227,7 @@ def _tuning_bars(
     spec = load_campaign('tune_trot')
     assert spec.tuning is not None
     if quick:
-        spec = replace(spec, tuning=replace(spec.tuning, **_QUICK_TUNING))
+        spec = replace(spec, tuning=replace(spec.tuning, population=4, generations=2))
     with dask_pool() as pool:
         outcome = run_campaign(spec, ResultStore(folder / 'tuning'), pool)
     tuned = outcome.tuned

@@ -15,6 +15,7 @@ from quad_sim.engines.registry import (
     ENGINES,
     PREFERRED,
     engines_with,
+    in_window,
     make_simulator,
     preferred,
     resolved,
@@ -104,3 +105,18 @@ def test_the_environment_says_what_auto_means(monkeypatch):
     monkeypatch.setenv(PREFERRED, 'havok')
     with pytest.raises(ParameterError, match=r"QUADWALK_BACKEND.* 'havok'.*bullet, mujoco"):
         resolved(AUTO)
+
+
+def test_a_window_is_shown_where_one_is_wanted_from_outside(monkeypatch):
+    made = []
+
+    def simulator(robot, world, time_step, gui, appearance):
+        made.append(gui)
+
+    engine = replace(ENGINES['bullet'], module=__name__, name='SIMULATOR', package='')
+    monkeypatch.setitem(ENGINES, 'bullet', engine)
+    monkeypatch.setattr(sys.modules[__name__], 'SIMULATOR', simulator, raising=False)
+    with in_window():
+        make_simulator('bullet', ROBOT, None)
+    make_simulator('bullet', ROBOT, None)
+    assert made == [True, False]
