@@ -103,15 +103,6 @@ class Guidance:
         """Return how far it is along the plan to the goal [m]."""
         return self._follower.distance_left(pose)
 
-    @property
-    def follows_plan(self) -> bool:
-        """Whether a plan is followed."""
-        return self._follower.plan is not None
-
-    def work_left(self, pose: Pose2D) -> float:
-        """Return what is left to do, distances and turns [m]; 0 without a plan."""
-        return self._follower.work_left(pose)
-
     # Wishes
 
     def take_plan(self, wish: FollowPlan, refusal: str) -> None:
@@ -207,7 +198,10 @@ class Guidance:
         self._use_new_plan(state.pose, joins_again=was_following)
         if not is_ready or self._is_blocked(state):
             return None
-        return self._next_step(state.time, Departure(state.pose, state.motion_pose))
+        step = self._next_step(state.time, Departure(state.pose, state.motion_pose))
+        if self._is_uneven:
+            self.ways_out.left = self._follower.work_left(state.pose)
+        return step
 
     def next_in_motion(self, state: RobotState, expected: Pose2D, start: Departure) -> Step | None:
         """
@@ -293,15 +287,15 @@ class Guidance:
         if begun is None or self._joints.unfollowed > _UNFOLLOWED:
             return False
         problem = self._progress.problem(begun, state.motion_pose, expected)
-        if problem is None or (self._is_uneven and self.try_way_out(problem)):
-            return False
-        self.give_up(Activity.BLOCKED, problem)
-        return True
+        return problem is not None and self.give_up_or_try(Activity.BLOCKED, problem)
 
-    def try_way_out(self, problem: str) -> bool:
-        """Return whether there is another way out of a problem, if a plan is followed."""
+    def give_up_or_try(self, activity: Activity, problem: str) -> bool:
+        """Give up, unless a plan over uneven ground has another way out; return whether it did."""
         self.begun = None
-        return self.follows_plan and self.ways_out.fail(problem)
+        if self._is_uneven and self._follower.plan is not None and self.ways_out.fail(problem):
+            return False
+        self.give_up(activity, problem)
+        return True
 
     def _next_step(self, time: float, start: Departure) -> Step | None:
         """Turn what is wanted into a step; say why there is none at rest."""

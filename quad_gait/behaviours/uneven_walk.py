@@ -19,7 +19,6 @@ from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.following.step import Step
 from quad_gait.state.robot_state import RobotState
 from quad_gait.uneven.uneven_stride import UnevenStride
-from quad_gait.uneven.ways_out import WayOut
 
 
 class UnevenWalk(Walk):
@@ -57,16 +56,14 @@ class UnevenWalk(Walk):
         step, guidance, options = done.step, self._guidance, self._options.uneven
         assert step is not None
         assert options is not None
-        ways = guidance.ways_out
-        if guidance.follows_plan:
-            if not ways.note_left(guidance.work_left(state.pose), self._limit):
-                guidance.give_up(Activity.STOPPED, ways.problem)
-                return GO_ON
-            if ways.next is WayOut.DETOUR:
-                self._ask_for_detour(state.pose, step)
-                return GO_ON
-        step, remark = ways.take(step)
-        self._limit = ''
+        chosen = guidance.ways_out.choose(step, self._limit)
+        if chosen is None:
+            guidance.give_up(Activity.STOPPED, guidance.ways_out.problem)
+            return GO_ON
+        if chosen.is_detour:
+            self._ask_for_detour(state.pose, step)
+            return GO_ON
+        step, self._limit = chosen.step, ''
         try:
             self._stride = UnevenStride(
                 self._robot,
@@ -82,7 +79,7 @@ class UnevenWalk(Walk):
         self._begun = state
         end = state.pose @ step.motion.end
         guidance.note_begun(state, step, PlannedMotion(step.motion, end))
-        self._report.limit = remark or self._report.limit
+        self._report.limit = chosen.remark or self._report.limit
         return self._go_on(state, self._stride)
 
     def _ask_for_detour(self, pose: Pose2D, step: Step) -> None:
@@ -108,8 +105,7 @@ class UnevenWalk(Walk):
         except GaitError as error:
             self._end(stride)
             self._report.limit = str(error)
-            if not self._guidance.try_way_out(str(error)):
-                self._guidance.give_up(Activity.STOPPED, str(error))
+            self._guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
         self._joints.busy_until = stride.end
         self._limit = stride.limit

@@ -109,10 +109,10 @@ class PathFollower:
             return pose.distance_to(self.plan.poses[-1])
         return pose.distance_to(ahead[0].end) + sum(piece.length for piece in ahead[1:])
 
-    def work_left(self, pose: Pose2D) -> float:
-        """Return the distance to the goal, and the turns, as metres; 0 without a plan."""
+    def work_left(self, pose: Pose2D) -> float | None:
+        """Return the distance to the goal, and the turns, as metres; None without a plan."""
         if self.plan is None:
-            return 0.0
+            return None
         return work_left(self._pieces[self._piece :], pose, self.plan.poses[-1])
 
     def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import enum
 import math
+from typing import NamedTuple
 
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
@@ -41,6 +42,17 @@ _PROGRESS = 0.05
 """Fraction of the largest stride that counts as progress."""
 
 
+class Chosen(NamedTuple):
+    """What is walked in the place of a step that was wanted."""
+
+    step: Step
+    """Step that is walked."""
+    remark: str = ''
+    """Which way out it is, and why, as a sentence; empty if it is none."""
+    is_detour: bool = False
+    """Whether no step leads on, and another path is needed."""
+
+
 class WaysOut:
     """
     Watches the progress along a plan, and says what is tried where there is none.
@@ -53,6 +65,10 @@ class WaysOut:
 
     def __init__(self, largest_stride: float) -> None:
         self._largest = largest_stride
+        self.left: float | None = None
+        """Distances and turns to the goal, as
+        :func:`~quad_gait.following.reference_path.work_left` adds them up [m]; None where no plan
+        is followed."""
         self.reset()
 
     def reset(self) -> None:
@@ -124,33 +140,41 @@ class WaysOut:
         self._tried += 1
         return True
 
-    def take(self, step: Step) -> tuple[Step, str]:
+    def choose(self, step: Step, limit: str = '') -> Chosen | None:
         """
-        Change a step as the way out asks for, and be done with that way out.
+        Look at the progress before a stride begins, and change its step where a way out is due.
 
         Parameters
         ----------
         step : Step
-            What was wanted.
+            What is wanted.
+        limit : str
+            What kept the last stride from being what it was to be; empty if nothing did.
 
         Returns
         -------
-        step : Step
-            What is walked in its place.
-        remark : str
-            Which way out it is, and why, as a sentence; empty if it is none.
+        Chosen or None
+            None if strides have led nowhere for a while and no way out is left.
         """
+        if self.left is not None and not self.note_left(self.left, limit):
+            return None
+        if self.left is not None and self._next is WayOut.DETOUR:
+            return Chosen(step, is_detour=True)
+        return self.take(step)
+
+    def take(self, step: Step) -> Chosen:
+        """Change a step as the way out asks for, and be done with that way out."""
         way, self._next = self._next, None
         if way is None:
-            return _scaled(step, self._factor), ''
+            return Chosen(_scaled(step, self._factor))
         remark = f'{way.value} is tried ({self._tried} of {len(ORDER)}): {self.problem}'
         if way is WayOut.BACK:
             back = BodyMotion(forward=-_BACK * self._largest)
-            return Step(is_turn=False, motion=back), remark
+            return Chosen(Step(is_turn=False, motion=back), remark)
         if way is WayOut.SHORTER:
             self._factor = _SHORTER
-            return _scaled(step, self._factor), remark
-        return _scaled(step, _LONGER), remark
+            return Chosen(_scaled(step, self._factor), remark)
+        return Chosen(_scaled(step, _LONGER), remark)
 
 
 def _scaled(step: Step, factor: float) -> Step:

@@ -100,9 +100,9 @@ def test_the_ways_out_are_said_in_their_order(monkeypatch):
     take = ways.take
 
     def heard_take(step):
-        step, remark = take(step)
-        heard.append(remark)
-        return step, remark
+        chosen = take(step)
+        heard.append(chosen.remark)
+        return chosen
 
     monkeypatch.setattr(ways, 'take', heard_take)
     walk = ClosedLoop(TITAN, controller, 'kinematic')

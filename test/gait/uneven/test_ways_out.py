@@ -6,7 +6,7 @@ import pytest
 
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
-from quad_gait.uneven.ways_out import ORDER, WayOut, WaysOut
+from quad_gait.uneven.ways_out import ORDER, Chosen, WayOut, WaysOut
 
 STRIDE = 0.25
 AHEAD = Step(is_turn=False, motion=BodyMotion(forward=0.2))
@@ -35,12 +35,12 @@ def test_each_way_is_tried_once_and_in_the_stated_order():
 def test_strides_are_changed_as_they_are_said_to_be(step):
     size = {}
     for times in (1, 2):
-        _, taken, (changed, remark) = failed(times, step)
+        _, taken, (changed, remark, _) = failed(times, step)
         assert remark.startswith(f'{taken[-1].value} is tried ({times} of {len(ORDER)}): problem')
         assert changed.is_turn == step.is_turn
         size[taken[-1]] = changed.motion.forward / 0.2 + changed.motion.turn / 0.5
     assert size[WayOut.SHORTER] < 1.0 < size[WayOut.LONGER]
-    _, _, (back, _) = failed(3, step)
+    _, _, (back, *_) = failed(3, step)
     assert -STRIDE < back.motion.forward < 0.0
     assert back.motion.turn == 0.0
 
@@ -49,7 +49,7 @@ def test_nothing_is_changed_where_strides_get_on():
     ways = WaysOut(STRIDE)
     for stride in range(100):
         assert ways.note_left(30.0 - 0.2 * stride)
-        assert ways.take(AHEAD) == (AHEAD, '')
+        assert ways.take(AHEAD) == Chosen(AHEAD)
 
 
 def test_turns_to_and_fro_end():
@@ -72,7 +72,7 @@ def test_a_stride_that_was_kept_short_and_led_nowhere_is_answered_at_once():
 
 def test_strides_that_get_on_grow_again_and_all_ways_are_open_again():
     ways, _, _ = failed(len(ORDER))
-    ways, _, (short, _) = failed(1)
+    ways, _, (short, *_) = failed(1)
     sizes = [short.motion.forward]
     for stride in range(5):
         assert ways.note_left(10.0 - 0.2 * stride)
@@ -81,3 +81,24 @@ def test_strides_that_get_on_grow_again_and_all_ways_are_open_again():
     assert sizes[-1] == AHEAD.motion.forward
     assert ways.fail('again')
     assert ways.next is WayOut.SHORTER
+
+
+def test_a_detour_is_asked_for_in_the_place_of_a_step():
+    ways = WaysOut(STRIDE)
+    ways.left = 1.0
+    for _ in ORDER:
+        ways.choose(AHEAD)
+        ways.fail('no footing')
+    assert ways.choose(AHEAD) == Chosen(AHEAD, is_detour=True)
+
+
+def test_nothing_is_chosen_once_no_way_out_is_left():
+    ways = WaysOut(STRIDE)
+    ways.left = 1.0
+    chosen = []
+    while (step := ways.choose(AHEAD)) is not None:
+        chosen.append(step)
+        if step.is_detour:
+            ways.take(AHEAD)
+        assert len(chosen) < 100
+    assert [step.is_detour for step in chosen].count(True) == 1

@@ -12,7 +12,7 @@ import rclpy
 
 from quad_common.ros.run_node import make_executor
 from quad_planner.methods.planner import Planner
-from quad_planner.session.planning_session import PlanningSession
+from quad_planner.session import planning_session
 
 pytestmark = pytest.mark.ros
 
@@ -22,9 +22,11 @@ def test_work_that_ends_at_once_is_answered(domain, monkeypatch):
 
     warmed, answered = threading.Event(), threading.Event()
     monkeypatch.setattr(Planner, 'warm_up', lambda self: warmed.set())
-    on_warm = PlanningSession._on_warm
+    note_warm = planning_session._note_warm
     monkeypatch.setattr(
-        PlanningSession, '_on_warm', lambda self, result: (on_warm(self, result), answered.set())
+        planning_session,
+        '_note_warm',
+        lambda output, result: (note_warm(output, result), answered.set()),
     )
     context = rclpy.Context()
     rclpy.init(context=context, args=['--ros-args', '-p', 'use_sim_time:=false'])
