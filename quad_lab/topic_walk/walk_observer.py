@@ -13,7 +13,7 @@ from rclpy.serialization import serialize_message
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.ros.pose_conversions import pose_message
+from quad_common.ros.pose_conversions import pose_from_message, pose_message
 from quad_gait.behaviours.activity import Activity
 from quad_lab.recordings.recorded_topics import GOAL, GOAL_MARKER, RECORDED, RecordedTopic
 from quad_lab.recordings.subscription import subscription_quality
@@ -106,6 +106,8 @@ class WalkObserver:
         """Publish the goal, and take notes from now on."""
         message = PoseStamped(pose=pose_message(self.record.goal))
         message.header.frame_id = 'map'
+        # As whoever receives it reads it: a recording tells the same to the last digit.
+        self.record.goal = pose_from_message(message.pose)
         self.notes.begin()
         if self._recording is not None:
             # Before anything that follows from it.
