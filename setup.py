@@ -49,14 +49,13 @@ EXTRAS = {
         'setuptools>=64',
         'wheel',
     ],
+    # Campaigns of walks on many processors and machines: Dask with its page, Parquet, CMA-ES.
+    'campaign': ['dask[distributed]>=2024.1', 'bokeh>=3.1', 'pyarrow>=14', 'cma>=3.3'],
     'lint': ['ruff>=0.6', 'mypy>=1.10', 'types-PyYAML'],
 }
 EXTRAS['all'] = [requirement for extra in EXTRAS.values() for requirement in extra]
 # What "quadwalk bench" compares with, if it is there: neither in "all" nor locked.
 EXTRAS['bench'] = ['ikpy>=3.4', 'pyastar2d>=1.1', 'scikit-image>=0.22', 'tcod>=16']
-# Campaigns of walks on many processors and machines: Dask with its page, Parquet, CMA-ES. Large,
-# so neither in "all" nor locked.
-EXTRAS['campaign'] = ['dask[distributed]>=2024.1', 'bokeh>=3.1', 'pyarrow>=14', 'cma>=3.3']
 # The documents as a site, for "make site": neither of the two either. Its plugins want MkDocs 1.
 EXTRAS['docs'] = ['mkdocs-material>=9.5,<10']
 
