@@ -10,10 +10,6 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.wishes import FollowPlan
 from quad_gait.supervisor import Supervisor
 
-_MOVING = frozenset(
-    {Activity.WALKING, Activity.TURNING, Activity.STANDING_UP, Activity.SITTING_DOWN}
-)
-
 _PATIENCE = 10.0
 """Time for which the robot may do nothing before the task fails [s]."""
 
@@ -88,7 +84,7 @@ class PathTask:
     def _checked(self, time: float, plan: Plan) -> TaskResult | None:
         supervisor = self._supervisor
         activity, reason = supervisor.activity, supervisor.reason
-        is_moving = activity in _MOVING
+        is_moving = activity.is_moving
         if is_moving or self._moved_at is None or time < self._moved_at:
             self._moved_at = time
         if self._is_canceled:

@@ -27,6 +27,11 @@ class Activity(enum.Enum):
     EMERGENCY_STOP = 'emergency stop'
 
     @property
+    def is_moving(self) -> bool:
+        """Whether the robot moves on its own legs."""
+        return self in _MOVING
+
+    @property
     def is_terminal(self) -> bool:
         """Whether the robot goes no farther unless somebody wishes for something new."""
         return self in _TERMINAL
@@ -41,6 +46,16 @@ class Activity(enum.Enum):
         """Whether it stays until something new is wished for, though the robot just stands."""
         return self in _VERDICTS
 
+
+_MOVING = frozenset(
+    {
+        Activity.STANDING_UP,
+        Activity.SITTING_DOWN,
+        Activity.WALKING,
+        Activity.TURNING,
+        Activity.BALANCING,
+    }
+)
 
 _VERDICTS = frozenset({Activity.ARRIVED, Activity.BLOCKED, Activity.STOPPED})
 

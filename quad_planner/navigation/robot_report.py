@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-MOVING = frozenset({'walking', 'turning', 'standing up', 'sitting down'})
+MOVING = frozenset({'walking', 'turning', 'balancing', 'standing up', 'sitting down'})
 """The robot moves."""
 
 STUCK = frozenset({'blocked', 'stopped', 'not executed'})

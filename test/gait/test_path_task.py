@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -93,6 +94,20 @@ def test_steering_ends_it():
     walk.run(1.0)
     walk.supervisor.set_twist(Twist2D(0.02))
     assert walk.until_its_end().code == FollowCode.UNKNOWN
+
+
+@pytest.mark.parametrize('activity', [a for a in Activity if a.is_moving])
+def test_a_robot_that_moves_in_any_manner_is_waited_for(activity):
+    robot = SimpleNamespace(activity=activity, reason='', wanted_plan=None)
+    robot.wish = lambda wish: setattr(robot, 'wanted_plan', wish.plan)
+    robot.set_plan = lambda plan: setattr(robot, 'wanted_plan', plan)
+    task = PathTask(robot)
+    assert task.begin(STRAIGHT) is None
+    assert [task.update(time) for time in (0.0, 15.0, 60.0)] == [None] * 3
+    task.cancel()
+    assert task.update(61.0) is None
+    robot.activity = Activity.STANDING
+    assert task.update(62.0).outcome is TaskOutcome.CANCELED
 
 
 def test_trouble_ends_it_with_its_code():

@@ -271,6 +271,7 @@ def test_the_words_of_the_robot_are_those_of_the_gait():
     assert activities.keys() >= MOVING | STUCK | DISABLED
     assert {activities[word] for word in DISABLED} == {a for a in Activity if a.is_disabled}
     assert all(activities[word].is_terminal for word in STUCK)
+    assert {activities[word] for word in MOVING} == {a for a in Activity if a.is_moving}
     assert not any(activities[word].is_terminal for word in MOVING)
 
 
