@@ -22,6 +22,9 @@ _STRAIGHT = 1e-6
 """Two segments whose headings differ by less are one [rad]."""
 
 
+_MOST_LOOKS = 30
+"""Looks at each point of a path on average, after which its parts are halved."""
+
 _TOLERANCE = 0.02
 """Distance within which a path of many points may be replaced by straight segments [m]."""
 
@@ -50,14 +53,18 @@ def turning_points(
     is_kept = np.zeros(len(points), dtype=bool)
     is_kept[[0, -1]] = True
     segments = [(0, len(points) - 1)]
+    looked_at = 0
     while segments:
         first, last = segments.pop()
         if last - first < 2:
             continue
         away = distances_to_polyline(points[first + 1 : last], points[[first, last]])
+        looked_at += len(away)
         middle = int(np.argmax(away))
         if away[middle] > tolerance:
-            middle += first + 1
+            # A zigzag sheds a point at a time: halves keep its time in bounds, and the distance.
+            is_long = looked_at > _MOST_LOOKS * len(points)
+            middle = (first + last) // 2 if is_long else middle + first + 1
             is_kept[middle] = True
             segments += [(first, middle), (middle, last)]
     kept: NDArray[np.float64] = points[is_kept]

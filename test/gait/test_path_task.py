@@ -165,3 +165,12 @@ def test_turning_points_of_few_points_and_of_a_circle():
     few = turning_points(circle)
     assert 12 <= len(few) <= 40
     assert np.max(distances_to_polyline(circle, few)) <= 0.02
+
+
+def test_turning_points_of_a_long_zigzag_keep_near_to_it():
+    count = 3000
+    zigzag = np.column_stack([0.2 * np.arange(count), np.linspace(1.0, 0.5, count)])
+    zigzag[::2, 1] *= -1.0
+    few = turning_points(zigzag)
+    # Every corner is one: whichever part is halved, none may be left out.
+    assert np.array_equal(few, zigzag)
