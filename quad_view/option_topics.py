@@ -19,6 +19,10 @@ _DEPTH = 100
 """Changes of parameters that may wait: nodes that start tell of all they have."""
 
 
+_LONGEST = 500
+"""Characters of a value that is shown; that of a file is a path."""
+
+
 class OptionTopics:
     """
     Asks the nodes once, and then listens to what changes, by whomever.
@@ -64,6 +68,10 @@ class OptionTopics:
                         for p in changed if p.name in OPTIONS[node]})  # fmt: skip
 
     def _note(self, values: dict[str, Any]) -> None:
-        chosen = {name: value for name, value in values.items() if isinstance(value, str)}
+        chosen = {
+            name: value
+            for name, value in values.items()
+            if isinstance(value, str) and len(value) <= _LONGEST
+        }
         if chosen:
             self._view.note(options={**self._view.options, **chosen})

@@ -18,6 +18,10 @@ from quad_lab.recordings.subscription import subscription_quality
 _PERIOD = 0.02
 """Time between two looks for messages [s], on the machine's clock."""
 
+_MOST = 2000
+"""Messages of a topic that are taken at a look: a topic that is flooded must not keep others
+waiting."""
+
 OnMessage = Callable[[RecordedTopic, bytes], None]
 
 
@@ -63,7 +67,10 @@ class TopicListener:
         for topic, subscription in self._subscriptions:
             handle = subscription.handle
             with handle:
-                while (taken := handle.take_message(subscription.msg_type, True)) is not None:
+                for _ in range(_MOST):
+                    taken = handle.take_message(subscription.msg_type, True)
+                    if taken is None:
+                        break
                     data, info = taken
                     message = info['received_timestamp'], topic, data
                     # Of a topic that was looked at earlier, something may have come before it.
