@@ -17,16 +17,16 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from quad_common.errors import QuadError
-from quad_common.process.end_signals import ignore_signals
-from quad_common.process.entry import node_end
-from quad_common.process.native_end import ended_natively_after
-from quad_common.ros.guarded_node import GuardedNode
-from quad_common.ros.network import (
+from quad_common.network.reach import (
     check_security,
     library_without_security,
     reach_of,
 )
-from quad_common.ros.transport import leave_shared_memory
+from quad_common.network.transport import leave_shared_memory
+from quad_common.process.end_signals import ignore_signals
+from quad_common.process.entry import node_end
+from quad_common.process.native_end import ended_natively_after
+from quad_common.ros.guarded_node import GuardedNode
 
 _LONGEST_END = 3.0
 """Time in which the middleware has to let go of a node [s]; rarely it never does."""
@@ -111,7 +111,7 @@ def check_middleware() -> None:
     Raises
     ------
     SecurityUnavailable, SecuritySettingUnknown
-        See :func:`quad_common.ros.network.check_security`.
+        See :func:`quad_common.network.reach.check_security`.
     """
 
     def library_without() -> str | None:

@@ -13,8 +13,8 @@ import rclpy
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+from quad_common.network.transport import leave_shared_memory
 from quad_common.ros.run_node import make_executor
-from quad_common.ros.transport import leave_shared_memory
 
 _KIND = String
 """What is sent; no topic of a robot."""

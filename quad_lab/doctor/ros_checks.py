@@ -44,7 +44,7 @@ def check_ros() -> Iterator[Finding]:
         return
     try:
         # Where a library of ROS does not load, that is what is raised.
-        from quad_common.ros.network import reach_of
+        from quad_common.network.reach import reach_of
         from quad_common.ros.run_node import check_middleware
 
         check_middleware()

@@ -13,7 +13,7 @@ from typing import Any
 import rclpy
 
 from quad_common.errors import QuadError
-from quad_common.ros.transport import leave_shared_memory
+from quad_common.network.transport import leave_shared_memory
 from quad_lab.recordings.recorded_topics import CLOCK, RECORDED
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.recordings.topic_listener import TopicListener

@@ -18,10 +18,10 @@ from pathlib import Path
 from types import TracebackType
 
 from quad_common.errors import QuadError
+from quad_common.network.transport import local_settings
 from quad_common.process.end_signals import blocked_signals, released_at_last, shielded
 from quad_common.process.entry import PARENT
 from quad_common.process.temporary_folder import temporary_folder
-from quad_common.ros.transport import local_settings
 
 NODES = {
     'planner_node': 'quad_planner',

@@ -15,9 +15,9 @@ pytest.importorskip('rclpy')
 
 from harness import WALL_TIMEOUT, Bench
 
+from quad_common.network.reach import SecuritySettingUnknown, library_without_security, reach_of
+from quad_common.network.transport import PROFILES, RANGE
 from quad_common.planar_pose import Pose2D
-from quad_common.ros.network import SecuritySettingUnknown, library_without_security, reach_of
-from quad_common.ros.transport import PROFILES, RANGE
 from quad_lab.attacks.processes.traces import files_of
 from quad_lab.topic_walk.node_processes import (
     NODES,

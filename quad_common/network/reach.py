@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from quad_common.errors import QuadError
-from quad_common.ros.transport import RANGE, is_bound_to_this_machine
+from quad_common.network.transport import RANGE, is_bound_to_this_machine
 
 _RANGES = {
     'SUBNET': 'every machine of this subnet',

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from quad_common.ros.network import (
+from quad_common.network.reach import (
     SecuritySettingUnknown,
     SecurityUnavailable,
     check_security,

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from quad_common.ros.network import reach_of
-from quad_common.ros.transport import (
+from quad_common.network.reach import reach_of
+from quad_common.network.transport import (
     PROFILES,
     RANGE,
     is_bound_to_this_machine,
