@@ -92,7 +92,7 @@ class GaitNode(QuadNode[GaitParameters]):
     def update_status(self) -> None:
         """Report what the robot does, or why it does not move."""
         notes = self._map.problem(), self._topics.cmd_vel_problem(), self.rest_note()
-        self.report_status(self._diagnosis.status(self.clock_problem(), *notes))
+        self.report_status(self._diagnosis.status(self.clock_check.problem(), *notes))
 
     def _rest(self) -> None:
         """Stand, as a node that is managed does when it is active no longer."""
@@ -125,6 +125,7 @@ class GaitNode(QuadNode[GaitParameters]):
         stamp, frame = message.header.stamp, self._map.frame
         pose = pose_from_message(message.pose.pose, 'odometry')
         orientation = orientation_from_odometry(message)
+        self.clock_check.take_stamp(stamp)
         state = self._estimator.take_odometry(seconds_from_time(stamp), pose, orientation)
         self._diagnosis.take_odometry(state is not None)
         if state is None:

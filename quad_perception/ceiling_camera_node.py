@@ -47,7 +47,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
 
     def update_status(self) -> None:
         """Report what is seen, or what is missing."""
-        clock_problem = self.clock_problem()
+        clock_problem = self.clock_check.problem()
         if clock_problem is not None:
             self.report(STALE, clock_problem, is_waiting=True)
         else:
@@ -73,6 +73,7 @@ class CeilingCameraNode(QuadNode[CeilingCameraParameters]):
             return
         with self._session.receiving('picture'):
             time = seconds_from_time(message.header.stamp)
+            self.clock_check.take_stamp(message.header.stamp)
             checked_name(message.header.frame_id, 'image')
             rgb = rgb_from_image(message)
             sighting = self._session.take_picture(time, rgb)

@@ -82,14 +82,13 @@ class PlannerNode(QuadNode[PlannerParameters]):
 
     def update_status(self) -> None:
         """Report what the planner does, or what it waits for."""
-        clock_problem, old_correction = self.clock_problem(), self._corrections.problem()
-        if clock_problem is not None:
-            self.report(STALE, clock_problem, is_waiting=True)
+        if (problem := self.clock_check.problem()) is not None:
+            self.report(STALE, problem, is_waiting=True)
         elif self.rest_note():
             self.report(WARN, self.rest_note(), is_waiting=True)
         else:
-            status = session_status(self._session, self.parameters, self._pace, old_correction)
-            self.report_status(status)
+            old = self._corrections.problem()
+            self.report_status(session_status(self._session, self.parameters, self._pace, old))
 
     def take_parameters(self, parameters: PlannerParameters) -> None:
         """Plan by other parameters."""
@@ -109,6 +108,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
 
     def _on_odometry(self, message: Odometry) -> None:
         pose, _ = self._corrections.locate(message)
+        self.clock_check.take_stamp(message.header.stamp)
         self._session.take_pose(seconds_from_time(message.header.stamp), pose)
 
     def _on_followed(self, message: Path) -> None:

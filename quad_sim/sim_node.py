@@ -44,7 +44,7 @@ class SimNode(QuadNode[SimParameters]):
 
     def __init__(self, **kwargs: Any) -> None:
         # It makes the simulated time, and so cannot wait for it.
-        super().__init__('sim_node', SimParameters, use_sim_time=False, **kwargs)
+        super().__init__('sim_node', SimParameters, **kwargs)
         p = self.parameters
         self._session = SimSession(p, load_robot(p.robot), time.monotonic)
         self._topics = SimTopics(self, p, self._session)

@@ -50,7 +50,7 @@ class ViewerNode(QuadNode[ViewerParameters]):
 
     def __init__(self, **kwargs: Any) -> None:
         # It has no use for a clock: it shows what comes when it comes.
-        super().__init__('viewer_node', ViewerParameters, use_sim_time=False, **kwargs)
+        super().__init__('viewer_node', ViewerParameters, **kwargs)
         p = self.parameters
         self._inputs = rclpy.create_node(
             'viewer_inputs',

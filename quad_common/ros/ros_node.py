@@ -21,6 +21,7 @@ from quad_common.errors.quoting import clipped
 from quad_common.lifecycle import LifeState, NotActive
 from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import give_back_spare_memory
+from quad_common.ros.clock_check import ClockCheck
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
 from quad_common.status import Level, Status
@@ -58,19 +59,13 @@ class QuadNode(GuardedNode, Generic[Table]):
         Name of the node.
     table : type
         Its parameter dataclass (see :mod:`quad_common.parameters`).
-    use_sim_time : bool
-        What ``use_sim_time`` is unless the user sets it.
     **kwargs
         Passed on to rclpy's Node.
     """
 
-    def __init__(
-        self, name: str, table: type[Table], use_sim_time: bool = True, **kwargs: Any
-    ) -> None:
+    def __init__(self, name: str, table: type[Table], **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
         given = self._given_values(kwargs.get('parameter_overrides') or [])
-        if 'use_sim_time' not in given:
-            self.set_parameters([RosParameter('use_sim_time', value=use_sim_time)])
         self._life: ManagedLife | None = None
         self.parameters: Table = self._declare(table, given)
         self._diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
@@ -83,8 +78,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._has_unlogged_warning = False
         self._last_refusal: dict[str, object] = {}
         self._caught = 0
-        self._clock_seen = self.get_clock().now().nanoseconds
-        self._clock_seen_at = time.monotonic()
+        self.clock_check = ClockCheck(self)
         # On the wall clock: it must speak up just when simulated time stands still.
         self.create_timer(1.0, self._on_second, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -120,10 +114,11 @@ class QuadNode(GuardedNode, Generic[Table]):
                 self._log(level, message, subject[1], is_waiting)
 
     def report_status(self, status: Status | QuadError) -> None:
-        """Report a status of the core, or the error that is its status."""
+        """Report a status of the core, with what is wrong with the clock, or its error."""
         if isinstance(status, QuadError):
             self.report_error(status)
         else:
+            status = status.with_notes(self.clock_check.note())
             level = bytes([status.level])
             self.report(level, status.message, is_waiting=status.is_waiting, **status.values)
 
@@ -176,23 +171,6 @@ class QuadNode(GuardedNode, Generic[Table]):
             self.get_logger().error(stack)
         self._last_refusal = {'last_error': clipped(sentence)}
         self.report(ERROR, sentence, error=kind)
-
-    def clock_problem(self) -> str | None:
-        """Say why simulated time does not advance; None if it does, or is not used."""
-        if not self.get_parameter('use_sim_time').value:
-            return None
-        now = self.get_clock().now().nanoseconds
-        if now != self._clock_seen:
-            self._clock_seen = now
-            self._clock_seen_at = time.monotonic()
-        elif now == 0:
-            return (
-                'no clock: use_sim_time is true and nothing was received on /clock; '
-                'start a simulator, or set use_sim_time to false on a real robot'
-            )
-        elif time.monotonic() - self._clock_seen_at > 0.9:
-            return f'stale clock: simulated time stands still at {now / 1e9:.2f} s'
-        return None
 
     def _on_second(self) -> None:
         if self._net.caught > self._caught:

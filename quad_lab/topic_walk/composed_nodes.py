@@ -17,6 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.run_node import make_executor
+from quad_lab.topic_walk.node_processes import in_simulated_time
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_planner.session.immediate_request import ImmediateRequest
 
@@ -68,7 +69,8 @@ class ComposedNodes:
         module, kind = _NODES[name]
         # Plans are there when the callback that asks for them ends, not when a thread is through.
         others = {'requests': ImmediateRequest()} if name == 'planner_node' else {}
-        overrides = [Parameter(key, value=value) for key, value in parameters.items()]
+        given = in_simulated_time(name, parameters)
+        overrides = [Parameter(key, value=value) for key, value in given.items()]
         make: Any = getattr(importlib.import_module(module), kind)
         node = make(parameter_overrides=overrides, **others)
         self._nodes[name] = node

@@ -32,6 +32,9 @@ NODES = {
 }
 """What Python runs for each node's executable."""
 
+_OF_OWN_TIME = ('sim_node', 'viewer_node')
+"""Nodes that make simulated time, or show whatever comes."""
+
 _LAST_WAIT = 3.0
 """For all nodes together to end; each sees to it that it takes less [s]."""
 
@@ -277,10 +280,11 @@ class NodeProcesses:
                 process.end_by(deadline)
 
     def start(self, name: str, **parameters: object) -> NodeProcess:
-        """Start a node, or start it again."""
+        """Start a node, or start it again; it takes its time from the simulator."""
         log = self._folder / f'{name}.log'
         with shielded():
-            self._running[name] = NodeProcess(name, parameters, log, self._namespace)
+            given = in_simulated_time(name, parameters)
+            self._running[name] = NodeProcess(name, given, log, self._namespace)
         return self._running[name]
 
     def check(self) -> None:
@@ -291,6 +295,11 @@ class NodeProcesses:
     def _kill(self) -> None:
         for process in self._running.values():
             process.kill()
+
+
+def in_simulated_time(name: str, parameters: Mapping[str, object]) -> dict[str, object]:
+    """Return the parameters of a node that walks with a simulator, unless they say otherwise."""
+    return {'use_sim_time': name not in _OF_OWN_TIME, **parameters}
 
 
 def _set(name: str, value: object) -> str:

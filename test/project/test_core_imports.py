@@ -18,7 +18,7 @@ MOST_MODULES = 16
 
 SHELLS = {
     'ros_node', 'managed_life', 'node_parameters', 'run_node', 'map_frame_listener',
-    'transform_publisher',
+    'transform_publisher', 'clock_check',
     'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window',
     'composed_nodes', 'mjcf', 'mjcf_shapes',
 }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from itertools import count
 
 import numpy as np
@@ -14,6 +15,8 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist, TwistStamped
 from harness import OK, STALE, WARN, Bench
 from nav_msgs.msg import Odometry
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
@@ -105,6 +108,44 @@ def test_a_paused_clock_is_stale_until_it_goes_on(bench: Bench):
     bench.wait_for_status('planner_node', 'ready', level=OK)
     bench.wait_for_status('gait_node', 'standing', level=OK)
     assert bench.time > paused_at
+
+
+def test_simulated_time_that_is_not_used_is_said_while_the_robot_walks(bench: Bench):
+    bench.start('sim_node', map_file='none')
+    bench.start('gait_node', use_sim_time=False)
+    said = bench.wait_for_status(
+        'gait_node', 'standing: no plan to follow; use_sim_time', level=WARN
+    )
+    assert said.message.endswith('with a simulator set it to true')
+    true = Parameter('use_sim_time', value=True).to_parameter_msg()
+    request = SetParameters.Request(parameters=[true])
+    assert bench.call('gait_node/set_parameters', SetParameters, request).results[0].successful
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+
+
+def test_odometry_of_another_time_than_that_of_the_clock_is_said(bench: Bench):
+    bench.start('sim_node', map_file='none')
+    bench.start('gait_node', odom_topic='robot/odom')
+    odometry = odometry_at(1.0, 1.0)
+
+    def of_today():
+        odometry.header.stamp = time_from_seconds(time.time())
+        return odometry
+
+    with bench.publishing('robot/odom', of_today):
+        said = bench.wait_for_status('gait_node', 'use_sim_time is true', level=WARN)
+    assert said.message.endswith('after the time of /clock: set it to false on a real robot')
+
+
+def test_a_robot_of_another_simulator_rightly_does_without_the_clock(bench: Bench):
+    other = bench.node.create_publisher(Clock, '/clock', 1)
+    bench.start('sim_node', map_file='none', publish_clock=False)
+    bench.start('gait_node', use_sim_time=False)
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+    with bench.publishing('/clock', Clock(clock=time_from_seconds(5000.0))):
+        bench.wait_until('it simulates', lambda: bench.elapsed > 4.0)
+    assert bench.statuses['gait_node'].message == 'standing: no plan to follow'
+    bench.node.destroy_publisher(other)
 
 
 def test_a_second_clock_is_noticed_and_said_until_it_is_gone(bench: Bench):
