@@ -199,6 +199,27 @@ def joining_time(limits: JointLimits, position: Array, velocity: Array, target: 
     return float(np.max(3.0 * np.abs(target - position) / room))
 
 
+def velocities_between(times: Array, positions: Array, velocities: Array) -> Array:
+    """
+    Return the velocities farthest from zero within the intervals of cubics through some points.
+
+    Parameters
+    ----------
+    times : ndarray, shape (m,)
+        Of the points, rising [s].
+    positions, velocities : ndarray, shape (m, n)
+        At the points [rad], [rad/s].
+
+    Returns
+    -------
+    ndarray, shape (m - 1, n)
+        Velocities at the cubics' vertices, or at an end where the vertex is outside [rad/s].
+    """
+    v0, v1 = velocities[:-1], velocities[1:]
+    mean = np.diff(positions, axis=0) / np.diff(times)[:, None]
+    return _velocity_extrema(v0, v1, 3.0 * mean - v0 - v1)
+
+
 def _velocity_extrema(v0: Array, v1: Array, middle: Array) -> Array:
     """Return the velocity at its vertex in each interval, or at an end if that is outside."""
     # v(s) = v0 (1-s)^2 + 2 middle s (1-s) + v1 s^2, with its vertex where v'(s) = 0.

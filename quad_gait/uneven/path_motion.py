@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from quad_common.errors import GaitError
 from quad_common.robot.robot import Robot
 from quad_common.rotations import matrix_from_angles
+from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE, velocities_between
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.cycle.part_check import check_nearing_parts
 from quad_gait.state.body_placement import BodyPose
@@ -86,7 +87,7 @@ def motion_along(
     joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
     velocities = np.gradient(joints, times, axis=0)
     velocities[0] = velocities[-1] = 0.0
-    robot.check_joint_speeds(velocities)
+    _check_speeds(robot, times, joints, velocities)
     check_nearing_parts(robot, times, joints)
     last = len(times) - 1
     return JointMotion(
@@ -98,6 +99,14 @@ def motion_along(
         start=now.time + options.reaction_time,
         given=last if paths.given is None else min(paths.given, last),
     )
+
+
+def _check_speeds(robot: Robot, times: Array, joints: Array, velocities: Array) -> None:
+    """Raise if a joint is too slow for its samples, or for what the drives make between them."""
+    robot.check_joint_speeds(velocities)
+    count = len(times)
+    between = velocities_between(times, joints.reshape(count, -1), velocities.reshape(count, -1))
+    robot.check_joint_speeds(between.reshape(-1, *joints.shape[1:]) / (1.0 + VELOCITY_TOLERANCE))
 
 
 def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:

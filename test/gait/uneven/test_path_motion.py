@@ -1,0 +1,47 @@
+"""A motion along paths is one that the last gate before the joints lets through, or is refused."""
+
+import numpy as np
+
+from quad_common.errors import GaitError
+from quad_common.robot_files.robot_file import load_robot
+from quad_common.trajectory.trajectory_gate import JointLimits
+from quad_gait.state.body_placement import BodyPose
+from quad_gait.state.stance import Stance
+from quad_gait.uneven.path_motion import PlannedPaths, motion_along
+from quad_gait.uneven.uneven_options import UnevenOptions
+
+ROBOT = load_robot('titan_viii')
+JOINTS = ROBOT.initial_joint_angles
+STANCE = Stance(
+    0.0, BodyPose(np.zeros(3), 0.0, 0.0, 0.0), ROBOT.foot_positions(JOINTS), JOINTS, lambda: None
+)
+
+
+def swing(duration, height, period=0.02):
+    """Paths of a foot that rises and comes down again where it was, beneath a body at rest."""
+    times = np.linspace(0.0, duration, round(duration / period) + 1)
+    feet = np.repeat(STANCE.feet[None], len(times), axis=0)
+    feet[:, 0, 2] += height * np.sin(np.pi * times / duration) ** 2
+    return PlannedPaths(times, STANCE.body, np.zeros(len(times)), feet)
+
+
+def test_what_is_not_refused_passes_the_gate_between_its_points_too():
+    limits, passed, refused = JointLimits.of(ROBOT), 0, 0
+    for duration in np.linspace(0.06, 0.6, 60):
+        for height in (0.03, 0.06, 0.1):
+            try:
+                motion = motion_along(
+                    ROBOT, UnevenOptions(), STANCE, None, swing(float(duration), height)
+                )
+            except GaitError:
+                refused += 1
+                continue
+            count = len(motion.times)
+            limits.check(
+                motion.times,
+                motion.positions.reshape(count, -1),
+                motion.velocities.reshape(count, -1),
+            )
+            passed += 1
+    assert passed > 20
+    assert refused > 20
