@@ -37,6 +37,10 @@ _MOST_ARRIVALS = 101
 _LARGEST_COUNT = 12
 """Number of trajectories that the joints may follow that are kept."""
 
+_PASSED_BY = 2.0
+"""What joints may be off, times this, is how far they are from a trajectory's beginning that they
+follow for sure."""
+
 _INSTANT = 0.02
 """Time over which the speed of a command is taken [s]."""
 
@@ -175,20 +179,29 @@ class CommandTracker:
                 goes_on = len(begun) > 1 and self._settle_for(candidate, begun, time, positions)
                 candidate.matched = time
                 self._followed = candidate
-                if candidate.path.starts_on_arrival and not np.isfinite(candidate.latest):
+                if candidate.path.starts_on_arrival:
                     self._bound_delay(candidate, time, positions)
                 latest, sure = self._latest_and_sure(candidate, begun, goes_on)
                 return Explanation(posture, allowed, off, latest, sure, is_joined=True)
         return self._search(begun, time, positions, strictness)
 
     def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
-        """Find the largest delay of a trajectory that the joints have begun to follow."""
-        first, allowed = candidate.path.at(candidate.path.begin)
-        if (np.abs(positions - first) > 2.0 * allowed).any():
-            postures, allowed, delays = candidate.rows(time, self._options.age)
-            fits = (np.abs(positions - postures) <= allowed).all(axis=1)
-            if fits.any():
-                candidate.latest = float(delays[fits].max()) + self._options.age
+        """
+        Find the largest delay of a trajectory that the joints follow.
+
+        It has one delay: what does not fit now will not later. Without that a joint that is jammed
+        in a small motion would be explained by a trajectory that is delayed more and more.
+        """
+        # While earlier ones may still be followed, the joints may pass by this one on their way.
+        factor = 1.0 if len(self._candidates) == 1 else _PASSED_BY
+        if not np.isfinite(candidate.latest) or factor == 1.0:
+            first, allowed = candidate.path.at(candidate.path.begin)
+            if (np.abs(positions - first) > factor * allowed).any():
+                postures, allowed, delays = candidate.rows(time, self._options.age)
+                fits = (np.abs(positions - postures) <= allowed).all(axis=1)
+                if fits.any():
+                    latest = float(delays[fits].max()) + self._options.age
+                    candidate.latest = min(candidate.latest, latest)
 
     def _settle_for(
         self, followed: Candidate, begun: list[Candidate], time: float, positions: Array
