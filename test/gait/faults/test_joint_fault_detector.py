@@ -7,6 +7,7 @@ import pytest
 
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.faults.joint_fault_detector import JointFaultDetector
 
 ROBOT = load_robot('titan_viii')
@@ -216,3 +217,28 @@ def test_two_joints_that_are_a_little_off_and_do_not_pull_hide_no_third_one(watc
         return positions
 
     assert watch_for(2.0, measured, watch, without_torque([1, 8])).joint == 4
+
+
+@pytest.mark.parametrize('received_after', [0.0, 0.3])
+def test_a_joint_that_is_jammed_in_a_small_swing_is_named_while_the_robot_rests(received_after):
+    # It begins on arrival, and no joint turns by more than sound ones may be off twice.
+    watch = JointFaultDetector(ROBOT)
+    times = np.arange(0.06, 0.5, 0.02)
+    fraction, rate = minimum_jerk(0.06, times[-1], times)
+    travel = np.where(np.arange(12) % 3 == 2, 0.13, 0.1)
+    swing = JointTrajectory(
+        ROBOT.joint_names, 0.0, times, POSTURE + fraction[:, None] * travel, rate[:, None] * travel
+    )
+
+    def measured(time):
+        since = time - 0.5 - received_after
+        positions = swing.positions_at(np.clip([since], times[0], times[-1]))[0]
+        positions[0] = POSTURE[0]
+        return positions
+
+    barely = np.full(12, 0.5)
+    watch.update(0.48, POSTURE, barely)
+    watch.expect(swing, 0.5)
+    fault = watch_for(2.0, measured, watch, barely)
+    assert fault is not None
+    assert (fault.joint, fault.kind) == (0, 'stuck')
