@@ -173,9 +173,10 @@ def _recording(options: WalkOptions) -> contextlib.AbstractContextManager[RobotR
     if options.recording is None:
         return contextlib.nullcontext()
     # It needs a package that is not everywhere.
-    from quad_lab.recordings.robot_recording import RobotRecording
+    from quad_lab.recordings.robot_recording import MOST_KEPT, RobotRecording
 
-    return RobotRecording(options.recording)
+    is_fast = options.real_time_factor == 0.0
+    return RobotRecording(options.recording, most_kept=MOST_KEPT if is_fast else 0)
 
 
 def _facts(options: WalkOptions, record: WalkRecord) -> dict[str, object]:
