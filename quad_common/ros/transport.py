@@ -20,6 +20,9 @@ RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 """Environment variable: the file of Fast DDS's settings."""
 
+QOS_FROM_PROFILES = 'RMW_FASTRTPS_USE_QOS_FROM_XML'
+"""Environment variable: whether readers and writers are as that file says, too."""
+
 _TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 """Environment variable: what Fast DDS sends by where no file says it."""
 
@@ -51,7 +54,7 @@ def local_settings(environment: Mapping[str, str]) -> dict[str, str]:
         RANGE: 'SYSTEM_DEFAULT',
         PROFILES: str(share_directory() / 'config' / 'fastdds.xml'),
         # Of that file, what it says of readers and writers too.
-        'RMW_FASTRTPS_USE_QOS_FROM_XML': '1',
+        QOS_FROM_PROFILES: '1',
     }
 
 
