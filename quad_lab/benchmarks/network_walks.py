@@ -143,7 +143,9 @@ def _bars(walks: list[NetworkWalk], count: int) -> list[Criterion]:
     lost = sum(w.lost for w in walks) / sum(w.packets for w in walks) if walks else None
     pace = min(walk.factor for walk in walks) if walks else None
     return [
-        at_least('walks that arrive over a network with 20 ms and 1 %', arrived, f'of {count}', count),
+        at_least(
+            'walks that arrive over a network with 20 ms and 1 %', arrived, f'of {count}', count
+        ),
         at_most('trajectories that come late there', late, '', 0),
         figure('packets lost there', lost, ''),
         figure('slowest walk there', pace, 'x real time'),

@@ -102,7 +102,9 @@ class TopicListener:
         now = time.time_ns()
         messages, self._held = self._held, []
         for topic, subscription in self._subscriptions:
-            messages += ((info['received_timestamp'], topic, data) for data, info in _new(subscription))
+            messages += (
+                (info['received_timestamp'], topic, data) for data, info in _new(subscription)
+            )
         if self._batches is not None:
             for data, info in _new(self._batches):
                 messages += self._batched_messages(data, info['received_timestamp'])
@@ -133,7 +135,7 @@ class TopicListener:
 
 def _new(subscription: Any) -> list[tuple[bytes, dict[str, int]]]:
     """Take the messages that wait, with what is known of each."""
-    messages = []
+    messages: list[tuple[bytes, dict[str, int]]] = []
     with (handle := subscription.handle):
         while len(messages) < _MOST:
             taken = handle.take_message(subscription.msg_type, True)

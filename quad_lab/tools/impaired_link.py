@@ -43,6 +43,9 @@ _WITHOUT_ETHERNET = 0x0001 | 0x1000
 _NEW_NETWORK = 0x40000000
 """The flag CLONE_NEWNET."""
 
+_FIRST_MULTICAST = 224
+"""First byte of the addresses of many hosts at once."""
+
 _LARGEST = 65536
 """Bytes of a packet."""
 
@@ -73,6 +76,8 @@ class Impairment:
     """Time that a packet takes [s]."""
     loss: float
     """Fraction of the packets that are lost, each by itself."""
+    has_multicast: bool = True
+    """Whether packets to many hosts at once are handed on; across routers they are not."""
 
 
 class ImpairedLink:
@@ -153,6 +158,8 @@ class ImpairedLink:
             for device in select.select(list(others), [], [], wait)[0]:
                 with contextlib.suppress(BlockingIOError):
                     packet = os.read(device, _LARGEST)
+                    if not (self._impairment.has_multicast or _is_to_one(packet)):
+                        continue
                     self.packets += 1
                     if self._random.random() < self._impairment.loss:
                         self.lost += 1
@@ -173,6 +180,11 @@ def on_host(host: str) -> Iterator[None]:
         _set_namespace(here)
         os.close(there)
         os.close(here)
+
+
+def _is_to_one(packet: bytes) -> bool:
+    """Return whether a packet is of IPv4, to a single host."""
+    return len(packet) >= 20 and packet[0] >> 4 == 4 and packet[16] < _FIRST_MULTICAST
 
 
 def check_possible() -> None:

@@ -21,7 +21,7 @@ from quad_common.errors import QuadError
 from quad_common.process.end_signals import blocked_signals, released_at_last, shielded
 from quad_common.process.entry import PARENT
 from quad_common.process.temporary_folder import temporary_folder
-from quad_common.ros.transport import RANGE, local_settings
+from quad_common.ros.transport import DISCOVERY_SERVER, RANGE, local_settings
 
 NODES = {
     'planner_node': 'quad_planner',
@@ -106,7 +106,8 @@ def isolated_domain() -> Iterator[int]:
 @contextlib.contextmanager
 def subnet_domain() -> Iterator[None]:
     """Let nodes meet across the hosts of the subnet, as they do where nothing is set."""
-    changed = {RANGE: 'SUBNET', 'ROS_STATIC_PEERS': '', 'ROS_LOCALHOST_ONLY': ''}
+    changed = dict.fromkeys(('ROS_STATIC_PEERS', 'ROS_LOCALHOST_ONLY', DISCOVERY_SERVER), '')
+    changed[RANGE] = 'SUBNET'
     before = {name: os.environ.get(name) for name in changed}
     os.environ.update(changed)
     try:
