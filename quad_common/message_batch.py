@@ -13,9 +13,6 @@ from dataclasses import dataclass
 
 from quad_common.errors import InvalidMessage
 
-BATCHES = 'batches'
-"""Topic of sim_node's batches, relative to the robot's namespace."""
-
 _CLOSED = struct.Struct('<q')
 """When the batch was closed [ns]; it comes first."""
 

@@ -9,14 +9,10 @@ import time
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 
-from quad_common.message_batch import BATCHES, MessageBatch
-
-_QUALITY = QoSProfile(depth=500)
-"""Nothing is lost while a recorder is busy for some seconds."""
+from quad_common.message_batch import MessageBatch
 
 
 class BatchTopics:
@@ -32,7 +28,8 @@ class BatchTopics:
     """
 
     def __init__(self, node: Node, *publishers: Any) -> None:
-        self._publisher = node.create_publisher(UInt8MultiArray, BATCHES, _QUALITY)
+        # Nothing is lost while a recorder is busy for some seconds.
+        self._publisher = node.create_publisher(UInt8MultiArray, 'batches', 500)
         self._index = {publisher: index for index, publisher in enumerate(publishers)}
         self._batch = MessageBatch(tuple(publisher.topic_name for publisher in publishers))
         self.is_wanted = False

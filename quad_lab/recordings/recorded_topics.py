@@ -108,5 +108,8 @@ RECORDED = (
 )
 """Every topic of a robot that is recorded where it is published."""
 
+BATCHES = RecordedTopic('batches', 'std_msgs/msg/UInt8MultiArray', Delivery.RELIABLE, 500)
+"""Where sim_node publishes what is frequent in batches."""
+
 BATCHED = frozenset({CLOCK, IMU, JOINT_STATES, ODOMETRY})
-"""Those that sim_node publishes in batches, too."""
+"""Topics whose messages are in them."""

@@ -13,9 +13,8 @@ from typing import Any
 import rclpy
 
 from quad_common.errors import QuadError
-from quad_common.message_batch import BATCHES
 from quad_common.ros.transport import leave_shared_memory
-from quad_lab.recordings.recorded_topics import BATCHED, CLOCK, RECORDED, RecordedTopic
+from quad_lab.recordings.recorded_topics import BATCHED, BATCHES, CLOCK, RECORDED, RecordedTopic
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.recordings.topic_listener import TopicListener
 
@@ -83,7 +82,7 @@ class Recorder:
         except BaseException:
             self._close()
             raise
-        batches = f'/{namespace}/{BATCHES}' if namespace else f'/{BATCHES}'
+        batches = BATCHES.in_namespace(namespace)
         batched = {t: name for t, name in names.items() if self._is_in(batches, t, name)}
         others = [(t, name) for t, name in names.items() if t not in batched]
         self._listener = TopicListener(self._node, others, self.recording.take)

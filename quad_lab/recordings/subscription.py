@@ -15,9 +15,6 @@ from quad_lab.recordings.recorded_topics import Delivery, RecordedTopic
 _DEPTH = 2000
 """Messages of a topic that wait while others are taken."""
 
-BATCH_QUALITY = QoSProfile(depth=500)
-"""How batches of messages are subscribed to."""
-
 
 def subscription_quality(topic: RecordedTopic) -> QoSProfile:
     """Return how a topic is subscribed to by whoever takes all of it: nothing may be lost."""

@@ -17,8 +17,8 @@ from std_msgs.msg import UInt8MultiArray
 
 from quad_common.errors import InvalidMessage
 from quad_common.message_batch import read_batch
-from quad_lab.recordings.recorded_topics import RecordedTopic
-from quad_lab.recordings.subscription import BATCH_QUALITY, message_of, subscription_quality
+from quad_lab.recordings.recorded_topics import BATCHES, RecordedTopic
+from quad_lab.recordings.subscription import message_of, subscription_quality
 
 _PERIOD = 0.02
 """Time between two looks for messages [s], on the machine's clock."""
@@ -82,7 +82,7 @@ class TopicListener:
         resolve = self._node.resolve_topic_name
         self._batched = {resolve(name): topic for topic, name in names}
         self._batches = self._node.create_subscription(
-            UInt8MultiArray, name, lambda data: None, BATCH_QUALITY, raw=True
+            BATCHES.message_type(), name, lambda data: None, subscription_quality(BATCHES), raw=True
         )
 
     @property

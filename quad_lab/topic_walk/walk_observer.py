@@ -11,13 +11,13 @@ import rclpy
 from geometry_msgs.msg import PoseStamped
 from rclpy.serialization import serialize_message
 
-from quad_common.message_batch import BATCHES
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_from_message, pose_message
 from quad_gait.behaviours.activity import Activity
 from quad_lab.recordings.recorded_topics import (
     BATCHED,
+    BATCHES,
     GOAL,
     GOAL_MARKER,
     RECORDED,
@@ -80,7 +80,7 @@ class WalkObserver:
         alone = [(t, t.name) for t in topics if executor is None and t not in batched]
         self._listener = TopicListener(self._node, alone, self._take)
         if batched:
-            self._listener.take_batches(BATCHES, [(t, t.name) for t in topics if t in batched])
+            self._listener.take_batches(BATCHES.name, [(t, t.name) for t in topics if t in batched])
         if executor is not None:
             executor.add_node(self._node)
             for topic in topics:
