@@ -79,6 +79,8 @@ class SimNode(QuadNode[SimParameters]):
             self._session.advance(self._topics)
             if self._session.has_news:
                 self.update_status()
+        else:
+            self._topics.send_batches()
         return wait
 
     def take_parameters(self, parameters: SimParameters) -> None:

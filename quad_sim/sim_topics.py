@@ -35,6 +35,7 @@ from quad_common.ros.pose_conversions import (
 )
 from quad_common.ros.transform_publisher import TransformPublisher
 from quad_common.vision.color_parameters import color_from
+from quad_sim.batch_topics import BatchTopics
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
@@ -76,6 +77,8 @@ class SimTopics:
         self._corrections = node.create_publisher(TransformStamped, 'map_to_odom', 10)
         self._joint_states = node.create_publisher(JointState, 'joint_states', sensor)
         self._imu = node.create_publisher(Imu, 'imu', sensor)
+        frequent = self._clock, self._imu, self._joint_states, self._odometry
+        self._batches = BatchTopics(node, *filter(None, frequent))
         self._description = node.create_publisher(String, 'robot_description', _LATCHED)
         self._map = node.create_publisher(OccupancyGrid, 'map', _LATCHED)
         self._height_map = node.create_publisher(PointCloud2, 'height_map', _LATCHED)
@@ -107,7 +110,7 @@ class SimTopics:
     def publish_clock(self, time: float) -> None:
         """Publish simulated time [s], unless another simulator does."""
         if self._clock is not None:
-            self._clock.publish(Clock(clock=time_from_seconds(time)))
+            self._batches.publish(self._clock, Clock(clock=time_from_seconds(time)))
 
     def publish_obstacles(self, session: SimSession) -> None:
         """Publish which obstacles stand."""
@@ -140,17 +143,23 @@ class SimTopics:
         stamp = time_from_seconds(truth.time)
         odometry = odometry_message(readings.odometry, p, readings.odometry_noise, stamp)
         # Heading, then joints, then pose: who receives the next knows what belongs to it.
-        if self._imu.get_subscription_count() > 0:
-            self._imu.publish(imu_message(truth, p, readings.imu_noise, stamp))
-        self._joint_states.publish(joint_state_message(truth, self._joint_names, stamp))
+        publish = self._batches.publish
+        if self._batches.is_wanted or self._imu.get_subscription_count() > 0:
+            publish(self._imu, imu_message(truth, p, readings.imu_noise, stamp))
+        publish(self._joint_states, joint_state_message(truth, self._joint_names, stamp))
         if readings.correction is not None:
             transform = pose_transform(readings.correction, p.map_frame, p.odom_frame, stamp)
             self._corrections.publish(transform)
             self._transforms.publish(transform)
-        self._odometry.publish(odometry)
+        publish(self._odometry, odometry)
         if self._truth.get_subscription_count() > 0:
             self._truth.publish(true_odometry_message(truth, p, stamp))
         if self._transforms.is_active:
             ground = float(self._world.ground_at(truth.position[:2]))
             footprint = footprint_transform(odometry, p.footprint_frame, ground)
             self._transforms.publish(base_transform(odometry), footprint)
+        self._batches.send()
+
+    def send_batches(self) -> None:
+        """Publish what waits for more to come, if it has waited."""
+        self._batches.send()

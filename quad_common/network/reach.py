@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from quad_common.errors import QuadError
-from quad_common.network.transport import RANGE, is_bound_to_this_machine
+from quad_common.network.transport import DISCOVERY_SERVER, RANGE, is_bound_to_this_machine
 
 _RANGES = {
     'SUBNET': 'every machine of this subnet',
@@ -83,7 +83,11 @@ def reach_of(environment: Mapping[str, str]) -> str:
         is_enforced = environment.get('ROS_SECURITY_STRATEGY') == 'Enforce'
         security = f'security is {"enforced" if is_enforced else "on where there are keys for it"}'
     given = environment.get(RANGE, '')
-    if environment.get('ROS_LOCALHOST_ONLY') == '1':
+    server = environment.get(DISCOVERY_SERVER, '').strip('; ')
+    if server:
+        # Who asks a server for others finds nobody without it.
+        reach, source = f'whomever the server {server[:200]} knows', f'{DISCOVERY_SERVER} is set'
+    elif environment.get('ROS_LOCALHOST_ONLY') == '1':
         # It is deprecated, and goes before the others.
         reach, source, peers = _RANGES['LOCALHOST'], 'ROS_LOCALHOST_ONLY=1', ''
     elif given == 'SYSTEM_DEFAULT' and is_bound_to_this_machine(environment):

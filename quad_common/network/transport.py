@@ -20,8 +20,14 @@ RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 """Environment variable: the file of Fast DDS's settings."""
 
+QOS_FROM_PROFILES = 'RMW_FASTRTPS_USE_QOS_FROM_XML'
+"""Environment variable: whether readers and writers are as that file says, too."""
+
 _TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 """Environment variable: what Fast DDS sends by where no file says it."""
+
+DISCOVERY_SERVER = 'ROS_DISCOVERY_SERVER'
+"""Environment variable: addresses of servers by which Fast DDS's participants find one another."""
 
 _LOOPBACK = '127.0.0.1'
 
@@ -43,15 +49,16 @@ def local_settings(environment: Mapping[str, str]) -> dict[str, str]:
     dict of str to str
         Those to be set.
     """
-    # Peers are reached beyond any range.
-    local = {RANGE: 'LOCALHOST', 'ROS_STATIC_PEERS': '', 'ROS_LOCALHOST_ONLY': ''}
+    # Peers are reached beyond any range, and with a server nobody is found without it.
+    beyond = {'ROS_STATIC_PEERS': '', DISCOVERY_SERVER: ''}
+    local = {RANGE: 'LOCALHOST', 'ROS_LOCALHOST_ONLY': ''} | beyond
     if not _is_fast_dds(environment):
         return local
     return local | {
         RANGE: 'SYSTEM_DEFAULT',
         PROFILES: str(share_directory() / 'config' / 'fastdds.xml'),
         # Of that file, what it says of readers and writers too.
-        'RMW_FASTRTPS_USE_QOS_FROM_XML': '1',
+        QOS_FROM_PROFILES: '1',
     }
 
 
@@ -66,7 +73,8 @@ def leave_shared_memory(environment: MutableMapping[str, str]) -> None:
     """
     if not _is_fast_dds(environment) or PROFILES in environment:
         return
-    is_alone = not environment.get('ROS_STATIC_PEERS', '').strip('; ')
+    others = environment.get('ROS_STATIC_PEERS', '') + environment.get(DISCOVERY_SERVER, '')
+    is_alone = not others.strip('; ')
     if environment.get(RANGE) == 'LOCALHOST' and is_alone:
         environment.update(local_settings(environment))
     else:

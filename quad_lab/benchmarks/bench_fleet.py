@@ -1,5 +1,5 @@
 """
-``quadwalk bench fleet``: goals that are given by Nav2's actions, canceled, and preempted.
+``quadwalk bench fleet``: goals by Nav2's actions, and walks over a network between two hosts.
 """
 
 from __future__ import annotations
@@ -19,10 +19,11 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.parameters import GaitParameters
+from quad_lab.benchmarks.network_walks import network_bars
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
-PARTS = ('goals', 'cancels', 'preemptions')
+PARTS = ('goals', 'cancels', 'preemptions', 'network')
 """What can be measured alone."""
 
 GOALS, QUICK_GOALS = 30, 2
@@ -74,7 +75,7 @@ def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = PARTS
 ) -> tuple[list[Criterion], dict[str, object]]:
     """
-    Give goals, cancel some, and preempt some.
+    Give goals, cancel some, and preempt some; walk over a network.
 
     Parameters
     ----------
@@ -95,9 +96,10 @@ def measure(
     Raises
     ------
     MissingOptionalDependency
-        If nav2_msgs is not installed.
+        If nav2_msgs is not installed, and a part needs it.
     """
-    if importlib.util.find_spec('nav2_msgs') is None:
+    by_action = tuple(part for part in only if part != 'network')
+    if by_action and importlib.util.find_spec('nav2_msgs') is None:
         raise MissingOptionalDependency('nav2_msgs', 'make nav2')
     counts = {
         'goals': QUICK_GOALS if quick else GOALS,
@@ -107,7 +109,7 @@ def measure(
     run = {'goals': _goals, 'cancels': _cancels, 'preemptions': _preemptions}
     trials: list[Trial] = []
     bars: list[Criterion] = []
-    for part in only:
+    for part in by_action:
         done: list[Trial] = []
         names = ('room',) if quick else ('office', 'room')
         for index, name in enumerate(names):
@@ -120,6 +122,8 @@ def measure(
         'seed': seed,
         'trials': [asdict(trial) for trial in trials],
     }
+    if 'network' in only:
+        bars += network_bars(console, quick, seed, details)
     return bars, details
 
 

@@ -59,6 +59,7 @@ JOINT_STATES = RecordedTopic('joint_states', 'sensor_msgs/msg/JointState', Deliv
 DESCRIPTION = RecordedTopic('robot_description', 'std_msgs/msg/String', Delivery.LATCHED, 1)
 GOAL = RecordedTopic('goal_pose', 'geometry_msgs/msg/PoseStamped', Delivery.RELIABLE)
 GOAL_MARKER = RecordedTopic('goal_marker', 'geometry_msgs/msg/PoseStamped', Delivery.RELIABLE)
+IMU = RecordedTopic('imu', 'sensor_msgs/msg/Imu', Delivery.SENSOR, 5)
 TRUTH = RecordedTopic('odom/truth', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5, is_on_demand=True)
 TRANSFORMS = RecordedTopic('tf', 'tf2_msgs/msg/TFMessage', Delivery.RELIABLE, 100)
 FIXED_TRANSFORMS = RecordedTopic('tf_static', 'tf2_msgs/msg/TFMessage', Delivery.LATCHED, 1)
@@ -72,7 +73,7 @@ RECORDED = (
     TRANSFORMS,
     FIXED_TRANSFORMS,
     CORRECTIONS,
-    RecordedTopic('imu', 'sensor_msgs/msg/Imu', Delivery.SENSOR, 5),
+    IMU,
     JOINT_STATES,
     ODOMETRY,
     RecordedTopic('odom/camera', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5),
@@ -106,3 +107,9 @@ RECORDED = (
     ),
 )
 """Every topic of a robot that is recorded where it is published."""
+
+BATCHES = RecordedTopic('batches', 'std_msgs/msg/UInt8MultiArray', Delivery.RELIABLE, 500)
+"""Where sim_node publishes what is frequent in batches."""
+
+BATCHED = frozenset({CLOCK, IMU, JOINT_STATES, ODOMETRY})
+"""Topics whose messages are in them."""

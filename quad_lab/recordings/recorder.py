@@ -14,7 +14,7 @@ import rclpy
 
 from quad_common.errors import QuadError
 from quad_common.network.transport import leave_shared_memory
-from quad_lab.recordings.recorded_topics import CLOCK, RECORDED
+from quad_lab.recordings.recorded_topics import BATCHED, BATCHES, CLOCK, RECORDED, RecordedTopic
 from quad_lab.recordings.robot_recording import RobotRecording
 from quad_lab.recordings.topic_listener import TopicListener
 
@@ -82,7 +82,12 @@ class Recorder:
         except BaseException:
             self._close()
             raise
-        self._listener = TopicListener(self._node, names.items(), self.recording.take)
+        batches = BATCHES.in_namespace(namespace)
+        batched = {t: name for t, name in names.items() if self._is_in(batches, t, name)}
+        others = [(t, name) for t, name in names.items() if t not in batched]
+        self._listener = TopicListener(self._node, others, self.recording.take)
+        if batched:
+            self._listener.take_batches(batches, batched.items())
 
     def __enter__(self) -> Recorder:
         self.recording.__enter__()
@@ -91,7 +96,7 @@ class Recorder:
     def __exit__(self, *ending: Any) -> None:
         try:
             # What came in since the last look.
-            self._listener.take()
+            self._listener.take(is_last=True)
             self.recording.__exit__(*ending)
         finally:
             self._close()
@@ -104,6 +109,15 @@ class Recorder:
         """Return those of the topics that somebody publishes, after some time."""
         time.sleep(_DISCOVERY)
         return {name for name in names if self._node.count_publishers(name)}
+
+    def _is_in(self, batches: str, topic: RecordedTopic, name: str) -> bool:
+        """Return whether all that is published on a topic is in batches on another one, too."""
+        publishers = self._node.get_publishers_info_by_topic
+        nodes, by_batch = (
+            [(info.node_namespace, info.node_name) for info in publishers(published)]
+            for published in (name, batches)
+        )
+        return topic in BATCHED and len(by_batch) == 1 and nodes == by_batch
 
     def _close(self) -> None:
         self._node.destroy_node()

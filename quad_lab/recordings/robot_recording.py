@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import struct
 import time
+from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -29,8 +30,14 @@ _CLOCK = struct.Struct('<iI')
 """Seconds and nanoseconds of a Clock, after the four bytes that say how numbers are written."""
 
 
+MOST_KEPT = 2**26
+"""Bytes of messages that are kept in memory where writing them must wait."""
+
 _INSTANT = 1e-6
 """Time between two messages that are received at the same simulated time [s]."""
+
+_Taken = tuple[RecordedTopic, bytes, float]
+"""Topic, message (CDR), and when it was taken by the machine's clock [s]."""
 
 
 class RobotRecording:
@@ -51,15 +58,25 @@ class RobotRecording:
         stamps have it, and at the machine's time otherwise.
     has_links : bool
         Whether somebody publishes transforms of the links.
+    most_kept : int
+        Bytes of messages that are kept in memory until the end. To write a message takes ten times
+        as long as to keep it, and nodes beside it that go as fast as they can need the processor.
     """
 
     def __init__(
-        self, folder: Path, namespace: str = '', is_simulated: bool = True, has_links: bool = False
+        self,
+        folder: Path,
+        namespace: str = '',
+        is_simulated: bool = True,
+        has_links: bool = False,
+        most_kept: int = 0,
     ) -> None:
         self._recording = Recording(folder, namespace)
         self._is_simulated = is_simulated
         self._time: float | None = None if is_simulated else 0.0
-        self._waiting: list[tuple[RecordedTopic, bytes]] = []
+        self._waiting: list[_Taken] = []
+        self._kept: deque[_Taken] = deque()
+        self._kept_bytes, self._most_kept = 0, most_kept
         self._last = 0.0
         self._has_body = TRANSFORMS.message_type() is not None
         self._transforms = RobotTransforms(self._has_body, has_links)
@@ -86,9 +103,10 @@ class RobotRecording:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        for topic, data in self._waiting:
+        self._write_kept(0)
+        for taken in self._waiting:
             self._time = 0.0
-            self._write(topic, data)
+            self._write(*taken)
         if self._first_odometry is not None and not self._has_body and not self._is_corrected:
             odometry, received = self._first_odometry
             with contextlib.suppress(InvalidMessage):
@@ -97,19 +115,33 @@ class RobotRecording:
 
     def take(self, topic: RecordedTopic, data: bytes) -> None:
         """Record a message (CDR)."""
+        self._kept.append((topic, data, time.time()))
+        self._kept_bytes += len(data)
+        self._write_kept(self._most_kept)
+
+    def _write_kept(self, most: int) -> None:
+        """Write the oldest messages until no more than some bytes are kept."""
+        while self._kept and (self._kept_bytes > most or most == 0):
+            taken = self._kept.popleft()
+            self._kept_bytes -= len(taken[1])
+            self._time_and_write(taken)
+
+    def _time_and_write(self, taken: _Taken) -> None:
+        """Write a message once the robot's time is known."""
+        topic, data, _ = taken
         if topic is CLOCK and self._is_simulated and len(data) >= 4 + _CLOCK.size:
             seconds, nanoseconds = _CLOCK.unpack_from(data, 4)
             self._time = seconds + 1e-9 * nanoseconds
         if self._time is None:
             # What is latched comes before the clock does.
-            self._waiting.append((topic, data))
+            self._waiting.append(taken)
             return
         waiting, self._waiting = self._waiting, []
-        for earlier in (*waiting, (topic, data)):
+        for earlier in (*waiting, taken):
             self._write(*earlier)
 
-    def _write(self, topic: RecordedTopic, data: bytes) -> None:
-        now = self._time if self._is_simulated else time.time()
+    def _write(self, topic: RecordedTopic, data: bytes, received: float) -> None:
+        now = self._time if self._is_simulated else received
         assert now is not None
         # Readers sort by time: what came after something else is to stay behind it.
         self._last = max(now, self._last + _INSTANT)

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import TracebackType
 
 from quad_common.errors import QuadError
-from quad_common.network.transport import local_settings
+from quad_common.network.transport import DISCOVERY_SERVER, RANGE, local_settings
 from quad_common.process.end_signals import blocked_signals, released_at_last, shielded
 from quad_common.process.entry import PARENT
 from quad_common.process.temporary_folder import temporary_folder
@@ -103,11 +103,29 @@ def isolated_domain() -> Iterator[int]:
         try:
             yield int(os.environ['ROS_DOMAIN_ID'])
         finally:
-            for name, value in before.items():
-                if value is None:
-                    os.environ.pop(name, None)
-                else:
-                    os.environ[name] = value
+            _restore(before)
+
+
+@contextlib.contextmanager
+def subnet_domain() -> Iterator[None]:
+    """Let nodes meet across the hosts of the subnet, as they do where nothing is set."""
+    changed = dict.fromkeys(('ROS_STATIC_PEERS', 'ROS_LOCALHOST_ONLY', DISCOVERY_SERVER), '')
+    changed[RANGE] = 'SUBNET'
+    before = {name: os.environ.get(name) for name in changed}
+    os.environ.update(changed)
+    try:
+        yield
+    finally:
+        _restore(before)
+
+
+def _restore(variables: Mapping[str, str | None]) -> None:
+    """Set environment variables as they were; None: unset."""
+    for name, value in variables.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
 
 
 def _claim_domain(stack: contextlib.ExitStack) -> int:
@@ -157,10 +175,17 @@ class NodeProcess:
         Where its output goes.
     namespace : str
         Of its topics and services.
+    host : str
+        Network namespace of Linux that it runs in; empty for that of this process.
     """
 
     def __init__(
-        self, name: str, parameters: Mapping[str, object], log: Path, namespace: str = ''
+        self,
+        name: str,
+        parameters: Mapping[str, object],
+        log: Path,
+        namespace: str = '',
+        host: str = '',
     ) -> None:
         self.name = name
         self._log = log
@@ -176,7 +201,9 @@ class NodeProcess:
         )
         # The wheels of rclpy leave it behind to start each python once more only.
         environment.pop('_ROS_WHEELS_BOOTSTRAP_COMPLETE', None)
-        command = [sys.executable, '-m', NODES[name], '--ros-args', *arguments]
+        # ip becomes the node: it has the same process id.
+        prefix = ['ip', 'netns', 'exec', host] if host else []
+        command = [*prefix, sys.executable, '-m', NODES[name], '--ros-args', *arguments]
         with shielded(), log.open('ab') as output, blocked_signals():
             self._process = subprocess.Popen(
                 command,
@@ -253,10 +280,14 @@ class NodeProcesses:
     ----------
     namespace : str
         Of their topics and services.
+    hosts : mapping of str to str, optional
+        Network namespaces of Linux that nodes run in, by their names; the others run in that of
+        this process.
     """
 
-    def __init__(self, namespace: str = '') -> None:
+    def __init__(self, namespace: str = '', hosts: Mapping[str, str] | None = None) -> None:
         self._namespace = namespace
+        self._hosts = dict(hosts or {})
         self._running: dict[str, NodeProcess] = {}
         self._stack = contextlib.ExitStack()
         self._folder = self._stack.enter_context(temporary_folder())
@@ -284,7 +315,9 @@ class NodeProcesses:
         log = self._folder / f'{name}.log'
         with shielded():
             given = in_simulated_time(name, parameters)
-            self._running[name] = NodeProcess(name, given, log, self._namespace)
+            self._running[name] = NodeProcess(
+                name, given, log, self._namespace, self._hosts.get(name, '')
+            )
         return self._running[name]
 
     def check(self) -> None:

@@ -7,8 +7,8 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
 from quad_lab.closed_loop.guided_end import GuidedEnd
-from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
+from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain, subnet_domain
 from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
@@ -108,6 +108,11 @@ class WalkOptions:
     """Whether all nodes are in this process, in step with the simulator."""
     page: PagePlace | None = None
     """Where the viewer's page is; None for no viewer."""
+    hosts: Mapping[str, str] = field(default_factory=dict)
+    """Network namespaces of Linux that nodes run in, by their names; if there are any, nodes meet
+    across the subnet, and in one process otherwise only on this machine."""
+    lead_time: float | None = None
+    """The gait's; its default if None [s]."""
 
 
 def walk(
@@ -144,7 +149,7 @@ def walk(
         If a node ends on its own.
     """
     with contextlib.ExitStack() as stack:
-        stack.enter_context(isolated_domain())
+        stack.enter_context(subnet_domain() if options.hosts else isolated_domain())
         nodes = _nodes(options)
         stack.enter_context(nodes)
         _start_nodes(nodes, options)
@@ -173,9 +178,10 @@ def _recording(options: WalkOptions) -> contextlib.AbstractContextManager[RobotR
     if options.recording is None:
         return contextlib.nullcontext()
     # It needs a package that is not everywhere.
-    from quad_lab.recordings.robot_recording import RobotRecording
+    from quad_lab.recordings.robot_recording import MOST_KEPT, RobotRecording
 
-    return RobotRecording(options.recording)
+    is_fast = options.real_time_factor == 0.0
+    return RobotRecording(options.recording, most_kept=MOST_KEPT if is_fast else 0)
 
 
 def _facts(options: WalkOptions, record: WalkRecord) -> dict[str, object]:
@@ -202,7 +208,7 @@ def _observer(
 
 def _nodes(options: WalkOptions) -> NodeProcesses | ComposedNodes:
     if not options.composed:
-        return NodeProcesses()
+        return NodeProcesses(hosts=options.hosts)
     # Only here: the nodes' own modules are imported with it.
     from quad_lab.topic_walk.composed_nodes import ComposedNodes
 
@@ -238,6 +244,8 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
         if not options.real_time_factor:
             simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
         gait['ground'] = 'uneven'
+    if options.lead_time is not None:
+        gait['lead_time'] = options.lead_time
     if options.safety_distance is not None:
         planner['safety_distance'] = options.safety_distance
     if options.perception == 'camera':

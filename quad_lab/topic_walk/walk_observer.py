@@ -15,7 +15,14 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_from_message, pose_message
 from quad_gait.behaviours.activity import Activity
-from quad_lab.recordings.recorded_topics import GOAL, GOAL_MARKER, RECORDED, RecordedTopic
+from quad_lab.recordings.recorded_topics import (
+    BATCHED,
+    BATCHES,
+    GOAL,
+    GOAL_MARKER,
+    RECORDED,
+    RecordedTopic,
+)
 from quad_lab.recordings.subscription import subscription_quality
 from quad_lab.recordings.topic_listener import TopicListener
 from quad_lab.topic_walk.walk_notes import WalkNotes
@@ -68,9 +75,12 @@ class WalkObserver:
         else:
             self._goals = self._node.create_publisher(PoseStamped, 'goal_pose', 10)
         topics = [topic for topic in RECORDED if self._wants(topic)]
-        self._listener = TopicListener(
-            self._node, [(t, t.name) for t in topics if executor is None], self._take
-        )
+        # The simulator publishes what a recording needs in batches; for less they do not pay.
+        batched = BATCHED if recording is not None and executor is None else frozenset()
+        alone = [(t, t.name) for t in topics if executor is None and t not in batched]
+        self._listener = TopicListener(self._node, alone, self._take)
+        if batched:
+            self._listener.take_batches(BATCHES.name, [(t, t.name) for t in topics if t in batched])
         if executor is not None:
             executor.add_node(self._node)
             for topic in topics:

@@ -46,6 +46,7 @@ SHARED = {
     'ros_node': tuple(NODES),
     'map_frame_listener': ('gait_node', 'planner_node', 'viewer_node'),
     'transform_publisher': ('ceiling_camera_node', 'sim_node'),
+    'batch_topics': ('sim_node',),
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
     'plan_topics': ('gait_node',),
@@ -63,6 +64,7 @@ SHARED = {
 QUALITIES = {
     '10': 'reliable, volatile, depth 10',
     '100': 'reliable, volatile, depth 100',
+    '500': 'reliable, volatile, depth 500',
     '_LATCHED': 'reliable, transient local, depth 1',
     '_EVERY_PLAN': 'reliable, transient local, depth 10',
     '_STATIC': 'reliable, transient local, depth 100',
@@ -395,6 +397,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     profiles: dict[str, list[Any]] = {
         '10': [QoSProfile(depth=10)],
         '100': [QoSProfile(depth=100)],
+        '500': [QoSProfile(depth=500)],
         '_LATCHED': [
             module._LATCHED
             for module in (

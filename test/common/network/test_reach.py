@@ -36,6 +36,11 @@ REACHES = [
         {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'localhost'},
         "to this machine only (ROS_AUTOMATIC_DISCOVERY_RANGE='localhost' is no range",
     ),
+    (
+        {'ROS_DISCOVERY_SERVER': '10.77.0.1:11811', 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'},
+        'to whomever the server 10.77.0.1:11811 knows (ROS_DISCOVERY_SERVER is set)',
+    ),
+    ({'ROS_DISCOVERY_SERVER': ''}, 'to every machine of this subnet'),
     ({}, 'security is off'),
     (
         {'ROS_SECURITY_ENABLE': 'true', 'ROS_SECURITY_STRATEGY': 'Enforce'},

@@ -27,7 +27,12 @@ def changes(**environment: str) -> dict[str, str]:
 
 @pytest.mark.parametrize(
     'environment',
-    [{}, {RANGE: 'SUBNET'}, {RANGE: 'LOCALHOST', 'ROS_STATIC_PEERS': '10.0.0.2'}],
+    [
+        {},
+        {RANGE: 'SUBNET'},
+        {RANGE: 'LOCALHOST', 'ROS_STATIC_PEERS': '10.0.0.2'},
+        {RANGE: 'LOCALHOST', 'ROS_DISCOVERY_SERVER': '127.0.0.1:11811'},
+    ],
 )
 def test_nodes_send_by_udp_alone(environment):
     assert changes(**environment) == UDP
@@ -54,7 +59,8 @@ def test_what_somebody_has_chosen_stays(environment):
 
 @pytest.mark.parametrize('middleware', ['rmw_cyclonedds_cpp', 'rmw_fastrtps_cpp'])
 def test_what_is_local_is_so_with_every_middleware(middleware):
-    environment = {'RMW_IMPLEMENTATION': middleware, 'ROS_STATIC_PEERS': '10.0.0.2'}
+    beyond = {'ROS_STATIC_PEERS': '10.0.0.2', 'ROS_DISCOVERY_SERVER': '10.0.0.3:11811'}
+    environment = {'RMW_IMPLEMENTATION': middleware} | beyond
     environment.update(local_settings(environment))
     assert 'to this machine only (' in reach_of(environment)
 

@@ -179,6 +179,30 @@ def test_a_description_that_is_none_is_recorded_all_the_same(tmp_path):
     assert names == ['/robot_description', '/joint_states']
 
 
+@pytest.mark.parametrize('most_kept', [1, 5000, 2**26])
+def test_what_is_kept_for_the_end_makes_the_same_recording(tmp_path, most_kept):
+    def record(name, most):
+        with RobotRecording(tmp_path / name, most_kept=most) as recording:
+            recording.take(DESCRIPTION, DESCRIBED)
+            for k in range(40):
+                recording.take(CLOCK, clock(3.0 + 0.02 * k))
+                recording.take(JOINT_STATES, joints(3.0 + 0.02 * k))
+                recording.take(ODOMETRY, odometry(3.0 + 0.02 * k, x=0.1 * k))
+        with Reader(tmp_path / name) as reader:
+            return [(c.topic, time, bytes(data)) for c, time, data in reader.messages()]
+
+    assert record('later', most_kept) == record('at_once', 0)
+
+
+def test_no_more_is_kept_in_memory_than_was_said(tmp_path):
+    with RobotRecording(tmp_path / 'bag', is_simulated=False, most_kept=3 * 10**4) as recording:
+        for k in range(100):
+            recording.take(JOINT_STATES, joints(0.02 * k))
+        written = recording.counts['/joint_states']
+        assert 0 <= 3 * 10**4 - (100 - written) * len(joints(0.0)) < len(joints(0.0))
+    assert recording.counts['/joint_states'] == 100
+
+
 @pytest.mark.parametrize('topic', [CLOCK, ODOMETRY, JOINT_STATES, DESCRIPTION])
 @pytest.mark.parametrize('data', [b'', b'\x00\x01\x00\x00', bytes(11), b'\xff' * 40])
 def test_bytes_that_are_no_message_end_nothing(tmp_path, topic, data):

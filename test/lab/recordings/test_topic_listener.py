@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 
 import pytest
@@ -9,12 +10,13 @@ import pytest
 pytest.importorskip('rclpy')
 
 import rclpy
-from rclpy.serialization import deserialize_message
-from std_msgs.msg import Float64
+from rclpy.serialization import deserialize_message, serialize_message
+from std_msgs.msg import Float64, UInt8MultiArray
 
 from quad_lab.recordings.recorded_topics import Delivery, RecordedTopic
 from quad_lab.recordings.topic_listener import TopicListener
 from quad_lab.topic_walk.node_processes import isolated_domain
+from quad_sim.batch_topics import BatchTopics
 
 pytestmark = pytest.mark.ros
 
@@ -25,6 +27,100 @@ TOPICS = [
 ]
 
 LONGEST_WAIT = 30.0
+
+
+class BatchSource:
+    """A node that publishes one topic alone, and another one in batches, too."""
+
+    def __init__(self, context):
+        self.node = rclpy.create_node('source', context=context)
+        self.alone = self.node.create_publisher(Float64, 'first', 1000)
+        self.batched = self.node.create_publisher(Float64, 'second', 1000)
+        self.batches = BatchTopics(self.node, self.batched)
+
+    def wait_for_a_listener(self):
+        deadline = time.monotonic() + LONGEST_WAIT
+        while not (self.batches.is_wanted and self.alone.get_subscription_count()):
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+            self.batches.send()
+
+
+@contextlib.contextmanager
+def source_and_listener(take):
+    with isolated_domain():
+        context = rclpy.Context()
+        rclpy.init(context=context)
+        source = BatchSource(context)
+        node = rclpy.create_node('listener', namespace='', context=context)
+        listener = TopicListener(node, [(TOPICS[0], 'first')], take)
+        listener.take_batches('batches', [(TOPICS[1], 'second')])
+        try:
+            source.wait_for_a_listener()
+            yield source, listener
+        finally:
+            source.node.destroy_node()
+            node.destroy_node()
+            context.try_shutdown()
+
+
+def test_batched_messages_are_all_there_and_stand_where_they_were_published():
+    got: list[float] = []
+
+    def take(topic: RecordedTopic, data: bytes) -> None:
+        number = deserialize_message(data, Float64).data
+        assert topic is TOPICS[int(number) // 5 % 2]
+        got.append(number)
+
+    with source_and_listener(take) as (source, listener):
+        for number in range(200):
+            message = Float64(data=float(number))
+            if number // 5 % 2:
+                source.batches.publish(source.batched, message)
+            else:
+                source.alone.publish(message)
+            source.batches.send()
+            listener.take()
+            # Longer than a message is on its way, shorter than a batch waits.
+            time.sleep(0.003)
+        deadline = time.monotonic() + LONGEST_WAIT
+        while len(got) < 200:
+            assert time.monotonic() < deadline
+            source.batches.send()
+            listener.listen(0.05)
+    assert sorted(got) == [float(number) for number in range(200)]
+    assert [n for n in got if n // 5 % 2] == sorted(n for n in got if n // 5 % 2)
+    # A busy machine may bring one that is sent alone later than one of a batch.
+    assert max(abs(place - number) for place, number in enumerate(got)) < 20
+
+
+def test_a_message_that_waits_for_a_batch_is_not_lost_at_the_end():
+    got: list[str] = []
+    with source_and_listener(lambda topic, data: got.append(topic.name)) as (source, listener):
+        source.alone.publish(Float64())
+        deadline = time.monotonic() + LONGEST_WAIT
+        while not (got or listener.waiting):
+            assert time.monotonic() < deadline
+            listener.take()
+        listener.take(is_last=True)
+    assert got == ['first']
+
+
+def test_a_batch_that_is_damaged_ends_nothing():
+    got: list[bytes] = []
+    with source_and_listener(lambda topic, data: got.append(data)) as (source, listener):
+        raw = source.node.create_publisher(UInt8MultiArray, 'batches', 10)
+        deadline = time.monotonic() + LONGEST_WAIT
+        while not raw.get_subscription_count():
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        raw.publish(UInt8MultiArray(data=bytes(11)))
+        while not got:
+            assert time.monotonic() < deadline
+            source.batches.publish(source.batched, Float64())
+            source.batches.send()
+            listener.listen(0.05)
+    assert set(got) == {serialize_message(Float64())}
 
 
 def test_messages_come_in_their_order():
