@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from quad_common.parameters import parameter
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY
 from quad_common.vision.color_parameters import color_parameter
-from quad_sim.engines.joint_failure import FAILURES
 from quad_sim.engines.registry import AUTO, BACKENDS
+from quad_sim.engines.simulator import FAILURES
 
 
 @dataclass(frozen=True)

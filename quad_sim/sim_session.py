@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.status import Level, Status
-from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.registry import make_simulator
-from quad_sim.engines.simulator import Observation
+from quad_sim.engines.simulator import JointFailure, Observation
 from quad_sim.pacing import Answers, Pacing
 from quad_sim.parameters import SimParameters
 from quad_sim.scenery import appearance_from, camera_from, scenery_from

@@ -23,10 +23,10 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits
-from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.registry import engines_with
 from quad_sim.engines.simulator import (
     Contact,
+    JointFailure,
     Observation,
     Simulator,
     SolidSimulator,

@@ -22,11 +22,11 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import quaternion_from_matrix, tilt_from_quaternion
 from quad_sim.engines.bullet_body import SOLVER_ITERATIONS, load_body, needed_iterations
 from quad_sim.engines.bullet_ground import lay_ground
-from quad_sim.engines.bullet_obstacles import BulletObstacles
+from quad_sim.engines.bullet_obstacles import BulletObstacles, build_walls
 from quad_sim.engines.bullet_scene import BulletScene
-from quad_sim.engines.bullet_walls import build_walls
-from quad_sim.engines.joint_failure import FAILURES, FRICTION_FRACTION
 from quad_sim.engines.simulator import (
+    FAILURES,
+    FRICTION_FRACTION,
     GRAVITY,
     TILT_OF_A_FALL,
     Contact,
