@@ -13,15 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.vision.markers import Color
-from quad_sim.engines.simulator import GRAVITY
+from quad_sim.engines.simulator import GRAVITY, GROUND, OBSTACLE
 from quad_sim.world.appearance import AMBIENT, LIGHT_FROM, SQUARE_SHADE, Appearance
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import OF_WORLD, Obstacle, World
 
 Array = NDArray[np.float64]
-
-GROUND, OBSTACLE = 'ground', 'obstacle'
-"""What the names of geometries that stand fast begin with."""
 
 _AROUND = 100.0
 """Width of the level ground around a height field [m]."""

@@ -17,10 +17,12 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.urdf import urdf_from_robot
 from quad_common.rotations import quaternion_from_matrix
 from quad_sim.engines.mujoco_drives import MujocoMotors
-from quad_sim.engines.mujoco_model import GROUND, OBSTACLE, make_solid, quaternion_of_yaw, rgba
+from quad_sim.engines.mujoco_model import make_solid, quaternion_of_yaw, rgba
 from quad_sim.engines.simulator import (
     FAILURES,
     GRAVITY,
+    GROUND,
+    OBSTACLE,
     TILT_OF_A_FALL,
     Contact,
     Observation,

@@ -45,6 +45,10 @@ class JointFailure:
             raise ParameterError('failure', self.kind, f'one of {", ".join(FAILURES)}')
 
 
+GROUND, OBSTACLE = 'ground', 'obstacle'
+"""What :attr:`Contact.other` says of the world; geometries of MuJoCo have names that begin so."""
+
+
 @dataclass(frozen=True)
 class Contact:
     """A part of the robot touches something that it should not."""
