@@ -138,6 +138,11 @@ class Simulation:
         return self._simulator.time_step
 
     @property
+    def robot(self) -> Robot:
+        """Robot that is simulated."""
+        return self._robot
+
+    @property
     def commanded(self) -> Array:
         """Where the joints are commanded to be now, shape (12,) [rad]."""
         return self._executor.command(self.time)[0]
@@ -282,12 +287,7 @@ class Simulation:
         count = _count_after(changes, world.obstacles)
         if most is not None and count > max(most, len(world.obstacles)):
             raise TooManyObstacles(count, most)
-        pose = self._simulator.observe().pose
-        for change in changes:
-            if change.obstacle is not None:
-                distance = float(change.obstacle.distance_to(np.array([pose.x, pose.y])))
-                if distance < self._footprint_radius:
-                    raise ObstacleOnRobot(str(change.name), distance, self._footprint_radius)
+        self.check_clear(changes)
         for change in changes:
             if change.obstacle is not None:
                 world.put_obstacle(change.name, change.obstacle)
@@ -295,6 +295,15 @@ class Simulation:
                 gone = list(world.obstacles) if change.name is None else [change.name]
                 for name in gone:
                     world.remove_obstacle(name)
+
+    def check_clear(self, changes: Iterable[ObstacleChange]) -> None:
+        """Raise ObstacleOnRobot if an obstacle would stand where the robot is."""
+        pose = self._simulator.observe().pose
+        for change in changes:
+            if change.obstacle is not None:
+                distance = float(change.obstacle.distance_to(np.array([pose.x, pose.y])))
+                if distance < self._footprint_radius:
+                    raise ObstacleOnRobot(str(change.name), distance, self._footprint_radius)
 
     @property
     def obstacles(self) -> Mapping[Hashable, Obstacle]:

@@ -188,6 +188,10 @@ class MujocoRobot:
             return self._last_efforts.copy()
         return self.motors.efforts()
 
+    def _keep_efforts(self) -> None:
+        """Remember the torques of the last step: data of another model have none until the next."""
+        self._last_efforts, self._has_efforts = self._joint_efforts(), False
+
     def foot_forces(self) -> Array:
         """
         Return what presses against each foot, as no robot can measure it.

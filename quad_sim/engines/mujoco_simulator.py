@@ -175,8 +175,7 @@ class MujocoSimulator(MujocoRobot):
             self._scene.close()
 
     def _compile_again(self) -> None:
-        # The new data have no forces until the next step.
-        self._last_efforts, self._has_efforts = self._joint_efforts(), False
+        self._keep_efforts()
         self._take(*self._parts.compile_again(self._model, self._data))
 
     def _take(self, model: Any, data: Any) -> None:
