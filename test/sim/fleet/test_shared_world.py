@@ -8,8 +8,8 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_sim.engines.registry import ENGINES, make_simulator
 from quad_sim.engines.simulator import Contact
-from quad_sim.fleet.fleet_simulation import FleetSimulation
 from quad_sim.fleet.shared_world import make_shared_world
+from quad_sim.fleet_simulation import FleetSimulation
 from quad_sim.simulation import ObstacleChange
 from quad_sim.world.world import Obstacle
 

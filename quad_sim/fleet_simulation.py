@@ -7,11 +7,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping
 from types import MappingProxyType
 
-from quad_common.errors import PlaceTaken, RobotNameTaken, RobotNotFound, TooManyRobots
+from quad_common.errors import RobotNameTaken, RobotNotFound, TooManyRobots
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_sim.fleet.shared_world import SharedWorld
+from quad_sim.fleet_text import check_apart
 from quad_sim.simulation import ObstacleChange, Simulation, check_start
 from quad_sim.world.world import Obstacle
 
@@ -40,6 +41,14 @@ class FleetSimulation:
     def robots(self) -> Mapping[str, Simulation]:
         """Simulation of each robot by its name."""
         return MappingProxyType(self._robots)
+
+    @property
+    def standing(self) -> dict[str, tuple[Robot, Pose2D]]:
+        """Each robot and where it is, by its name."""
+        return {
+            name: (simulation.robot, simulation.observe().pose)
+            for name, simulation in self._robots.items()
+        }
 
     @property
     def time(self) -> float:
@@ -73,19 +82,13 @@ class FleetSimulation:
         """
         if len(self._robots) + len(robots) > MOST_ROBOTS:
             raise TooManyRobots(MOST_ROBOTS)
-        standing = {
-            name: (simulation.robot, simulation.observe().pose)
-            for name, simulation in self._robots.items()
-        }
+        standing = self.standing
         for name, (robot, pose) in robots.items():
             if name in standing:
                 raise RobotNameTaken(name)
             if self._grid is not None:
                 check_start(robot, self._grid, pose)
-            for other, (body, place) in standing.items():
-                needed = robot.footprint_radius + body.footprint_radius
-                if pose.distance_to(place) < needed:
-                    raise PlaceTaken(name, other, pose.distance_to(place), needed)
+            check_apart(name, robot, pose, standing)
             standing[name] = robot, pose
         for name, handle in self._world.spawn(robots).items():
             self._robots[name] = Simulation(handle, *robots[name])

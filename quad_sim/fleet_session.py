@@ -1,0 +1,122 @@
+"""
+A simulation of several robots as ``sim_node`` runs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from quad_common.errors import ParameterError
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_common.robot_files.robot_file import load_robot
+from quad_sim.fleet.shared_world import make_shared_world
+from quad_sim.fleet_simulation import FleetSimulation
+from quad_sim.fleet_text import NamedRobot, placed, robots_from_text
+from quad_sim.parameters import SimParameters
+from quad_sim.sim_session import SimSession
+from quad_sim.simulated_robot import SimulatedRobot
+
+_ONE_ONLY = ('camera', 'gui', 'failing_joint')
+"""Parameters that are for a robot alone in its world."""
+
+
+class FleetSession(SimSession):
+    """
+    Steps one world with the robots that parameters name.
+
+    Parameters
+    ----------
+    parameters : SimParameters
+        Of the node.
+    clock : callable
+        Returns the wall clock's time [s].
+
+    Raises
+    ------
+    ParameterError
+        If the robots cannot be read, or something is wanted that a robot has alone.
+    """
+
+    def __init__(self, parameters: SimParameters, clock: Callable[[], float]) -> None:
+        self._wanted = robots_from_text(parameters.robots)
+        self._text = parameters.robots
+        self._count = 0
+        for name in _ONE_ONLY:
+            if getattr(parameters, name):
+                value = getattr(parameters, name)
+                raise ParameterError(name, value, "not set where 'robots' names several")
+        first = next(iter(self._wanted.values()))
+        super().__init__(parameters, load_robot(first.kind), clock)
+
+    def _build(self) -> None:
+        p = self._parameters
+        world = make_shared_world(p.backend, self.scenery.world, p.time_step)
+        self.simulation = self._fleet = FleetSimulation(world, self.scenery.grid)
+        self.robots = {}
+        wanted, self._wanted = self._wanted, {}
+        self._spawn(wanted)
+
+    def take_robots(self, text: str) -> None:
+        """
+        Spawn the robots that are new, and remove those that are missing.
+
+        Parameters
+        ----------
+        text : str
+            See :func:`quad_sim.fleet_text.robots_from_text`; those that stay are not moved.
+
+        Raises
+        ------
+        QuadError
+            If one cannot come; then all stays as it was.
+        """
+        if text == self._text:
+            # What services have changed since stays.
+            return
+        wanted = robots_from_text(text)
+        for name in wanted:
+            if name in self.robots and wanted[name].kind != self._wanted[name].kind:
+                valid = f'one with another name: {name} is {self._wanted[name].kind}'
+                raise ParameterError('robots', text, valid)
+        self._spawn({name: one for name, one in wanted.items() if name not in self.robots})
+        for name in [name for name in self.robots if name not in wanted]:
+            self.remove(name)
+        self._text = text
+
+    def spawn(self, name: str, kind: str, start: Pose2D | None) -> None:
+        """Put one more robot into the world, somewhere if no start is given."""
+        self._spawn({name: NamedRobot(kind, start)})
+
+    def remove(self, name: str) -> None:
+        """Take a robot out of the world; RobotNotFound if it is not there."""
+        self._fleet.remove(name)
+        del self.robots[name], self._wanted[name]
+
+    def plan_failure(self, parameters: SimParameters) -> None:
+        """Raise ParameterError if a joint is to fail: it is not said whose."""
+        if parameters.failing_joint:
+            joint = parameters.failing_joint
+            raise ParameterError('failing_joint', joint, 'not set where there are several robots')
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Do nothing: there is no camera that would see it."""
+
+    def _spawn(self, wanted: dict[str, NamedRobot]) -> None:
+        robots: dict[str, tuple[Robot, Pose2D | None]] = {
+            name: (load_robot(one.kind), one.start) for name, one in wanted.items()
+        }
+        start, grid, standing = self.scenery.start, self.scenery.grid, self._fleet.standing
+        self._fleet.spawn(placed(robots, start, grid, standing))
+        for name in wanted:
+            simulation = self._fleet.robots[name]
+            self.robots[name] = SimulatedRobot(simulation, self._parameters, name, self._count)
+            self._count += 1
+        self._wanted |= wanted
+
+
+def session_from_parameters(parameters: SimParameters, clock: Callable[[], float]) -> SimSession:
+    """Make the session of one robot, or of those that ``robots`` names."""
+    if robots_from_text(parameters.robots):
+        return FleetSession(parameters, clock)
+    return SimSession(parameters, load_robot(parameters.robot), clock)
