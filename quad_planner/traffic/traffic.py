@@ -15,7 +15,7 @@ import numpy as np
 
 from quad_common.errors import PlannerError
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D
+from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_planner.grid.array_types import Points
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
@@ -163,7 +163,15 @@ class Traffic:
                 apart = own.pose.distance_to(other.pose)
                 radius = min(other.radius, apart - clearance - 0.02)
                 bodies.append((round(other.pose.x, 1), round(other.pose.y, 1), round(radius, 2)))
-        if self._session.map.put_bodies(tuple(body for body in bodies if body[2] > 0.0)):
+        bodies = [body for body in bodies if body[2] > 0.0]
+        if not self._session.map.put_bodies(tuple(bodies)):
+            return
+        # While the robot waits, its route is planned again at the next look.
+        self._routed_from = None
+        near = [
+            distance_to_polyline(body[:2], own.line) < clearance + body[2] for body in bodies
+        ]
+        if any(near) and not self._session.hold_reason:
             self._session.plan_on_new_map()
 
     def _do_duty(self, time: float, own: RobotOnMap) -> None:
