@@ -54,6 +54,7 @@ EXAMPLES = """examples:
   quadwalk bench view --only updates
   quadwalk bench campaign --quick
   quadwalk bench fleet --only cancels
+  quadwalk bench fleet --only warehouse corridor speed --backend mujoco
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
   quadwalk bench robots --only imports broken

@@ -1,5 +1,5 @@
 """
-``quadwalk bench fleet``: goals that are given by Nav2's actions, canceled, and preempted.
+``quadwalk bench fleet``: several robots in one world, and goals of Nav2's actions.
 """
 
 from __future__ import annotations
@@ -19,10 +19,14 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.parameters import GaitParameters
+from quad_lab.benchmarks.many_robots import speeds, walks
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
-PARTS = ('goals', 'cancels', 'preemptions')
+ACTIONS = ('goals', 'cancels', 'preemptions')
+"""Parts that need nav2_msgs."""
+
+PARTS = ('warehouse', 'corridor', 'speed', *ACTIONS)
 """What can be measured alone."""
 
 GOALS, QUICK_GOALS = 30, 2
@@ -74,7 +78,7 @@ def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = PARTS
 ) -> tuple[list[Criterion], dict[str, object]]:
     """
-    Give goals, cancel some, and preempt some.
+    Walk several robots in one world; give goals by actions, cancel some, and preempt some.
 
     Parameters
     ----------
@@ -97,7 +101,7 @@ def measure(
     MissingOptionalDependency
         If nav2_msgs is not installed.
     """
-    if importlib.util.find_spec('nav2_msgs') is None:
+    if set(only) & set(ACTIONS) and importlib.util.find_spec('nav2_msgs') is None:
         raise MissingOptionalDependency('nav2_msgs', 'make nav2')
     counts = {
         'goals': QUICK_GOALS if quick else GOALS,
@@ -107,7 +111,15 @@ def measure(
     run = {'goals': _goals, 'cancels': _cancels, 'preemptions': _preemptions}
     trials: list[Trial] = []
     bars: list[Criterion] = []
+    details: dict[str, object] = {'quick': quick, 'seed': seed}
     for part in only:
+        if part not in ACTIONS:
+            measured = (
+                speeds(console, quick) if part == 'speed' else walks(part, console, quick, seed)
+            )
+            bars += measured[0]
+            details |= measured[1]
+            continue
         done: list[Trial] = []
         names = ('room',) if quick else ('office', 'room')
         for index, name in enumerate(names):
@@ -115,11 +127,7 @@ def measure(
             done += run[part](_Stage(console, name, seed + index, quick), count)
         trials += done
         bars += _bars(part, done)
-    details: dict[str, object] = {
-        'quick': quick,
-        'seed': seed,
-        'trials': [asdict(trial) for trial in trials],
-    }
+    details['trials'] = [asdict(trial) for trial in trials]
     return bars, details
 
 

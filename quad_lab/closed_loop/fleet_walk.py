@@ -4,6 +4,7 @@ Walks several robots on one map at once, each with its planner and its gait, wit
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -127,6 +128,8 @@ class FleetWalk:
         """The robots by their names."""
         self._steps = round(SENSOR_PERIOD / self.simulation.time_step)
         self.record = FleetRecord()
+        self.spent = {'physics': 0.0, 'gaits and planners': 0.0}
+        """Time of the processor that was spent in each part [s]."""
 
     @property
     def poses(self) -> dict[str, Pose2D]:
@@ -138,14 +141,18 @@ class FleetWalk:
         record, walkers = self.record, self.walkers
         next_words = 0.0
         while self.simulation.time < timeout and len(record.arrived) < len(walkers):
+            began = time.thread_time()
             if self.simulation.time >= next_words:
-                next_words += _WORDS
+                next_words = self.simulation.time + _WORDS
                 self._exchange_words()
             for walker in walkers.values():
                 walker.loop.measure()
             self._note()
+            decided = time.thread_time()
             for _ in range(self._steps):
                 self.simulation.step()
+            self.spent['gaits and planners'] += decided - began
+            self.spent['physics'] += time.thread_time() - decided
         record.duration = self.simulation.time
         record.said = {n: w.says for n, w in walkers.items() if n not in record.arrived}
         return record

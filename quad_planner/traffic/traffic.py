@@ -168,9 +168,7 @@ class Traffic:
             return
         # While the robot waits, its route is planned again at the next look.
         self._routed_from = None
-        near = [
-            distance_to_polyline(body[:2], own.line) < clearance + body[2] for body in bodies
-        ]
+        near = [distance_to_polyline(body[:2], own.line) < clearance + body[2] for body in bodies]
         if any(near) and not self._session.hold_reason:
             self._session.plan_on_new_map()
 
@@ -226,7 +224,7 @@ class Traffic:
         prepared = session.map.planner.prepared
         assert prepared is not None
         bodies = list(self.others.values())
-        place = waiting_place(prepared, own, bodies, before, self._room)
+        place = waiting_place(prepared, own, bodies, before, self._room, self._goal)
         if place is None:
             self._refuge = None
             session.hold(f'{reason}, and there is no place for it')
