@@ -31,7 +31,7 @@ from quad_planner.traffic.traffic import Traffic
 _MOST_BYTES = 200_000
 """Largest size of a message about a robot [bytes]."""
 
-_PERIOD = 0.4
+_PERIOD = 0.2
 """Time of odometry between two messages [s]."""
 
 _LARGEST = 10.0

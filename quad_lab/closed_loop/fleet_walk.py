@@ -25,7 +25,7 @@ from quad_sim.fleet_simulation import FleetSimulation
 from quad_sim.simulation import Simulation
 from quad_sim.world.world import world_from_map
 
-_WORDS = 0.4
+_WORDS = 0.2
 """Time between two words of robots to one another [s]."""
 
 _NEAR = 0.1

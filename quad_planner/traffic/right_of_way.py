@@ -11,7 +11,7 @@ way stops for a body on its path, and for nothing else.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,8 @@ from quad_planner.traffic.robot_on_map import RobotOnMap
 _STEP = 0.05
 """Distance between the places of a path that are looked at [m]."""
 
-_FASTER = 2.0
-"""The other robot may be so many times as fast."""
+_REST = 0.9
+"""Time until a robot that is to stop has come to rest: it hears, decides, and ends a stride [s]."""
 
 _AHEAD = 1.0
 """A stretch is left while the other robot is farther from it than this, at least [m]."""
@@ -53,6 +53,10 @@ class Distances:
     look: float = 0.8
     """Distance along the path within which bodies on it are stopped for [m]."""
 
+    def at(self, speed: float) -> Distances:
+        """Return them for a robot of a speed [m/s], which comes to rest within a second or so."""
+        return replace(self, stop=self.stop + _REST * speed, look=self.look + 1.5 * _REST * speed)
+
 
 def sampled(line: Points) -> tuple[Points, Points]:
     """
@@ -78,7 +82,9 @@ def sampled(line: Points) -> tuple[Points, Points]:
     return places, along
 
 
-def duty_towards(own: RobotOnMap, other: RobotOnMap, room: Distances, waits: bool) -> Duty:
+def duty_towards(
+    own: RobotOnMap, other: RobotOnMap, room: Distances, waits: bool = False, faster: float = 2.0
+) -> Duty:
     """
     Return what a robot has to do because of one that has the right of way.
 
@@ -90,6 +96,8 @@ def duty_towards(own: RobotOnMap, other: RobotOnMap, room: Distances, waits: boo
         How much room they leave each other.
     waits : bool
         Whether the robot waits already: then it goes on a little later.
+    faster : float
+        How many times as fast the other one may be.
 
     Returns
     -------
@@ -103,7 +111,7 @@ def duty_towards(own: RobotOnMap, other: RobotOnMap, room: Distances, waits: boo
         on_stretch = places[first : last + 1]
         reached = distances_to_polyline(theirs, on_stretch) < needed
         other_comes = float(their_along[reached].min()) if reached.any() else 0.0
-        if _FASTER * along[last] + _AHEAD < other_comes:
+        if faster * along[last] + _AHEAD < other_comes:
             continue
         if first == 0:
             return Duty.LEAVE

@@ -15,15 +15,16 @@ import numpy as np
 
 from quad_common.errors import PlannerError
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, distance_to_polyline
+from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_planner.grid.array_types import Points
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
 from quad_planner.traffic.right_of_way import Distances, Duty, duty_towards, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap, precedes
+from quad_planner.traffic.speeds import Speeds
 from quad_planner.traffic.waiting_place import waiting_place
 
-_PERIOD = 0.4
+_PERIOD = 0.2
 """Time between two looks at the traffic [s]."""
 
 _FORGOTTEN = 10.0
@@ -37,6 +38,18 @@ _BLOCKED = 20.0
 
 _TRIES = 3
 """Looks without a place to give way at, after which a robot goes first."""
+
+_STRAYED = 0.2
+"""Distance from the path to its place from which on a robot that gives way plans again [m]."""
+
+_STUCK = 4.0
+"""Time without a movement after which it does so, too [s]."""
+
+_STEP, _TURN = 0.02, 0.05
+"""Least movement [m, rad]."""
+
+_UNSEEN, _SLOWEST = 1.0, 0.1
+"""Speed of another robot, and of this one, as long as they were not seen to walk [m/s]."""
 
 _MOVED = 0.15
 """Distance by which a robot that stands has to move for another route to be planned [m]."""
@@ -64,7 +77,8 @@ class Traffic:
         self._session = session
         self._name = name
         self._radius = radius
-        self._room = room or Distances()
+        self._room = self._room_at_rest = room or Distances()
+        self._speeds = Speeds()
         self._others: dict[str, tuple[float, RobotOnMap]] = {}
         self._staying: dict[str, float] = {}
         self._looked_at = -math.inf
@@ -72,6 +86,7 @@ class Traffic:
         self._routed_from: Pose2D | None = None
         self._goal: Pose2D | None = None
         self._refuge: Pose2D | None = None
+        self._moved = (-math.inf, Pose2D(0.0, 0.0, 0.0))
         self._blocked_since = math.inf
         self._lost = 0
         self.goes_first = False
@@ -87,6 +102,7 @@ class Traffic:
         if robot.name == self._name:
             return
         self._others[robot.name] = time, robot
+        self._speeds.take(robot.name, time, robot.pose)
         if robot.is_staying:
             self._staying.setdefault(robot.name, time)
         else:
@@ -120,6 +136,8 @@ class Traffic:
             return
         if session.pending_goal is not None:
             return
+        self._speeds.take(self._name, time, session.pose)
+        self._room = self._room_at_rest.at(self._speeds.of(self._name, 0.0))
         self._note_route(session.pose, session.goal)
         own = self.own_word()
         if own is None or self._route is None:
@@ -176,11 +194,11 @@ class Traffic:
         others = self.others.values()
         waits = bool(self._session.hold_reason)
         before = [other for other in others if precedes(other, own) and not other.is_staying]
-        duties = {other.name: duty_towards(own, other, self._room, waits) for other in before}
+        duties = {other.name: self._duty(own, other, waits) for other in before}
         worst = max(duties.values(), default=Duty.NONE)
         names = ', '.join(sorted(name for name, duty in duties.items() if duty is worst))
         if worst is Duty.LEAVE and not self.goes_first:
-            self._leave(own, before, names)
+            self._leave(time, own, before, names)
             return
         if self._refuge is not None:
             # It is off the path: from here on it waits, or goes on.
@@ -188,9 +206,7 @@ class Traffic:
             self._note_route_again(own)
             return
         self._lost = 0
-        if self.goes_first and all(
-            duty_towards(own, other, self._room, waits) is Duty.NONE for other in others
-        ):
+        if self.goes_first and all(self._duty(own, other, waits) is Duty.NONE for other in others):
             self.goes_first = False
         blocking = sorted(other.name for other in others if self._stops(own, other))
         if not blocking:
@@ -203,24 +219,30 @@ class Traffic:
         elif waits:
             self._session.resume()
 
+    def _duty(self, own: RobotOnMap, other: RobotOnMap, waits: bool = False) -> Duty:
+        faster = self._speeds.of(other.name, _UNSEEN) / self._speeds.of(self._name, _SLOWEST)
+        return duty_towards(own, other, self._room, waits, max(1.5, 1.5 * faster))
+
     def _stops(self, own: RobotOnMap, other: RobotOnMap) -> bool:
         return is_body_ahead(own, other, self._room)
 
-    def _leave(self, own: RobotOnMap, before: list[RobotOnMap], names: str) -> None:
+    def _leave(self, time: float, own: RobotOnMap, before: list[RobotOnMap], names: str) -> None:
         """Go to the nearest place off the others' paths; or stop, if a body is in the way."""
         session = self._session
         reason = f'giving way to {names}'
         refuge = self._refuge
         if refuge is not None and session.plan is not None:
             at = RobotOnMap(own.name, refuge, own.radius, np.empty((0, 2)))
-            is_good = all(
-                duty_towards(at, other, self._room, False) is Duty.NONE for other in before
-            )
+            is_good = all(self._duty(at, other) is Duty.NONE for other in before)
             way = RobotOnMap(
                 own.name, own.pose, own.radius, remaining_plan(session.plan, own.pose).corners
             )
-            if is_good and not any(self._stops(way, other) for other in self.others.values()):
+            is_on_way = not self._strays(time, own.pose, session.plan)
+            is_free = not any(self._stops(way, other) for other in self.others.values())
+            if is_good and is_on_way and is_free:
                 return
+            if not is_on_way:
+                refuge = None
         prepared = session.map.planner.prepared
         assert prepared is not None
         bodies = list(self.others.values())
@@ -234,7 +256,17 @@ class Traffic:
         self._lost = 0
         if refuge is None or place.distance_to(refuge) > _MOVED or session.plan is None:
             self._refuge = place
+            self._moved = time, own.pose
             session.detour(place, reason)
+
+    def _strays(self, time: float, pose: Pose2D, plan: Plan) -> bool:
+        """Return whether the robot is not on its way: beside it, or without a movement."""
+        since, last = self._moved
+        turned = abs(wrap_angle(pose.yaw - last.yaw))
+        if pose.distance_to(last) > _STEP or turned > _TURN:
+            self._moved = time, pose
+        is_stuck = time - since > _STUCK
+        return is_stuck or distance_to_polyline((pose.x, pose.y), plan.corners) > _STRAYED
 
     def _note_route_again(self, own: RobotOnMap) -> None:
         """Wait at the place that was gone to, and plan from there."""

@@ -55,6 +55,8 @@ SHARED = {
     'map_topics': ('planner_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
+    'simulated_robot_topics': ('sim_node',),
+    'traffic_topics': ('planner_node',),
     'robot_topics': ('viewer_node',),
     'command_topics': ('viewer_node',),
 }

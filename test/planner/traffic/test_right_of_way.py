@@ -39,29 +39,38 @@ def test_of_any_two_robots_just_one_has_the_right_of_way():
 def test_a_crossing_is_waited_at_when_it_is_near_and_walked_to_while_it_is_far():
     first = robot('a', (2.0, -1.5), (2.0, 3.0))
     far, near = robot('b', (0.0, 0.0), (4.0, 0.0)), robot('b', (0.9, 0.0), (4.0, 0.0))
-    assert duty_towards(far, first, ROOM, False) is Duty.NONE
-    assert duty_towards(near, first, ROOM, False) is Duty.WAIT
+    assert duty_towards(far, first, ROOM) is Duty.NONE
+    assert duty_towards(near, first, ROOM) is Duty.WAIT
     past = robot('a', (2.0, 1.0), (2.0, 3.0))
-    assert duty_towards(near, past, ROOM, False) is Duty.NONE
+    assert duty_towards(near, past, ROOM) is Duty.NONE
 
 
 def test_a_crossing_is_walked_over_if_it_is_left_long_before_the_other_robot_is_there():
     own = robot('b', (1.1, 0.0), (4.0, 0.0))
-    assert duty_towards(own, robot('a', (2.0, -9.0), (2.0, 3.0)), ROOM, False) is Duty.NONE
-    assert duty_towards(own, robot('a', (2.0, -3.0), (2.0, 3.0)), ROOM, False) is Duty.WAIT
+    assert duty_towards(own, robot('a', (2.0, -9.0), (2.0, 3.0)), ROOM) is Duty.NONE
+    assert duty_towards(own, robot('a', (2.0, -3.0), (2.0, 3.0)), ROOM) is Duty.WAIT
+    fast = robot('a', (2.0, -9.0), (2.0, 3.0))
+    assert duty_towards(own, fast, ROOM, faster=6.0) is Duty.WAIT
+
+
+def test_a_fast_robot_looks_farther_ahead():
+    slow, fast = ROOM.at(0.0), ROOM.at(1.0)
+    assert (slow.stop, slow.look) == (ROOM.stop, ROOM.look)
+    own, other = robot('a', (0.0, 0.0), (5.0, 0.0)), robot('b', (2.5, 0.0))
+    assert is_body_ahead(own, other, fast) and not is_body_ahead(own, other, slow)
 
 
 def test_a_robot_on_the_path_of_one_that_comes_has_to_leave_it():
     own = robot('b', (3.0, 0.0), (0.0, 0.0))
-    assert duty_towards(own, robot('a', (0.0, 0.0), (6.0, 0.0)), ROOM, False) is Duty.LEAVE
+    assert duty_towards(own, robot('a', (0.0, 0.0), (6.0, 0.0)), ROOM) is Duty.LEAVE
     beside = robot('b', (3.0, 0.85), (0.0, 0.85))
-    assert duty_towards(beside, robot('a', (0.0, 0.0), (6.0, 0.0)), ROOM, False) is Duty.NONE
+    assert duty_towards(beside, robot('a', (0.0, 0.0), (6.0, 0.0)), ROOM) is Duty.NONE
 
 
 def test_who_waits_goes_on_a_little_later_than_it_stopped():
     first = robot('a', (2.0, -1.5), (2.0, 3.0))
     own = robot('b', (0.65, 0.0), (4.0, 0.0))
-    assert duty_towards(own, first, ROOM, False) is Duty.NONE
+    assert duty_towards(own, first, ROOM) is Duty.NONE
     assert duty_towards(own, first, ROOM, True) is Duty.WAIT
 
 
