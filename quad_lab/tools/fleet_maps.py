@@ -7,8 +7,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
+from quad_common.errors import ParameterError
+from quad_common.maps.occupancy_grid import OCCUPIED, OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.grid.inflated_map import InflatedMap
 
 RESOLUTION = 0.05
 """Side of a cell [m]."""
@@ -88,3 +90,41 @@ def _room(width: float, height: float) -> NDArray[np.int8]:
 def _fill(cells: NDArray[np.int8], left: float, bottom: float, right: float, top: float) -> None:
     first, last = round(bottom / RESOLUTION), round(top / RESOLUTION)
     cells[first:last, round(left / RESOLUTION) : round(right / RESOLUTION)] = OCCUPIED
+
+
+def spread_places(grid: OccupancyGrid, clearance: float, count: int) -> list[Pose2D]:
+    """
+    Choose places on a map that are far from one another.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    clearance : float
+        Distance of each place from every obstacle [m].
+    count : int
+        Number of places.
+
+    Returns
+    -------
+    list of Pose2D
+        The free place nearest to the map's lower left corner, and then again and again the one that
+        is farthest from those before.
+
+    Raises
+    ------
+    ParameterError
+        If there is no room for so many.
+    """
+    prepared = InflatedMap.of(grid, clearance, OCCUPIED_THRESHOLD, unknown_is_free=False)
+    rows, columns = np.nonzero(prepared.allowed)
+    centers = grid.map_to_world(np.column_stack([columns, rows]).astype(float) + 0.5)
+    places: list[NDArray[np.float64]] = []
+    apart = -np.linalg.norm(centers - grid.map_to_world(np.zeros(2)), axis=1)
+    for _ in range(count):
+        if not apart.size or (places and apart.max() < 2.0 * clearance):
+            raise ParameterError('robots', count, f'at most {len(places)} on this map')
+        places.append(centers[int(np.argmax(apart))])
+        away = np.linalg.norm(centers - places[-1], axis=1)
+        apart = away if len(places) == 1 else np.minimum(apart, away)
+    return [Pose2D(round(x, 3), round(y, 3), 0.0) for x, y in np.array(places).tolist()]

@@ -100,5 +100,5 @@ def _leads_to(prepared: InflatedMap, goal: Pose2D, before: Sequence[RobotOnMap])
     free = prepared.allowed & ~taken
     if not (0 <= y < grid.height and 0 <= x < grid.width):
         return free
-    leads: Mask = distance_field(free, (x, y)) >= 0
+    leads: Mask = np.asarray(distance_field(free, (x, y)) >= 0)
     return leads

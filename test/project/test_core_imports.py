@@ -29,6 +29,7 @@ _SHELL_NAMES = ('_node', '_conversions', '_topics', '_actions')
 
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
+    'quad_lab.topic_walk.fleet',
     'quad_lab.topic_walk.walk_observer',
     'quad_lab.topic_walk.walk_notes',
     'quad_lab.topic_walk.navigation_client',

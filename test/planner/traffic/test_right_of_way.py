@@ -32,7 +32,8 @@ def test_of_any_two_robots_just_one_has_the_right_of_way():
             same = (a.name, a.goes_first) == (b.name, b.goes_first)
             assert precedes(a, b) + precedes(b, a) == (0 if same else 1)
     ordered = [robot('robot10', (0, 0)), robot('robot2', (0, 0)), robot('robot1', (0, 0))]
-    assert precedes(ordered[2], ordered[1]) and precedes(ordered[1], ordered[0])
+    assert precedes(ordered[2], ordered[1])
+    assert precedes(ordered[1], ordered[0])
     assert precedes(robot('z', (0, 0), goes_first=True), robot('a', (0, 0)))
 
 
@@ -57,7 +58,8 @@ def test_a_fast_robot_looks_farther_ahead():
     slow, fast = ROOM.at(0.0), ROOM.at(1.0)
     assert (slow.stop, slow.look) == (ROOM.stop, ROOM.look)
     own, other = robot('a', (0.0, 0.0), (5.0, 0.0)), robot('b', (2.5, 0.0))
-    assert is_body_ahead(own, other, fast) and not is_body_ahead(own, other, slow)
+    assert is_body_ahead(own, other, fast)
+    assert not is_body_ahead(own, other, slow)
 
 
 def test_a_robot_on_the_path_of_one_that_comes_has_to_leave_it():
