@@ -4,7 +4,7 @@ A simulation of several robots as ``sim_node`` runs it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
@@ -72,26 +72,15 @@ class FleetSession(SimSession):
             If one cannot come; then all stays as it was.
         """
         if text == self._text:
-            # What services have changed since stays.
             return
         wanted = robots_from_text(text)
         for name in wanted:
             if name in self.robots and wanted[name].kind != self._wanted[name].kind:
                 valid = f'one with another name: {name} is {self._wanted[name].kind}'
                 raise ParameterError('robots', text, valid)
-        self._spawn({name: one for name, one in wanted.items() if name not in self.robots})
-        for name in [name for name in self.robots if name not in wanted]:
-            self.remove(name)
+        gone = [name for name in self.robots if name not in wanted]
+        self._spawn({n: one for n, one in wanted.items() if n not in self.robots}, gone)
         self._text = text
-
-    def spawn(self, name: str, kind: str, start: Pose2D | None) -> None:
-        """Put one more robot into the world, somewhere if no start is given."""
-        self._spawn({name: NamedRobot(kind, start)})
-
-    def remove(self, name: str) -> None:
-        """Take a robot out of the world; RobotNotFound if it is not there."""
-        self._fleet.remove(name)
-        del self.robots[name], self._wanted[name]
 
     def plan_failure(self, parameters: SimParameters) -> None:
         """Raise ParameterError if a joint is to fail: it is not said whose."""
@@ -102,12 +91,16 @@ class FleetSession(SimSession):
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Do nothing: there is no camera that would see it."""
 
-    def _spawn(self, wanted: dict[str, NamedRobot]) -> None:
+    def _spawn(self, wanted: dict[str, NamedRobot], gone: Sequence[str] = ()) -> None:
+        """Put robots into the world, in place of others."""
         robots: dict[str, tuple[Robot, Pose2D | None]] = {
             name: (load_robot(one.kind), one.start) for name, one in wanted.items()
         }
-        start, grid, standing = self.scenery.start, self.scenery.grid, self._fleet.standing
-        self._fleet.spawn(placed(robots, start, grid, standing))
+        standing = {n: one for n, one in self._fleet.standing.items() if n not in gone}
+        places = placed(robots, self.scenery.start, self.scenery.grid, standing)
+        self._fleet.spawn(places, gone)
+        for name in gone:
+            del self.robots[name], self._wanted[name]
         for name in wanted:
             simulation = self._fleet.robots[name]
             self.robots[name] = SimulatedRobot(simulation, self._parameters, name, self._count)

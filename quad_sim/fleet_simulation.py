@@ -4,7 +4,7 @@ Robots under their trajectory controllers in one world.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 from quad_common.errors import RobotNameTaken, RobotNotFound, TooManyRobots
@@ -60,7 +60,9 @@ class FleetSimulation:
         """Fixed step [s]."""
         return self._world.time_step
 
-    def spawn(self, robots: Mapping[str, tuple[Robot, Pose2D]]) -> None:
+    def spawn(
+        self, robots: Mapping[str, tuple[Robot, Pose2D]], instead_of: Sequence[str] = ()
+    ) -> None:
         """
         Put robots into the world, all or, if there is an error, none.
 
@@ -68,6 +70,8 @@ class FleetSimulation:
         ----------
         robots : mapping of str to tuple of Robot and Pose2D
             Each robot and its start, by its name.
+        instead_of : sequence of str
+            Robots that are removed, if there is no error.
 
         Raises
         ------
@@ -80,9 +84,9 @@ class FleetSimulation:
         ParameterError
             If one would stand in an obstacle of the map.
         """
-        if len(self._robots) + len(robots) > MOST_ROBOTS:
+        standing = {n: one for n, one in self.standing.items() if n not in instead_of}
+        if len(standing) + len(robots) > MOST_ROBOTS:
             raise TooManyRobots(MOST_ROBOTS)
-        standing = self.standing
         for name, (robot, pose) in robots.items():
             if name in standing:
                 raise RobotNameTaken(name)
@@ -90,6 +94,8 @@ class FleetSimulation:
                 check_start(robot, self._grid, pose)
             check_apart(name, robot, pose, standing)
             standing[name] = robot, pose
+        for name in instead_of:
+            self.remove(name)
         for name, handle in self._world.spawn(robots).items():
             self._robots[name] = Simulation(handle, *robots[name])
 

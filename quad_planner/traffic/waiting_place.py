@@ -97,8 +97,9 @@ def _leads_to(prepared: InflatedMap, goal: Pose2D, before: Sequence[RobotOnMap])
     ends = [(*robot.line[-1].tolist(), robot.radius + reach) for robot in before]
     taken = with_discs(grid, ends).cells != grid.cells
     x, y = np.floor(grid.world_to_map(np.array([goal.x, goal.y]))).astype(int).tolist()
-    free = prepared.allowed & ~taken
+    free: Mask = prepared.allowed & ~taken
     if not (0 <= y < grid.height and 0 <= x < grid.width):
         return free
-    leads: Mask = np.asarray(distance_field(free, (x, y)) >= 0)
+    lengths = distance_field(free, (x, y))
+    leads: Mask = lengths >= 0
     return leads
