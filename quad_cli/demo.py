@@ -23,6 +23,7 @@ from quad_cli.arguments import (
     quantity_argument,
     seed_argument,
 )
+from quad_cli.fleet.fleet_demo import walk_robots
 from quad_cli.output.walk_table import print_walk
 from quad_cli.view import add_page_arguments, page_place
 from quad_common.errors import GoalOutsideMap, StartOutsideMap
@@ -50,6 +51,7 @@ EXAMPLES = """examples:
   quadwalk demo --view
   quadwalk demo --method quickest
   quadwalk demo --perception camera
+  quadwalk demo --robots titan_viii,cuhk,a1 --gait trot --view
   quadwalk demo --terrain noise+boxes:height=0.03 --seed 2
   quadwalk demo --map warehouse.yaml --start 0,0,0 --goal 5,3,1.57 --seed 3 --json
 """
@@ -68,6 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--seed', type=seed_argument, default=0, help="seed of the sensors' noise")
     parser.add_argument(
         '--robot', default='titan_viii', help='name of a robot, or path of a data file'
+    )
+    parser.add_argument(
+        '--robots',
+        default='',
+        help='several robots in one world, with commas: each walks to where the next one stands',
     )
     parser.add_argument('--gait', default='crawl', help='name of a gait, or path of a gait file')
     parser.add_argument(
@@ -149,6 +156,9 @@ def _add_pose_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command; return 0 if the robot arrived."""
+    if arguments.robots:
+        page = page_place(arguments) if arguments.view else None
+        return walk_robots(arguments, page, _real_time_factor(arguments))
     _check(arguments)
     return _walk(arguments)
 

@@ -245,6 +245,11 @@ class PlannerParameters:
         'active.',
     )
     odom_topic: str = parameter('odom', "Where the robot's pose comes from.")
+    gives_way: bool = parameter(
+        True,
+        'Whether the robot tells other planners on /fleet/robots where it is and wants to go, and '
+        'waits for their robots or gives way to them.',
+    )
     navigation_patience: float = parameter(
         10.0,
         "An action's goal fails when the robot does nothing for it for so long.",

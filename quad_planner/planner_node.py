@@ -14,23 +14,17 @@ import time
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import qos_profile_sensor_data
 
 from quad_common.errors import PlannerError, QuadError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.map_frame_listener import MapFrameListener
-from quad_common.ros.pose_conversions import (
-    most_plan_bytes,
-    nanoseconds_from_time,
-    plan_from_message,
-    pose_from_message,
-    seconds_from_time,
-)
+from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
 from quad_common.ros.ros_node import STALE, WARN, QuadNode
 from quad_common.ros.run_node import run_node
 from quad_planner import planner_setup
@@ -38,12 +32,11 @@ from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
-from quad_planner.planner_topics import ImpassableTopic, PlannerTopics
+from quad_planner.planner_topics import GaitTopics, PlannerTopics
 from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
-
-_EVERY_PLAN = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+from quad_planner.traffic_topics import TrafficTopics
 
 _HEARTBEAT = 0.5
 """Time between two heartbeats on the wall clock [s]."""
@@ -65,11 +58,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
         )
         MapTopics(self, self._session)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
-        self.create_subscription(
-            Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
-        )
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
-        ImpassableTopic(self, self._session)
+        GaitTopics(self, self._session)
+        self._traffic = TrafficTopics(self, self._session)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
         self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)
@@ -108,14 +99,10 @@ class PlannerNode(QuadNode[PlannerParameters]):
 
     def _on_odometry(self, message: Odometry) -> None:
         pose, _ = self._corrections.locate(message)
+        stamp = seconds_from_time(message.header.stamp)
         self.clock_check.take_stamp(message.header.stamp)
-        self._session.take_pose(seconds_from_time(message.header.stamp), pose)
-
-    def _on_followed(self, message: Path) -> None:
-        if self.rest_note():
-            return
-        plan, header = plan_from_message(message), message.header
-        self._session.take_followed(nanoseconds_from_time(header.stamp), header.frame_id, plan)
+        self._session.take_pose(stamp, pose)
+        self._traffic.update(stamp)
 
     def _on_heartbeat(self) -> None:
         self._topics.publish_heartbeat()
@@ -141,6 +128,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
     def destroy_node(self) -> None:
         """Give up what is being searched, and end."""
         self._requests.close()
+        self._traffic.close()
         self._actions.close()
         super().destroy_node()
 

@@ -59,6 +59,8 @@ def session_status(
         )
     if old_correction:
         return Status(Level.WARN, f'old localisation: {old_correction}')
+    if session.hold_reason:
+        return Status(Level.OK, session.hold_reason)
     if session.plan is None:
         return Status(Level.OK, "ready: waiting for a goal on 'goal_pose'")
     values = {'error_code': 0, 'footprint': footprint_of(session.plan)}

@@ -17,13 +17,19 @@ from visualization_msgs.msg import MarkerArray
 
 from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import Plan
-from quad_common.ros.pose_conversions import pose_from_message
+from quad_common.ros.pose_conversions import (
+    most_plan_bytes,
+    nanoseconds_from_time,
+    plan_from_message,
+    pose_from_message,
+)
 from quad_common.ros.ros_node import QuadNode
 from quad_planner.grid.combined_obstacles import combined_obstacles
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.ros_conversions import path_message, plan_markers
 from quad_planner.session.planning_session import PlanningSession
 
+_EVERY_PLAN = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -86,9 +92,9 @@ class PlannerTopics:
         self._markers.publish(markers)
 
 
-class ImpassableTopic:
+class GaitTopics:
     """
-    Tells a session where the gait found no footing.
+    Tells a session what the gait says of its plans: which it follows, and where it has no footing.
 
     Parameters
     ----------
@@ -99,8 +105,17 @@ class ImpassableTopic:
     """
 
     def __init__(self, node: QuadNode[Any], session: PlanningSession) -> None:
-        self._session = session
+        self._node, self._session = node, session
+        node.create_subscription(
+            Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
+        )
         node.create_subscription(PoseStamped, 'plan/impassable', self._on_impassable, 10)
+
+    def _on_followed(self, message: Path) -> None:
+        if self._node.rest_note():
+            return
+        plan, header = plan_from_message(message), message.header
+        self._session.take_followed(nanoseconds_from_time(header.stamp), header.frame_id, plan)
 
     def _on_impassable(self, message: PoseStamped) -> None:
         place = pose_from_message(message.pose, 'pose without footing')

@@ -6,13 +6,19 @@ from __future__ import annotations
 
 import array
 import time
-from typing import Any
+from typing import Any, Protocol
 
-from rclpy.node import Node
 from rclpy.serialization import serialize_message
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 
 from quad_common.message_batch import MessageBatch
+
+
+class PublisherMaker(Protocol):
+    """A node, or what makes publishers as one does."""
+
+    def create_publisher(self, kind: Any, topic: str, qos: Any) -> Any:
+        """Make a publisher; see rclpy's Node."""
 
 
 class BatchTopics:
@@ -21,15 +27,15 @@ class BatchTopics:
 
     Parameters
     ----------
-    node : Node
-        The node.
+    maker : PublisherMaker
+        Node, or namespace of it, that makes their publisher.
     publishers : publishers of rclpy
         Those whose messages are in the batches.
     """
 
-    def __init__(self, node: Node, *publishers: Any) -> None:
+    def __init__(self, maker: PublisherMaker, *publishers: Any) -> None:
         # Nothing is lost while a recorder is busy for some seconds.
-        self._publisher = node.create_publisher(UInt8MultiArray, 'batches', 500)
+        self._publisher = maker.create_publisher(UInt8MultiArray, 'batches', 500)
         self._index = {publisher: index for index, publisher in enumerate(publishers)}
         self._batch = MessageBatch(tuple(publisher.topic_name for publisher in publishers))
         self.is_wanted = False
@@ -43,6 +49,10 @@ class BatchTopics:
         # The middleware would do the same to it: it is done once.
         data = serialize_message(message)
         publisher.publish(data)
+        self.keep(publisher, data)
+
+    def keep(self, publisher: Any, data: bytes) -> None:
+        """Take note of a message that one of the publishers has published, as its bytes."""
         self._batch.add(self._index[publisher], data, time.time_ns())
 
     def send(self) -> None:

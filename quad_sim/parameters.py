@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from quad_common.parameters import parameter
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY
 from quad_common.vision.color_parameters import color_parameter
-from quad_sim.engines.joint_failure import FAILURES
 from quad_sim.engines.registry import AUTO, BACKENDS
+from quad_sim.engines.simulator import FAILURES
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,13 @@ class SimParameters:
     """Parameters of ``sim_node``."""
 
     robot: str = parameter('titan_viii', 'Name of a robot, or path of a robot data file.')
+    robots: str = parameter(
+        '',
+        'Several robots in one world, each with its topics in a namespace: "titan_viii, cuhk, a1", '
+        'or with names and places "left=cuhk@1,2,0; right=a1@4,2,3.14"; empty: the one of '
+        "'robot'. A change spawns those that are new, and removes those that are missing.",
+        is_dynamic=True,
+    )
     map_file: str = parameter(
         '', "Nav2 map file; empty: the sample map 'room'; 'none': an empty floor, no map."
     )
@@ -176,6 +183,11 @@ class SimParameters:
     goal_heading_color: list[float] = color_parameter('goal_heading_color')
     camera_frame: str = parameter(
         'ceiling_camera', 'Frame of the camera: x right and y down in the picture.'
+    )
+    frame_prefix: str = parameter(
+        '',
+        "What the robot's own frames begin with, as robot_state_publisher's frame_prefix; of "
+        "several robots in one world each has its name and '/', unless this is set.",
     )
     map_frame: str = parameter('map', 'Frame of the map.')
     odom_frame: str = parameter(

@@ -14,29 +14,21 @@ import time
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import Bool, Header
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.robot_files.robot_file import load_robot
-from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
+from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
 from quad_sim.engines.registry import AUTO, resolved
+from quad_sim.fleet_session import session_from_parameters
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     MOST_OBSTACLE_BYTES,
     check_frame,
-    most_trajectory_bytes,
     obstacle_changes_from_message,
-    trajectory_from_message,
 )
-from quad_sim.sim_session import SimSession
 from quad_sim.sim_topics import SimTopics
-
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class SimNode(QuadNode[SimParameters]):
@@ -46,20 +38,12 @@ class SimNode(QuadNode[SimParameters]):
         # It makes the simulated time, and so cannot wait for it.
         super().__init__('sim_node', SimParameters, **kwargs)
         p = self.parameters
-        self._session = SimSession(p, load_robot(p.robot), time.monotonic)
-        self._topics = SimTopics(self, p, self._session)
-        most_bytes = most_trajectory_bytes(p.longest_trajectory)
-        self.create_subscription(
-            JointTrajectory, 'joint_trajectory', self._on_trajectory, 10, most_bytes=most_bytes
-        )
+        self._session = session_from_parameters(p, time.monotonic)
+        self._topics = SimTopics(self, self._session)
         self.create_subscription(
             MarkerArray, 'obstacles', self._on_obstacles, 10, most_bytes=MOST_OBSTACLE_BYTES
         )
         self.create_subscription(PoseStamped, 'goal_marker', self._on_goal_marker, 10)
-        self.create_subscription(Bool, 'emergency_stop/active', self._on_emergency_stop, _LATCHED)
-        if p.real_time_factor == 0.0:
-            self.create_subscription(Header, 'gait/heartbeat', self._on_gait_heartbeat, 10)
-        self.create_service(Trigger, 'reset', self._on_reset)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)
         if p.backend == AUTO:
@@ -84,8 +68,10 @@ class SimNode(QuadNode[SimParameters]):
         return wait
 
     def take_parameters(self, parameters: SimParameters) -> None:
-        """Let a joint fail."""
+        """Let a joint fail, or let robots come and go."""
         self._session.plan_failure(parameters)
+        self._session.take_robots(parameters.robots)
+        self._topics.match_robots()
 
     def update_status(self) -> None:
         """Report how the simulation goes."""
@@ -96,31 +82,15 @@ class SimNode(QuadNode[SimParameters]):
         self._session.close()
         super().destroy_node()
 
-    def _on_trajectory(self, message: JointTrajectory) -> None:
-        longest = self.parameters.longest_trajectory
-        self._session.simulation.accept(trajectory_from_message(message, longest))
-
-    def _on_gait_heartbeat(self, message: Header) -> None:
-        self._session.take_answer(seconds_from_time(message.stamp))
-
-    def _on_emergency_stop(self, message: Bool) -> None:
-        self._session.simulation.freeze(message.data)
-        self.update_status()
-
     def _on_obstacles(self, message: MarkerArray) -> None:
         changes = obstacle_changes_from_message(message, self._session.frames_on_map)
         self._session.simulation.change_obstacles(changes, self.parameters.most_obstacles)
-        self._topics.publish_obstacles(self._session)
+        self._topics.publish_obstacles()
 
     def _on_goal_marker(self, message: PoseStamped) -> None:
         check_frame('goal_marker', message.header.frame_id, self._session.frames_on_map)
         pose = pose_from_message(message.pose, 'goal_marker')
-        self._session.simulation.put_goal_marker(pose)
-
-    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._session.reset()
-        self._session.observe(self._topics)
-        return self._answered(response, 'the robot stands at its start pose; time goes on')
+        self._session.put_goal_marker(pose)
 
     def _on_pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._session.pause()

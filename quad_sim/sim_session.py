@@ -6,49 +6,29 @@ The session knows no topics. Its node tells it to go on, and publishes what come
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quad_common.errors import ParameterError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.status import Level, Status
-from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.registry import make_simulator
-from quad_sim.engines.simulator import Observation
-from quad_sim.pacing import Answers, Pacing
+from quad_sim.pacing import Pacing
 from quad_sim.parameters import SimParameters
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
-from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
-from quad_sim.simulation import Simulation
+from quad_sim.simulated_robot import SensorReadings, SimulatedRobot
+from quad_sim.simulation import ObstacleChange, Simulation
 from quad_sim.world.simulated_camera import Picture
-
-Array = NDArray[np.float64]
+from quad_sim.world.world import Obstacle
 
 _CLOCK_RATE = 100.0
 """Least rate of the published clock, in simulated time [Hz]."""
 
 _LONGEST_WAIT = 0.1
 """Longest time for which a node is told to wait [s]."""
-
-
-@dataclass(frozen=True)
-class SensorReadings:
-    """What is measured at one instant, and the noise to measure it with."""
-
-    truth: Observation
-    """State of the robot."""
-    odometry: Observation
-    """State of the robot as drifting odometry has it."""
-    correction: Pose2D | None
-    """Odometry's frame in the map by the localiser, if it is due [m, m, rad]."""
-    odometry_noise: Array
-    """Standard normal numbers for x, y, z and the heading, shape (4,)."""
-    imu_noise: Array
-    """Standard normal numbers for angular velocity and acceleration, shape (2, 3)."""
 
 
 class Output(Protocol):
@@ -60,8 +40,29 @@ class Output(Protocol):
     def publish_picture(self, time: float, take: Callable[[], Picture]) -> None:
         """Publish what the camera sees at a time [s]; without a subscriber none is taken."""
 
-    def publish_readings(self, readings: SensorReadings) -> None:
-        """Publish what was measured."""
+    def publish_readings(self, readings: SensorReadings, name: str = '') -> None:
+        """Publish what was measured of a robot; its name is empty if it is alone."""
+
+
+class SteppedSimulation(Protocol):
+    """What a session steps: the simulation of one robot, or of several."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+
+    def step(self) -> None:
+        """Advance by one time step."""
+
+    def change_obstacles(self, changes: Iterable[ObstacleChange], most: int | None = None) -> None:
+        """Put and remove obstacles; see :meth:`Simulation.change_obstacles`."""
+
+    @property
+    def obstacles(self) -> Mapping[Hashable, Obstacle]:
+        """Obstacles that stand, by name."""
+
+    def close(self) -> None:
+        """Release the simulator."""
 
 
 class SimSession:
@@ -86,27 +87,10 @@ class SimSession:
         """The robot."""
         self.scenery = scenery_from(p, robot)
         """World, maps, start and goal."""
-        look = appearance_from(p, robot)
         self.camera = camera_from(p) if p.camera else None
         """The camera under the ceiling, if there is one."""
-        world = self.scenery.world
-        simulator = make_simulator(p.backend, robot, world, p.time_step, p.gui, look)
-        self.simulation = Simulation(simulator, robot, self.scenery.start)
-        """What is stepped."""
-        self.plan_failure(p)
-        if self.scenery.goal is not None:
-            self.simulation.put_goal_marker(self.scenery.goal)
-        if self.camera is not None:
-            # Where nothing can draw, it is said at the start.
-            self.simulation.check_visible('a camera').prepare_pictures()
-        self._localisation = SimulatedLocalisation(
-            LocalisationOptions(
-                p.odom_drift, p.localiser_rate, p.localiser_noise, p.localiser_heading_noise, p.seed
-            )
-        )
-        self._rng = np.random.default_rng(p.seed)
+        self._build()
         self._pacing = Pacing(p.real_time_factor, clock())
-        self._answers = Answers()
         self._is_paused = False
         self._steps = 0
         self._steps_per_clock = max(1, int(1.0 / (_CLOCK_RATE * p.time_step) + 1e-9))
@@ -121,38 +105,64 @@ class SimSession:
         return self.simulation.time
 
     @property
-    def has_exact_odometry(self) -> bool:
-        """Whether odometry's frame coincides with the world for good."""
-        return self._localisation.is_exact
-
-    @property
     def frames_on_map(self) -> tuple[str, ...]:
         """Frames that coincide with the world."""
-        p = self._parameters
-        return (p.map_frame, p.odom_frame) if self.has_exact_odometry else (p.map_frame,)
+        frames = [self._parameters.map_frame]
+        for robot in self.robots.values():
+            frames += [robot.parameters.odom_frame] if robot.has_exact_odometry else []
+        return tuple(frames)
 
     @property
     def has_news(self) -> bool:
         """Whether there is trouble of a kind that no :meth:`status` has told of."""
         return self._troubles() > self._troubles_reported
 
+    def _build(self) -> None:
+        """Make the simulator, and put the robot into it."""
+        p = self._parameters
+        world, look = self.scenery.world, appearance_from(p, self.robot)
+        simulator = make_simulator(p.backend, self.robot, world, p.time_step, p.gui, look)
+        simulation = Simulation(simulator, self.robot, self.scenery.start)
+        self.simulation: SteppedSimulation = simulation
+        """What is stepped."""
+        self.robots = {'': SimulatedRobot(simulation, p)}
+        """Robots by their names; that of one alone is empty."""
+        self.plan_failure(p)
+        if self.scenery.goal is not None:
+            self.put_goal_marker(self.scenery.goal)
+        if self.camera is not None:
+            # Where nothing can draw, it is said at the start.
+            simulation.check_visible('a camera').prepare_pictures()
+
     def plan_failure(self, parameters: SimParameters) -> None:
         """Let a joint fail as parameters say; see :meth:`Simulation.plan_failure`."""
-        p = parameters
-        failure = JointFailure(p.failing_joint, p.failure, p.failure_time)
-        self.simulation.plan_failure(failure if p.failing_joint else None)
+        self._alone.plan_failure(parameters)
+
+    def take_robots(self, text: str) -> None:
+        """Raise ParameterError if robots are to come: this one is alone in its world."""
+        if text.strip():
+            raise ParameterError('robots', text, 'empty, as it was when the node began')
+
+    def put_goal_marker(self, pose: Pose2D) -> None:
+        """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""
+        self._alone.simulation.put_goal_marker(pose)
+
+    @property
+    def _alone(self) -> SimulatedRobot:
+        return self.robots['']
 
     def wait(self) -> float:
         """Return how long there is nothing to do [s]; 0 if the next observation is due."""
         if self._is_paused:
             return _LONGEST_WAIT
         wall = self._clock()
-        wait = max(self._pacing.ahead(self.time, wall), self._answers.wait(self.time, wall))
+        waits = [robot.answers.wait(self.time, wall) for robot in self.robots.values()]
+        wait = max(self._pacing.ahead(self.time, wall), *waits, 0.0)
         return min(max(wait, 0.0), _LONGEST_WAIT)
 
-    def take_answer(self, stamp: float) -> None:
-        """Take it that the gait has answered what was measured up to a time [s]."""
-        self._answers.take(stamp, self.time, self._clock())
+    def take_answer(self, name: str, stamp: float) -> None:
+        """Take it that a robot's gait has answered what was measured up to a time [s]."""
+        self.robots[name].answers.take(stamp, self.time, self._clock())
 
     def advance(self, output: Output) -> None:
         """Simulate up to the next observation, and publish what is measured meanwhile."""
@@ -173,17 +183,13 @@ class SimSession:
 
     def observe(self, output: Output) -> None:
         """Measure, and publish it."""
-        truth = self.simulation.observe()
-        told = self._localisation.observe(truth)
-        # Noise is drawn in any case: who subscribes must not change the run.
-        noise = self._rng.standard_normal(4), self._rng.standard_normal((2, 3))
-        correction = self._localisation.correction(truth, told)
-        output.publish_readings(SensorReadings(truth, told, correction, *noise))
+        for name, robot in self.robots.items():
+            output.publish_readings(robot.observe(), name)
 
     def reset(self) -> None:
-        """Put the robot back to its start pose; time goes on."""
-        self.simulation.reset()
-        self._localisation.reset()
+        """Put every robot back to its start pose; time goes on."""
+        for robot in self.robots.values():
+            robot.reset()
 
     def pause(self) -> None:
         """Let simulated time stand still."""
@@ -196,27 +202,35 @@ class SimSession:
 
     def status(self) -> Status:
         """Return how the simulation goes."""
-        simulation = self.simulation
         self._troubles_reported = self._troubles()
-        contacts = ', '.join(sorted(map(str, simulation.contacts_seen)))
+        seen = {name: robot.simulation for name, robot in self.robots.items()}
+        contacts = ', '.join(
+            f'{name}: {contact}' if name else str(contact)
+            for name, simulation in seen.items()
+            for contact in sorted(map(str, simulation.contacts_seen))
+        )
+        has_fallen = any(simulation.has_fallen for simulation in seen.values())
         values = {
-            'time': f'{simulation.time:.2f}',
+            'time': f'{self.time:.2f}',
             'real_time_factor': f'{self._pacing.measured_factor(self.time, self._clock()):.2f}',
             'contacts': contacts,
-            'has_fallen': simulation.has_fallen,
-            'late_trajectories': simulation.late_trajectories,
+            'has_fallen': has_fallen,
+            'late_trajectories': sum(one.late_trajectories for one in seen.values()),
             'seconds_in_physics': f'{self._spent["physics"]:.3f}',
             'seconds_publishing': f'{self._spent["publishing"]:.3f}',
             'seconds_in_pictures': f'{self._spent["pictures"]:.3f}',
         }
-        failed = simulation.failed
-        if simulation.has_fallen:
-            return Status(Level.ERROR, 'the robot has fallen; reset stands it up again', values)
-        if failed is not None:
-            return Status(Level.WARN, f'{failed.joint} is {failed.kind}; reset repairs it', values)
+        fallen = [name or 'the robot' for name, one in seen.items() if one.has_fallen]
+        if fallen:
+            said = f'{", ".join(fallen)} has fallen; reset stands it up again'
+            return Status(Level.ERROR, said, values)
+        for failed in (one.failed for one in seen.values()):
+            if failed is not None:
+                said = f'{failed.joint} is {failed.kind}; reset repairs it'
+                return Status(Level.WARN, said, values)
         if contacts:
             return Status(Level.WARN, f'contact: {contacts}', values)
-        if simulation.is_frozen:
+        if any(one.is_frozen for one in seen.values()):
             return Status(Level.WARN, 'the emergency stop is on: no trajectory is executed', values)
         return Status(Level.OK, 'paused' if self._is_paused else 'running', values)
 
@@ -226,12 +240,10 @@ class SimSession:
 
     def _troubles(self) -> int:
         """Count the kinds of trouble that have been seen."""
-        simulation = self.simulation
-        seen = (simulation.contacts_seen, simulation.has_fallen, simulation.failed)
-        return sum(map(bool, seen))
+        return sum(robot.troubles() for robot in self.robots.values())
 
     def _take_picture(self) -> Picture:
         assert self.camera is not None
         # Each picture has noise of its own: who looked at the others must not change it.
         rng = np.random.default_rng((self._parameters.seed, self._steps))
-        return self.simulation.picture(self.camera, rng)
+        return self._alone.simulation.picture(self.camera, rng)

@@ -23,10 +23,10 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits
-from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.registry import engines_with
 from quad_sim.engines.simulator import (
     Contact,
+    JointFailure,
     Observation,
     Simulator,
     SolidSimulator,
@@ -136,6 +136,11 @@ class Simulation:
     def time_step(self) -> float:
         """Fixed step [s]."""
         return self._simulator.time_step
+
+    @property
+    def robot(self) -> Robot:
+        """Robot that is simulated."""
+        return self._robot
 
     @property
     def commanded(self) -> Array:
@@ -282,12 +287,7 @@ class Simulation:
         count = _count_after(changes, world.obstacles)
         if most is not None and count > max(most, len(world.obstacles)):
             raise TooManyObstacles(count, most)
-        pose = self._simulator.observe().pose
-        for change in changes:
-            if change.obstacle is not None:
-                distance = float(change.obstacle.distance_to(np.array([pose.x, pose.y])))
-                if distance < self._footprint_radius:
-                    raise ObstacleOnRobot(str(change.name), distance, self._footprint_radius)
+        self.check_clear(changes)
         for change in changes:
             if change.obstacle is not None:
                 world.put_obstacle(change.name, change.obstacle)
@@ -295,6 +295,15 @@ class Simulation:
                 gone = list(world.obstacles) if change.name is None else [change.name]
                 for name in gone:
                     world.remove_obstacle(name)
+
+    def check_clear(self, changes: Iterable[ObstacleChange]) -> None:
+        """Raise ObstacleOnRobot if an obstacle would stand where the robot is."""
+        pose = self._simulator.observe().pose
+        for change in changes:
+            if change.obstacle is not None:
+                distance = float(change.obstacle.distance_to(np.array([pose.x, pose.y])))
+                if distance < self._footprint_radius:
+                    raise ObstacleOnRobot(str(change.name), distance, self._footprint_radius)
 
     @property
     def obstacles(self) -> Mapping[Hashable, Obstacle]:

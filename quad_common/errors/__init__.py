@@ -120,9 +120,13 @@ from quad_common.errors.simulation import NoDisplay as NoDisplay
 from quad_common.errors.simulation import NoRenderer as NoRenderer
 from quad_common.errors.simulation import NotSimulated as NotSimulated
 from quad_common.errors.simulation import ObstacleOnRobot as ObstacleOnRobot
+from quad_common.errors.simulation import PlaceTaken as PlaceTaken
+from quad_common.errors.simulation import RobotNameTaken as RobotNameTaken
+from quad_common.errors.simulation import RobotNotFound as RobotNotFound
 from quad_common.errors.simulation import RobotNotLoaded as RobotNotLoaded
 from quad_common.errors.simulation import SimulatorError as SimulatorError
 from quad_common.errors.simulation import TooManyObstacles as TooManyObstacles
+from quad_common.errors.simulation import TooManyRobots as TooManyRobots
 from quad_common.errors.trajectories import CommandJumps as CommandJumps
 from quad_common.errors.trajectories import CommandOutsideLimits as CommandOutsideLimits
 from quad_common.errors.trajectories import EmergencyStopped as EmergencyStopped

@@ -95,6 +95,65 @@ class JointNotFound(SimulatorError):
 
 
 @dataclass(eq=False, repr=False)
+class RobotNameTaken(SimulatorError):
+    """A robot of that name is in the world already."""
+
+    name: str
+    """Name that was given."""
+
+    def sentence(self) -> str:
+        """Say which name."""
+        return f'there is a robot {quoted(self.name)} in the world already'
+
+
+@dataclass(eq=False, repr=False)
+class RobotNotFound(SimulatorError):
+    """A robot of that name is not in the world."""
+
+    name: str
+    """Name that was given."""
+    available: Iterable[str]
+    """Names of the robots."""
+
+    def sentence(self) -> str:
+        """Say which robots there are."""
+        return f'there is no robot {quoted(self.name)}; there are: {listed(self.available)}'
+
+
+@dataclass(eq=False, repr=False)
+class TooManyRobots(SimulatorError):
+    """More robots would be in the world than may be."""
+
+    most: int
+    """Number that there may be."""
+
+    def sentence(self) -> str:
+        """Say how many there may be."""
+        return f'{self.most} robots are the most in one world'
+
+
+@dataclass(eq=False, repr=False)
+class PlaceTaken(SimulatorError):
+    """A robot would stand where another one is, or too near."""
+
+    name: str
+    """Name of the robot that would come."""
+    other: str
+    """Name of the one that stands there."""
+    distance: float
+    """Distance between the two [m]."""
+    needed: float
+    """Least distance [m]."""
+
+    def sentence(self) -> str:
+        """Say how near they would be."""
+        return (
+            f'{quoted(self.name)} would stand {self.distance:.2f} m from {quoted(self.other)}; '
+            f'the two need {self.needed:.2f} m'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class NoDisplay(SimulatorError):
     """A window is wanted, and there is no screen to show it on."""
 

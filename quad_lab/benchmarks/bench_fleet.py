@@ -1,5 +1,5 @@
 """
-``quadwalk bench fleet``: goals by Nav2's actions, and walks over a network between two hosts.
+``quadwalk bench fleet``: several robots in one world, goals of Nav2's actions, and a network.
 """
 
 from __future__ import annotations
@@ -7,8 +7,11 @@ from __future__ import annotations
 import importlib.util
 import math
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from action_msgs.msg import GoalStatus
@@ -19,11 +22,23 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.parameters import GaitParameters
+from quad_lab.benchmarks.many_robots import speeds, walks
 from quad_lab.benchmarks.network_walks import network_bars
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
-PARTS = ('goals', 'cancels', 'preemptions', 'network')
+ACTIONS = ('goals', 'cancels', 'preemptions')
+"""Parts that need nav2_msgs."""
+
+_OTHERS: dict[str, Callable[..., tuple[list[Criterion], dict[str, Any]]]] = {
+    'warehouse': partial(walks, 'warehouse'),
+    'corridor': partial(walks, 'corridor'),
+    'speed': speeds,
+    'network': network_bars,
+}
+"""Functions that measure parts of their own."""
+
+PARTS = (*_OTHERS, *ACTIONS)
 """What can be measured alone."""
 
 GOALS, QUICK_GOALS = 30, 2
@@ -75,7 +90,7 @@ def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = PARTS
 ) -> tuple[list[Criterion], dict[str, object]]:
     """
-    Give goals, cancel some, and preempt some; walk over a network.
+    Walk several robots in one world, or over a network; give goals by actions.
 
     Parameters
     ----------
@@ -98,8 +113,7 @@ def measure(
     MissingOptionalDependency
         If nav2_msgs is not installed, and a part needs it.
     """
-    by_action = tuple(part for part in only if part != 'network')
-    if by_action and importlib.util.find_spec('nav2_msgs') is None:
+    if set(only) & set(ACTIONS) and importlib.util.find_spec('nav2_msgs') is None:
         raise MissingOptionalDependency('nav2_msgs', 'make nav2')
     counts = {
         'goals': QUICK_GOALS if quick else GOALS,
@@ -109,7 +123,13 @@ def measure(
     run = {'goals': _goals, 'cancels': _cancels, 'preemptions': _preemptions}
     trials: list[Trial] = []
     bars: list[Criterion] = []
-    for part in by_action:
+    details: dict[str, object] = {'quick': quick, 'seed': seed}
+    for part in only:
+        if part in _OTHERS:
+            held, measured = _OTHERS[part](console, quick, seed)
+            bars += held
+            details |= measured
+            continue
         done: list[Trial] = []
         names = ('room',) if quick else ('office', 'room')
         for index, name in enumerate(names):
@@ -117,13 +137,7 @@ def measure(
             done += run[part](_Stage(console, name, seed + index, quick), count)
         trials += done
         bars += _bars(part, done)
-    details: dict[str, object] = {
-        'quick': quick,
-        'seed': seed,
-        'trials': [asdict(trial) for trial in trials],
-    }
-    if 'network' in only:
-        bars += network_bars(console, quick, seed, details)
+    details['trials'] = [asdict(trial) for trial in trials]
     return bars, details
 
 

@@ -20,8 +20,7 @@ from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_lab.closed_loop.terrain_walk import make_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
-from quad_sim.engines.joint_failure import FAILURES, JointFailure
-from quad_sim.engines.simulator import Observation
+from quad_sim.engines.simulator import FAILURES, JointFailure, Observation
 
 Array = NDArray[np.float64]
 

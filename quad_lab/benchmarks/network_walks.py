@@ -13,10 +13,10 @@ from pathlib import Path
 from rich.console import Console
 
 from quad_common.errors import QuadError
+from quad_common.network.transport import PROFILES, QOS_FROM_PROFILES
 from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map, share_directory
 from quad_common.robot_files.robot_file import load_robot
-from quad_common.network.transport import PROFILES, QOS_FROM_PROFILES
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.impaired_link import (
@@ -65,8 +65,8 @@ class NetworkWalk:
 
 
 def network_bars(
-    console: Console, quick: bool, seed: int, details: dict[str, object]
-) -> list[Criterion]:
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """
     Walk with the simulator on one host, and gait, planner and observer on another.
 
@@ -78,15 +78,18 @@ def network_bars(
         A single walk.
     seed : int
         Of the first walk.
-    details : dict
-        Gets every walk.
+
+    Returns
+    -------
+    tuple
+        The bars, and every walk for JSON.
     """
     count = QUICK_WALKS if quick else WALKS
     try:
         check_possible()
     except NoImpairedLink as error:
         console.print(f'network: not measured: {error}', highlight=False)
-        return _bars([], count)
+        return _bars([], count), {}
     map_file = sample_map()
     goals = GoalDrawer(load_robot('titan_viii'), map_file, seed)
     farthest = _QUICK_FARTHEST if quick else _FARTHEST
@@ -100,8 +103,7 @@ def network_bars(
             walks.append(done.result())
             console.print(_line(walks[-1]), highlight=False)
     walks.sort(key=lambda walk: walk.seed)
-    details['network'] = [asdict(walk) for walk in walks]
-    return _bars(walks, count)
+    return _bars(walks, count), {'network': [asdict(walk) for walk in walks]}
 
 
 def _walk(map_file: Path, goal: Pose2D, seed: int) -> NetworkWalk:

@@ -87,12 +87,22 @@ class ClosedLoop:
         start: Pose2D = _ORIGIN,
         appearance: Appearance | None = None,
     ) -> None:
-        self.robot = robot
+        simulator = make_simulator(backend, robot, world, appearance=appearance)
+        self._begin(controller, Simulation(simulator, robot, start))
+
+    @classmethod
+    def around(cls, controller: Supervisor, simulation: Simulation) -> ClosedLoop:
+        """Close the loop around a simulation that there is, which somebody else may step."""
+        loop = cls.__new__(cls)
+        loop._begin(controller, simulation)
+        return loop
+
+    def _begin(self, controller: Supervisor, simulation: Simulation) -> None:
+        self.robot = robot = simulation.robot
         self.controller = controller
         self.record = Record(robot)
         self._estimator = StateEstimator(robot)
-        simulator = make_simulator(backend, robot, world, appearance=appearance)
-        self._simulation = Simulation(simulator, robot, start)
+        self._simulation = simulation
         self._steps = round(SENSOR_PERIOD / self._simulation.time_step)
         self._since_measured = 0
         self.on_observation: list[Callable[[Observation], None]] = []

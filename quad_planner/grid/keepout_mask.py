@@ -4,12 +4,13 @@ Zones that a robot has to keep out of, or had better avoid, whatever the map say
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.maps.occupancy_grid import FREE, UNKNOWN, OccupancyGrid
+from quad_common.maps.occupancy_grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
 _ROWS = 256
 """Rows of a map that are looked up at a time."""
@@ -51,3 +52,33 @@ class KeepoutMask:
             is_on = (x >= 0) & (x < self.mask.width) & (y >= 0) & (y < self.mask.height)
             values[first : first + len(rows)][is_on] = cells[y[is_on], x[is_on]]
         return values
+
+
+def with_discs(grid: OccupancyGrid, discs: Iterable[tuple[float, float, float]]) -> OccupancyGrid:
+    """
+    Occupy discs of a map.
+
+    Parameters
+    ----------
+    grid : OccupancyGrid
+        The map.
+    discs : iterable of tuple
+        x, y and radius of each in the world [m].
+
+    Returns
+    -------
+    OccupancyGrid
+        The map in which every cell whose center is in a disc is occupied.
+    """
+    cells = grid.cells.copy()
+    for x, y, radius in discs:
+        middle = grid.world_to_map(np.array([x, y]))
+        reach = radius / grid.resolution
+        low = np.maximum(np.floor(middle - reach), 0.0).astype(int)
+        high = np.minimum(np.ceil(middle + reach) + 1.0, (grid.width, grid.height)).astype(int)
+        columns, rows = (np.arange(a, b) for a, b in zip(low, high))
+        if columns.size and rows.size:
+            apart = np.hypot(columns[None] + 0.5 - middle[0], rows[:, None] + 0.5 - middle[1])
+            window = cells[low[1] : high[1], low[0] : high[0]]
+            window[apart <= reach] = OCCUPIED
+    return OccupancyGrid(cells, grid.resolution, grid.origin)

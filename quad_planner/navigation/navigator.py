@@ -174,7 +174,10 @@ class Navigator:
         self._unheard += passed
         is_moving = self._report is not None and self._report.is_moving
         is_known = self._unheard <= _SILENT and not self._session.silence
-        is_on_its_way = plan is not None and is_moving and is_known
+        # Waiting for another robot is on its way too.
+        is_on_its_way = is_known and bool(
+            self._session.hold_reason or (plan is not None and is_moving)
+        )
         self._idle = 0.0 if is_on_its_way and not self._is_canceled else self._idle + passed
 
     def _canceled(self) -> TaskResult | None:

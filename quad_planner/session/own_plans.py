@@ -29,9 +29,10 @@ class OwnPlans:
         self._to_goal: deque[int] = deque(maxlen=_REMEMBERED_PLANS)
         self._all: deque[int] = deque(maxlen=_REMEMBERED_PLANS)
 
-    def add(self, stamp: int) -> None:
-        """Take note of a plan to the goal in force."""
-        self._to_goal.append(stamp)
+    def add(self, stamp: int, is_to_goal: bool = True) -> None:
+        """Take note of a plan, to the goal in force or elsewhere."""
+        if is_to_goal:
+            self._to_goal.append(stamp)
         self._all.append(stamp)
 
     def begin_goal(self) -> None:

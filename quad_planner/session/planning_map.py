@@ -18,7 +18,7 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.grid.ground_limits import GroundLimits
-from quad_planner.grid.keepout_mask import KeepoutMask
+from quad_planner.grid.keepout_mask import KeepoutMask, with_discs
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
 
@@ -72,6 +72,7 @@ class PlanningMap:
         self._mask: KeepoutMask | None = None
         self._mask_frame = ''
         self._impassable: list[tuple[float, float]] = []
+        self._bodies: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def is_ready(self) -> bool:
@@ -315,11 +316,33 @@ class PlanningMap:
             self._impassable.clear()
             self.planner.set_map(self._combined(self._grid, self._ground))
 
+    def put_bodies(self, bodies: tuple[tuple[float, float, float], ...]) -> bool:
+        """
+        Lead paths around other robots, in place of those before.
+
+        Parameters
+        ----------
+        bodies : tuple
+            x, y and radius of each in the map [m].
+
+        Returns
+        -------
+        bool
+            Whether anything has changed.
+        """
+        if bodies == self._bodies or self._grid is None:
+            return False
+        self._bodies = bodies
+        self.planner.set_map(self._combined(self._grid, self._ground))
+        return True
+
     def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
         if self._mask is not None:
             grid = self._mask.added_to(grid)
         if ground is not None:
             grid = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
+        if self._bodies:
+            grid = with_discs(grid, self._bodies)
         if not self._impassable:
             return grid
         cells = grid.cells.copy()

@@ -111,7 +111,8 @@ class PlanningSession(SessionState):
         wish = self._pending
         if wish is None and self._goal is not None:
             wish = GoalWish(self.map.frame.name, self._goal, is_given=False)
-        if self._waiting is None and wish is not None and self._pose is not None:
+        is_held = bool(self.hold_reason) and not (wish and wish.is_given)
+        if self._waiting is None and wish is not None and self._pose is not None and not is_held:
             self._search(wish, is_plan_void=True)
         self._try_waiting_goal()
         self._output.update_status()
@@ -123,6 +124,7 @@ class PlanningSession(SessionState):
         self._is_new = False
         self._given.conclude(GoalEnd.REPLACED, 'a newer goal has taken its place')
         self._given = given = GivenGoal()
+        self.hold_reason = ''
         self.map.open_all()
         self._waiting = GoalWish(frame, goal, is_given=True)
         self._try_waiting_goal()
@@ -132,6 +134,7 @@ class PlanningSession(SessionState):
     def withdraw_goal(self) -> None:
         """Give up the goal in force, and what is planned: the robot stands."""
         self._waiting = self._goal = self._void_at = None
+        self.hold_reason = ''
         self._give_up_search()
         self._own.begin_goal()
         self._given.conclude(GoalEnd.WITHDRAWN, 'it was withdrawn')
@@ -143,6 +146,30 @@ class PlanningSession(SessionState):
         """Plan to the goal in force from where the robot is, unless that is under way."""
         if self._goal is not None and self._pending is None:
             self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
+
+    # Other robots
+
+    def hold(self, reason: str) -> None:
+        """Stand, and keep the goal, until :meth:`resume`; the reason is a sentence's end."""
+        is_news, self.hold_reason = reason != self.hold_reason, reason
+        if self.plan is not None and self._pending is None:
+            # That the robot follows it no more is no news.
+            self._own.begin_goal()
+            self._publish(None)
+        if is_news:
+            self._output.update_status()
+
+    def detour(self, place: Pose2D, reason: str) -> None:
+        """Go to a place, and keep the goal, until :meth:`resume`; reasons as of :meth:`hold`."""
+        self.hold_reason = reason
+        self._own.begin_goal()
+        self._search(GoalWish(self.map.frame.name, place, is_given=False, is_detour=True))
+        self._output.update_status()
+
+    def resume(self) -> None:
+        """Go on to the goal in force."""
+        self.hold_reason = ''
+        self.plan_again()
 
     def _try_waiting_goal(self) -> None:
         """Plan to the goal that came last, as soon as map and pose are known."""
@@ -194,6 +221,8 @@ class PlanningSession(SessionState):
     def _look_where_it_is(self, pose: Pose2D) -> None:
         """Plan again for a robot that has left its path, if it is still to get to its goal."""
         farthest = self.options.replan_distance
+        if self.hold_reason:
+            return
         if self.plan is None:
             # Its plan was taken back, for the map left no path: until then the robot stands.
             if self._void_at is not None and pose.distance_to(self._void_at) > farthest:
@@ -307,7 +336,8 @@ class PlanningSession(SessionState):
         try:
             plan = result()
         except PlannerError as error:
-            self._refuse(wish, error)
+            if not wish.is_detour:
+                self._refuse(wish, error)
             if self._is_plan_void:
                 self._publish(None)
                 # That the robot follows it no more is no news.
@@ -316,20 +346,21 @@ class PlanningSession(SessionState):
         else:
             if wish.is_given:
                 self._own.begin_goal()
-            self._goal, self.planned_from = wish.goal, start
+            self.planned_from = start
+            self._goal = self._goal if wish.is_detour else wish.goal
             self._void_at = None
             self.problem = None
             if plan.remark:
                 self._output.say(plan.remark)
-            self._publish(plan)
+            self._publish(plan, is_to_goal=not wish.is_detour)
         self._is_plan_void = False
         self._output.update_status()
 
-    def _publish(self, plan: Plan | None) -> None:
+    def _publish(self, plan: Plan | None, is_to_goal: bool = True) -> None:
         self.plan = plan
         stamp = self._output.publish_plan(plan)
         if plan is not None:
-            self._own.add(stamp)
+            self._own.add(stamp, is_to_goal)
 
 
 def _note_warm(output: Output, result: Callable[[], float]) -> None:

@@ -24,6 +24,8 @@ class GoalWish:
     """Goal in that frame."""
     is_given: bool
     """Whether it was just given; else it is an older one that is planned to again."""
+    is_detour: bool = False
+    """Whether it is a place to give way at, and the goal in force stays."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,8 @@ class SessionState:
         self._waiting: GoalWish | None = None
         self._pending: GoalWish | None = None
         self._goal: Pose2D | None = None
+        self.hold_reason = ''
+        """Reason for which it waits, or leaves its path, for other robots; empty if it does not."""
         self.plan: Plan | None = None
         """Plan that was published last, unless it was taken back."""
         self.planned_from: Pose2D | None = None
@@ -79,6 +83,11 @@ class SessionState:
     def pending_goal(self) -> Pose2D | None:
         """Goal that is being searched for."""
         return None if self._pending is None else self._pending.goal
+
+    @property
+    def goal(self) -> Pose2D | None:
+        """Goal in force, in the map."""
+        return self._goal
 
     @property
     def pose(self) -> Pose2D | None:

@@ -15,14 +15,14 @@ s_e += dt (v_e - v_-e) / 2, and r_e = -g s_e / dt^2 takes the fraction g of that
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
-from quad_sim.engines.joint_failure import FRICTION_FRACTION
-from quad_sim.engines.simulator import check_commands
+from quad_sim.engines.simulator import FRICTION_FRACTION, check_commands
 
 Array = NDArray[np.float64]
 
@@ -53,15 +53,12 @@ _PAIR = 8
 """Size of a pair of geometries in MuJoCo's list of contacts [bytes]."""
 
 _COUNT = 12
-"""Number of motors."""
-
-MOTORS = slice(0, _COUNT)
-"""MuJoCo's constraints that are motors: rows of dry friction come first, one for each joint."""
+"""Number of motors of a robot."""
 
 
-class MujocoDrives:
+class MujocoMotors:
     """
-    The motors and anchors of one robot.
+    The motors of one robot.
 
     Parameters
     ----------
@@ -74,23 +71,18 @@ class MujocoDrives:
     def __init__(self, robot: Robot, time_step: float) -> None:
         self._largest_efforts = robot.effort.reshape(-1)
         self._fastest = _TOO_FAST * np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
-        self._time_step = time_step
         self._ahead = time_step / _POSITION_GAIN
         self._ordinary = (self._ahead * float(self._fastest.min())) ** 2
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
-        self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
         self._damping = 0.0
-        self._differences: dict[int, Array] = {}
-        self._motors: Array = np.zeros(_COUNT)
-        self._standing: list[str] = []
-        self._touching: bytes | None = None
-        self._anchors: dict[tuple[bytes, int], Array] = {}
-        self._let_go_of_all()
+        self._rows = slice(0, _COUNT)
+        self.references: Array = np.zeros(_COUNT)
+        """What is added to the references of the motors' constraints in the next step."""
 
-    def bind(self, model: Any, data: Any, angles: slice, speeds: slice) -> None:
+    def bind(self, model: Any, data: Any, angles: slice, speeds: slice, number: int = 0) -> None:
         """
-        Take over a model that was compiled, or compiled again; failures and anchors stay.
+        Take over a model that was compiled, or compiled again; failures stay.
 
         Parameters
         ----------
@@ -98,22 +90,24 @@ class MujocoDrives:
             What is simulated.
         angles, speeds : slice
             Places of the joints in ``qpos`` and ``qvel``.
+        number : int
+            Number of the robot among those of the model, from 0: MuJoCo's constraints that are dry
+            friction come first, robot after robot, one for each joint.
         """
         if model.neq:
             raise RuntimeError("the motors are not the first of MuJoCo's constraints")
         self._model, self._data, self._speeds = model, data, speeds
+        self._rows = slice(_COUNT * number, _COUNT * (number + 1))
         # It shows MuJoCo's own numbers, whatever they become.
         self._angles = data.qpos[angles]
         time_constant, _ = model.dof_solref[speeds.start]
         self._damping = 2.0 / (model.dof_solimp[speeds.start, 1] * time_constant)
         self._set_frictions()
-        self._renumber(model)
 
     def reset(self) -> None:
-        """Have all joints sound, and nothing anchored."""
+        """Have all joints sound."""
         self._free, self._stuck = [], {}
         self._set_frictions()
-        self._let_go_of_all()
 
     def fail_joint(self, joint: int, kind: str) -> None:
         """Let a joint fail from now on; see :meth:`Simulator.fail_joint`."""
@@ -125,7 +119,7 @@ class MujocoDrives:
 
     def aim(self, joint_positions: Array, joint_velocities: Array) -> None:
         """
-        Have the motors drive toward positions and velocities in the next step.
+        Drive toward positions and velocities in the next step.
 
         Parameters
         ----------
@@ -138,7 +132,7 @@ class MujocoDrives:
             If one of them is not finite.
         """
         # What is missing [rad], as if velocities were to be reached by position errors alone.
-        wanted, ahead = self._motors, self._ahead
+        wanted, ahead = self.references, self._ahead
         np.multiply(joint_velocities, ahead, wanted)
         wanted += joint_positions
         wanted -= self._angles
@@ -157,6 +151,57 @@ class MujocoDrives:
             wanted[self._free] = 0.0
         wanted *= self._damping / ahead
 
+    def efforts(self) -> Array:
+        """Return the torques of the motors in the last step, shape (12,) [N m]."""
+        efforts: Array = self._data.efc_force[self._rows].copy()
+        if self._free:
+            # What is left there is the gear's friction.
+            efforts[self._free] = 0.0
+        return efforts
+
+    def _set_frictions(self) -> None:
+        """Give each motor its largest torque, and free joints the friction of their gears."""
+        efforts = self._largest_efforts.copy()
+        efforts[self._free] *= FRICTION_FRACTION
+        self._model.dof_frictionloss[self._speeds] = efforts
+
+
+class MujocoDrives:
+    """
+    The motors of all robots in a model, and the anchors of contacts.
+
+    Parameters
+    ----------
+    motors : sequence of MujocoMotors
+        Motors of each robot, in the order of MuJoCo's joints.
+    time_step : float
+        Fixed step [s].
+    """
+
+    def __init__(self, motors: Sequence[MujocoMotors], time_step: float) -> None:
+        self._robots = tuple(motors)
+        self._count = _COUNT * len(self._robots)
+        self._time_step = time_step
+        self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
+        self._differences: dict[int, Array] = {}
+        self._motors: Array = np.zeros(self._count)
+        self._standing: list[str] = []
+        self._touching: bytes | None = None
+        self._anchors: dict[tuple[bytes, int], Array] = {}
+        self.let_go()
+
+    def bind(self, model: Any, data: Any) -> None:
+        """
+        Take over a model that was compiled, or compiled again; anchors stay.
+
+        Parameters
+        ----------
+        model, data : MjModel, MjData
+            What is simulated.
+        """
+        self._data = data
+        self._renumber(model)
+
     def pull(self) -> None:
         """Set the references of the step's constraints, between the halves of a step."""
         data = self._data
@@ -166,8 +211,8 @@ class MujocoDrives:
             self._anchor(touching)
         if data.nefc != self._references.size:
             # A contact that is no pyramid of friction: nothing is anchored in this step.
-            self._let_go_of_all()
-            data.efc_aref[MOTORS] += self._motors
+            self.let_go()
+            data.efc_aref[: self._count] += self._motors
             return
         creep, change = self._creep, self._change
         self._difference.dot(data.efc_vel, change)
@@ -180,6 +225,11 @@ class MujocoDrives:
         references = data.efc_aref
         references += self._references
 
+    def let_go(self) -> None:
+        """Forget all anchors."""
+        self._anchors = {}
+        self._anchor(b'')
+
     @property
     def creeps(self) -> dict[tuple[bytes, int], Array]:
         """
@@ -191,20 +241,6 @@ class MujocoDrives:
         """
         scale = -(self._time_step**2) / _ANCHOR_GAIN
         return {key: scale * creep[::2] for key, creep in self._anchors.items()}
-
-    def efforts(self) -> Array:
-        """Return the torques of the motors in the last step, shape (12,) [N m]."""
-        efforts: Array = self._data.efc_force[MOTORS].copy()
-        if self._free:
-            # What is left there is the gear's friction.
-            efforts[self._free] = 0.0
-        return efforts
-
-    def _set_frictions(self) -> None:
-        """Give each motor its largest torque, and free joints the friction of their gears."""
-        efforts = self._largest_efforts.copy()
-        efforts[self._free] *= FRICTION_FRACTION
-        self._model.dof_frictionloss[self._speeds] = efforts
 
     def _renumber(self, model: Any) -> None:
         """Find the anchored geometries again: those that stand fast come first, and have names."""
@@ -227,11 +263,6 @@ class MujocoDrives:
         # Whatever touches in the next step, it is looked at which of it was anchored.
         self._touching = None
 
-    def _let_go_of_all(self) -> None:
-        """Forget all anchors."""
-        self._anchors = {}
-        self._anchor(b'')
-
     def _anchor(self, touching: bytes) -> None:
         """
         Keep the anchors of contacts that go on, and lay new ones.
@@ -246,9 +277,12 @@ class MujocoDrives:
         keys = [(pair, pairs[:index].count(pair)) for index, pair in enumerate(pairs)]
         size = _EDGES * len(keys)
         before, motors = self._anchors, self._motors
-        self._references = np.zeros(_COUNT + size)
-        self._motors, self._creep = self._references[MOTORS], self._references[_COUNT:]
+        count = self._count
+        self._references = np.zeros(count + size)
+        self._motors, self._creep = self._references[:count], self._references[count:]
         self._motors[:] = motors
+        for number, robot in enumerate(self._robots):
+            robot.references = self._motors[_COUNT * number : _COUNT * (number + 1)]
         self._anchors = {}
         self._new: list[int] = []
         for index, key in enumerate(keys):
@@ -266,8 +300,8 @@ class MujocoDrives:
         """Return what makes of constraints' velocities what the creep's references change by."""
         if size not in self._differences:
             opposite = np.arange(size) ^ 1
-            matrix = np.zeros((size, _COUNT + size))
-            matrix[np.arange(size), _COUNT + np.arange(size)] = 1.0
-            matrix[np.arange(size), _COUNT + opposite] = -1.0
+            matrix = np.zeros((size, self._count + size))
+            matrix[np.arange(size), self._count + np.arange(size)] = 1.0
+            matrix[np.arange(size), self._count + opposite] = -1.0
             self._differences[size] = -_ANCHOR_GAIN / (2.0 * self._time_step) * matrix
         return self._differences[size]

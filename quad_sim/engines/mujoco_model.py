@@ -1,5 +1,5 @@
 """
-The model that MuJoCo simulates: the robot, the ground, walls and obstacles.
+The model that MuJoCo simulates: robots, the ground, walls and obstacles.
 """
 
 from __future__ import annotations
@@ -12,19 +12,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import RobotNotLoaded
-from quad_common.robot.robot import Robot
-from quad_common.robot.urdf import urdf_from_robot
 from quad_common.vision.markers import Color
-from quad_sim.engines.simulator import GRAVITY
+from quad_sim.engines.simulator import GRAVITY, GROUND, OBSTACLE
 from quad_sim.world.appearance import AMBIENT, LIGHT_FROM, SQUARE_SHADE, Appearance
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import OF_WORLD, Obstacle, World
 
 Array = NDArray[np.float64]
-
-GROUND, OBSTACLE = 'ground', 'obstacle'
-"""What the names of geometries that stand fast begin with."""
 
 _AROUND = 100.0
 """Width of the level ground around a height field [m]."""
@@ -42,18 +36,8 @@ _CONTACT_IMPEDANCE = (0.95, 0.95, 0.001, 0.5, 2.0)
 """The same at any depth. With 0.96 cuhk, turning on the spot by trotting, already rocks by 0.4
 degrees, not 0.1; with 0.9 feet sink in by more than half a millimetre."""
 
-_MOTOR_TIME = 2.75
-"""Time constant of motors, in time steps: with 2, which is the least that is stable, TITAN-VIII's
-trot advances less by 1.5 %."""
-
-_MOTOR_IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Impedance of the motors: the stiffer they are, the less a trotting body tilts."""
-
 _ITERATIONS, _LINE_SEARCHES = 100, 50
 """Most of the solver's; with a fifth of them it may end in NaN after an impact."""
-
-_HIDDEN = 3
-"""Group of geometries that MuJoCo does not show."""
 
 _SIDES = 48
 """Number of sides of a cylinder in pictures."""
@@ -61,47 +45,44 @@ _SIDES = 48
 
 class MujocoModel:
     """
-    A robot and its world as a specification that can be compiled, and compiled again.
+    Robots and their world as a specification that can be compiled, and compiled again.
 
     Parameters
     ----------
-    robot : Robot
-        The robot; its motors are joints with dry friction, see `MujocoSimulator`.
+    spec : MjSpec
+        The robot, of `mujoco_robot.robot_spec`, or several robots, of `robots_spec`.
     world : World
         Ground, walls and obstacles.
     time_step : float
         Fixed step [s].
     appearance : Appearance
         Colors.
+    robots : int
+        Number of robots.
     """
 
     def __init__(
-        self, robot: Robot, world: World, time_step: float, appearance: Appearance
+        self,
+        spec: Any,
+        world: World,
+        time_step: float,
+        appearance: Appearance,
+        robots: int = 1,
     ) -> None:
+        self._spec = spec
+        self._robots = robots
         self._world = world
         self._appearance = appearance
         self._time_step = time_step
         self._heights: Array | None = None
         self._count: Counter[str] = Counter()
         self._placed: dict[Hashable, tuple[Obstacle, Any]] = {}
-        urdf = urdf_from_robot(robot)
-        try:
-            self._spec: Any = mujoco.MjSpec.from_string(_seen(urdf) if robot.own_urdf else urdf)
-        except ValueError as error:
-            raise RobotNotLoaded(robot.name, 'MuJoCo', str(error)) from error
         # Feet are bodies of their own, so that contacts can be told apart.
         self._spec.compiler.fusestatic = False
         # Shapes that are only looked at were left out on reading; the floor's pattern is to stay.
         self._spec.compiler.discardvisual = False
-        root = self._spec.worldbody.first_body()
-        root.add_freejoint()
         self._set_options()
         self._set_light()
-        for body in self._spec.bodies:
-            self._dress(body, robot)
-        self._set_motors(robot)
-        if robot.own_urdf:
-            self._part_overlapping_links(robot)
         self._pattern = self._make_pattern()
         self._lay_ground()
         for outline in world.boxes:
@@ -159,8 +140,9 @@ class MujocoModel:
         # slip is off: what stands is anchored (`MujocoDrives`), in less time.
         option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
         option.impratio = 1.0
-        # There is one robot: nothing to gain from telling islands of contacts apart.
-        option.disableflags |= int(getattr(mujoco.mjtDisableBit, 'mjDSBL_ISLAND', 0))
+        if self._robots == 1:
+            # There is nothing to gain from telling islands of contacts apart.
+            option.disableflags |= int(getattr(mujoco.mjtDisableBit, 'mjDSBL_ISLAND', 0))
         option.iterations, option.ls_iterations = _ITERATIONS, _LINE_SEARCHES
 
     def _set_light(self) -> None:
@@ -194,41 +176,6 @@ class MujocoModel:
         # A texture has two squares in each direction.
         material.texrepeat = [0.5 / look.checker_size] * 2
         return 'floor'
-
-    def _dress(self, body: Any, robot: Robot) -> None:
-        """Make a link's shapes solid, and show it: as its own URDF has it, or in the color."""
-        seen = [geom for geom in body.geoms if not geom.contype and not geom.conaffinity]
-        for geom in body.geoms:
-            if geom in seen:
-                continue
-            self._make_solid(geom, 1.0)
-            if seen:
-                geom.group = _HIDDEN
-            elif not robot.own_urdf:
-                geom.rgba = rgba(self._appearance.robot_color)
-
-    def _set_motors(self, robot: Robot) -> None:
-        for name, effort in zip(robot.joint_names, robot.effort.reshape(-1)):
-            joint = self._spec.joint(name)
-            # The command's limits are the gate's business; here a joint turns as it is driven.
-            joint.limited = False
-            joint.actfrclimited = False
-            joint.frictionloss = effort
-            joint.solref_friction = [_MOTOR_TIME * self._time_step, 1.0]
-            joint.solimp_friction = list(_MOTOR_IMPEDANCE)
-
-    def _part_overlapping_links(self, robot: Robot) -> None:
-        """Let links pass each other that overlap in the initial posture: shapes are covers."""
-        model = self._spec.compile()
-        data = mujoco.MjData(model)
-        for name, angle in zip(robot.joint_names, robot.initial_joint_angles.reshape(-1)):
-            data.qpos[model.joint(name).qposadr[0]] = angle
-        mujoco.mj_forward(model, data)
-        bodies = model.geom_bodyid[data.contact.geom]
-        for first, second in sorted({tuple(sorted(pair)) for pair in bodies.tolist()}):
-            self._spec.add_exclude(
-                bodyname1=model.body(first).name, bodyname2=model.body(second).name
-            )
 
     def _lay_ground(self) -> None:
         terrain = self._world.terrain
@@ -300,7 +247,7 @@ class MujocoModel:
             name=f'{kind} {self._count[kind]}', type=shape, pos=place
         )
         # As in Bullet, where the frictions of two surfaces are multiplied and the robot's is 1.
-        self._make_solid(geom, self._world.friction if kind == GROUND else 0.5)
+        make_solid(geom, self._world.friction if kind == GROUND else 0.5, self._time_step)
         geom.priority = 1
         if kind == OBSTACLE:
             geom.rgba = rgba(self._appearance.obstacle_color)
@@ -310,22 +257,18 @@ class MujocoModel:
             geom.rgba = rgba(self._appearance.floor_color)
         return geom
 
-    def _make_solid(self, geom: Any, friction: float) -> None:
-        geom.condim = 3
-        geom.friction = [friction, 0.0, 0.0]
-        geom.solref = [_CONTACT_TIME * self._time_step, _CONTACT_DAMPING]
-        geom.solimp = list(_CONTACT_IMPEDANCE)
-
     def _set_heights(self, model: Any) -> None:
         """Put the heights back that the compiler stretches from 0 to 1 by itself."""
         if self._heights is not None:
             model.hfield_data[:] = self._heights
 
 
-def _seen(urdf: str) -> str:
-    """Have MuJoCo keep what is only looked at, and the folders of meshes."""
-    settings = '<mujoco><compiler discardvisual="false" strippath="false"/></mujoco>'
-    return urdf.replace('</robot>', f'{settings}</robot>')
+def make_solid(geom: Any, friction: float, time_step: float) -> None:
+    """Let a geometry collide, with Coulomb friction and as stiff as the time step [s] allows."""
+    geom.condim = 3
+    geom.friction = [friction, 0.0, 0.0]
+    geom.solref = [_CONTACT_TIME * time_step, _CONTACT_DAMPING]
+    geom.solimp = list(_CONTACT_IMPEDANCE)
 
 
 def rgba(color: Color) -> list[float]:

@@ -19,6 +19,35 @@ from quad_sim.world.world import Obstacle
 
 Array = NDArray[np.float64]
 
+FAILURES = ('free', 'stuck')
+"""
+Kinds of failure. A ``free`` motor gives no torque, and the joint has its gear's friction alone;
+a ``stuck`` joint keeps the angle it had, whatever is commanded, with its drive's largest torque.
+"""
+
+FRICTION_FRACTION = 0.01
+"""Friction of a free joint by its drive's largest torque; chosen: a gear gives way."""
+
+
+@dataclass(frozen=True)
+class JointFailure:
+    """One joint fails."""
+
+    joint: str
+    """Name of the joint."""
+    kind: str
+    """One of :data:`FAILURES`."""
+    time: float = 0.0
+    """When, in simulated time; at once if that is over [s]."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in FAILURES:
+            raise ParameterError('failure', self.kind, f'one of {", ".join(FAILURES)}')
+
+
+GROUND, OBSTACLE = 'ground', 'obstacle'
+"""What :attr:`Contact.other` says of the world; geometries of MuJoCo have names that begin so."""
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -27,7 +56,7 @@ class Contact:
     link: str
     """Link of the robot, for example ``lf_calf``."""
     other: str
-    """``ground``, ``obstacle``, or another link of the robot."""
+    """``ground``, ``obstacle``, another link of the robot, or ``robot`` and another one's name."""
 
     def __str__(self) -> str:
         return f'{self.link} touches {self.other}'
@@ -74,7 +103,7 @@ class Simulator(Protocol):
     time_step: float
     """[s]"""
     failures: tuple[str, ...]
-    """Those of :data:`quad_sim.engines.joint_failure.FAILURES` that it can let happen."""
+    """Those of :data:`FAILURES` that it can let happen."""
 
     @property
     def time(self) -> float:
@@ -100,7 +129,7 @@ class Simulator(Protocol):
         joint : int
             Its place in ``Robot.joint_names``.
         kind : str
-            One of :data:`quad_sim.engines.joint_failure.FAILURES`.
+            One of :data:`FAILURES`.
         """
 
     def step(self, joint_positions: Array, joint_velocities: Array) -> None:
@@ -192,6 +221,11 @@ def foot_zone(robot: Robot) -> float:
     hard landing presses half of the ball into the ground, the rod's end touches it too.
     """
     return (_FOOT_ZONE if robot.own_urdf else 1.0) * robot.foot_radius
+
+
+def robot_contact(name: str) -> str:
+    """Return what :attr:`Contact.other` is where another robot of the world is touched."""
+    return f'robot {name}'
 
 
 TILT_OF_A_FALL = np.deg2rad(45.0)

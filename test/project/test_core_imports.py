@@ -19,7 +19,8 @@ MOST_MODULES = 16
 SHELLS = {
     'ros_node', 'managed_life', 'node_parameters', 'run_node', 'map_frame_listener',
     'transform_publisher', 'clock_check',
-    'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_scene', 'mujoco_window',
+    'bullet_simulator', 'mujoco_simulator', 'mujoco_model', 'mujoco_robot', 'mujoco_scene',
+    'mujoco_window', 'mujoco_world', 'bullet_world',
     'composed_nodes', 'mjcf', 'mjcf_shapes',
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
@@ -28,6 +29,7 @@ _SHELL_NAMES = ('_node', '_conversions', '_topics', '_actions')
 
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
+    'quad_lab.topic_walk.fleet',
     'quad_lab.topic_walk.walk_observer',
     'quad_lab.topic_walk.walk_notes',
     'quad_lab.topic_walk.navigation_client',
@@ -207,10 +209,11 @@ def test_mujoco_is_imported_by_its_engine_and_the_reader_of_its_format_only():
         for path in SOURCES
         if any(name.partition('.')[0] == 'mujoco' for name in imports(path))
     }
-    parts = ('model', 'scene', 'simulator', 'window')
+    parts = ('model', 'robot', 'scene', 'simulator', 'window')
     readers = {f'quad_common/description/{name}.py' for name in ('mjcf', 'mjcf_shapes')}
     # Imports are compared with what engines make of the same file.
     readers.add('quad_lab/robots/import_check.py')
+    readers.add('quad_sim/fleet/mujoco_world.py')
     assert users == readers | {f'quad_sim/engines/mujoco_{part}.py' for part in parts}
 
 

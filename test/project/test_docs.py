@@ -56,6 +56,8 @@ SHARED = {
     'map_topics': ('planner_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
+    'simulated_robot_topics': ('sim_node',),
+    'traffic_topics': ('planner_node',),
     'robot_topics': ('viewer_node',),
     'command_topics': ('viewer_node',),
 }
@@ -390,8 +392,8 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from quad_common.ros import map_frame_listener, transform_publisher
     from quad_gait import gait_node, gait_topics, plan_topics
     from quad_perception import camera_topics, ceiling_camera_node
-    from quad_planner import map_topics, planner_node, planner_topics
-    from quad_sim import sim_node, sim_topics
+    from quad_planner import map_topics, planner_topics
+    from quad_sim import sim_topics, simulated_robot_topics
     from quad_view import robot_topics
 
     profiles: dict[str, list[Any]] = {
@@ -408,12 +410,12 @@ def test_the_profiles_mean_what_the_pages_call_them():
                 plan_topics,
                 planner_topics,
                 robot_topics,
-                sim_node,
                 sim_topics,
+                simulated_robot_topics,
                 transform_publisher,
             )
         ],
-        '_EVERY_PLAN': [planner_node._EVERY_PLAN],
+        '_EVERY_PLAN': [planner_topics._EVERY_PLAN],
         '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_topics._CLOCK],
         '_NEWEST': [ceiling_camera_node._NEWEST, robot_topics._NEWEST],

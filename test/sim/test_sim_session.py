@@ -20,7 +20,7 @@ class Recorded:
     def publish_picture(self, time, take):
         raise AssertionError('there is no camera')
 
-    def publish_readings(self, readings):
+    def publish_readings(self, readings, name=''):
         self.readings.append(readings)
 
 

@@ -10,10 +10,9 @@ from quad_common.errors import JointNotFound, NotSimulated, ParameterError, Traj
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_sim.engines.joint_failure import JointFailure
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.registry import BACKENDS, make_simulator
-from quad_sim.engines.simulator import Contact
+from quad_sim.engines.simulator import Contact, JointFailure
 from quad_sim.simulation import Simulation
 
 ROBOT = load_robot('titan_viii')

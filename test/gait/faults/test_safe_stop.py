@@ -20,7 +20,7 @@ from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.benchmarks.bench_joint_failure import FailureCase, walk_and_fail
 from quad_lab.closed_loop.closed_loop import ClosedLoop
-from quad_sim.engines.joint_failure import JointFailure
+from quad_sim.engines.simulator import JointFailure
 
 ROBOT = load_robot('titan_viii')
 UP = np.array([0.0, 0.0, 1.0])

@@ -34,7 +34,7 @@ from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_lab.closed_loop.controllers import controller_for
 from quad_lab.closed_loop.terrain_walk import make_course
-from quad_sim.engines.joint_failure import JointFailure
+from quad_sim.engines.simulator import JointFailure
 
 RECORD = Path(__file__).with_name('fixed_walks.json')
 

@@ -13,19 +13,18 @@ from std_msgs.msg import Header
 from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_message
-from quad_planner.planner_topics import ImpassableTopic
+from quad_planner.planner_topics import GaitTopics
 
 
 def subscribed():
     """Return the session, and what a message on the topic calls."""
     callbacks = {}
 
-    def subscribe(kind, topic, callback, qos):
-        assert kind is PoseStamped
+    def subscribe(kind, topic, callback, qos, **options):
         callbacks[topic] = callback
 
     session = mock.Mock()
-    ImpassableTopic(SimpleNamespace(create_subscription=subscribe), session)
+    GaitTopics(SimpleNamespace(create_subscription=subscribe), session)
     return session, callbacks['plan/impassable']
 
 

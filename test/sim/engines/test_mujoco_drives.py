@@ -10,7 +10,6 @@ from quad_sim.world.world import Obstacle, world_from_map
 
 pytest.importorskip('mujoco')
 
-from quad_sim.engines.mujoco_drives import MOTORS
 from quad_sim.engines.mujoco_simulator import MujocoSimulator
 
 ROBOT = load_robot('titan_viii')
@@ -147,5 +146,5 @@ def test_the_motors_are_the_first_constraints(make):
     simulator = make()
     rock(simulator, [POSTURE])
     efforts = simulator.observe().joint_efforts
-    assert simulator.drives.efforts() == pytest.approx(efforts)
-    assert efforts.shape == (MOTORS.stop,)
+    assert simulator.motors.efforts() == pytest.approx(efforts)
+    assert efforts.shape == (12,)

@@ -1,0 +1,3 @@
+"""
+Several robots in one world.
+"""

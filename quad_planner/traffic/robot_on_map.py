@@ -1,0 +1,59 @@
+"""
+What robots tell one another: where each is, how large, and the path it wants to walk.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from quad_common.planar_pose import Pose2D
+from quad_planner.grid.array_types import Points
+
+
+@dataclass(frozen=True, eq=False)
+class RobotOnMap:
+    """A robot as others see it."""
+
+    name: str
+    """Name, which says who gives way: the one that comes later in the order of names."""
+    pose: Pose2D
+    """Pose of base_link in the map."""
+    radius: float
+    """Radius of the circle around base_link that holds its feet [m]."""
+    path: Points
+    """What is left of the path to its goal, shape (n, 2) [m]; empty for one that stays."""
+    goes_first: bool = False
+    """Whether it can give way to nobody, so that others give way to it."""
+
+    @property
+    def position(self) -> Points:
+        """Position in the map, shape (2,) [m]."""
+        return np.array([self.pose.x, self.pose.y])
+
+    @property
+    def line(self) -> Points:
+        """Position and path, shape (n, 2), n >= 1 [m]."""
+        return np.vstack([self.position, np.reshape(self.path, (-1, 2))])
+
+    @property
+    def is_staying(self) -> bool:
+        """Whether it wants to go nowhere."""
+        return len(self.path) == 0
+
+
+def precedes(a: RobotOnMap, b: RobotOnMap) -> bool:
+    """
+    Return whether a robot has the right of way before another one.
+
+    One that can give way to nobody has it before one that can; else the order of names decides,
+    with numbers in them as numbers: robot2 before robot10.
+    """
+    return _rank(a) < _rank(b)
+
+
+def _rank(robot: RobotOnMap) -> tuple[bool, list[tuple[int, str]]]:
+    parts = re.split(r'(\d+)', robot.name)
+    return not robot.goes_first, [(int(p), '') if p.isdigit() else (-1, p) for p in parts]

@@ -1,0 +1,163 @@
+"""What a planning session is told to do because of other robots."""
+
+import numpy as np
+import pytest
+
+from quad_common.frames.map_frame import MapFrame
+from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
+from quad_common.planar_pose import Pose2D
+from quad_common.robot_files.robot_file import load_robot
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_setup import session_from_parameters
+from quad_planner.session.immediate_request import ImmediateRequest
+from quad_planner.traffic.robot_on_map import RobotOnMap
+from quad_planner.traffic.traffic import Traffic
+
+RADIUS = load_robot('a1').footprint_radius
+
+
+class Output:
+    """What a session decides."""
+
+    def __init__(self):
+        self.plans = []
+
+    def publish_plan(self, plan):
+        self.plans.append(plan)
+        return len(self.plans)
+
+    def show_map(self, prepared):
+        """Show nothing."""
+
+    say = warn = show_map
+
+    def update_status(self):
+        """Report nothing."""
+
+
+class Scene:
+    """A robot on a floor of 8 x 4 m that walks from (1, 2) to (7, 2), named b."""
+
+    def __init__(self, cells=None):
+        self.output = Output()
+        parameters = PlannerParameters(robot='a1', method='shortest', any_angle=True)
+        self.session = session_from_parameters(
+            parameters, load_robot('a1'), MapFrame('map'), ImmediateRequest(), self.output
+        )
+        self.traffic = Traffic(self.session, 'b', RADIUS)
+        cells = np.zeros((80, 160), np.int8) if cells is None else cells
+        self.session.take_grid(OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0)), 'map')
+        self.time = 0.0
+        self.go_on(Pose2D(1.0, 2.0, 0.0))
+        self.session.give_goal('map', Pose2D(7.0, 2.0, 0.0))
+
+    def go_on(self, pose=None, seconds=0.5):
+        self.time += seconds
+        self.session.take_pose(self.time, pose or self.session.pose)
+        self.traffic.update(self.time)
+
+    def tell(self, name, *path, goes_first=False):
+        x, y = path[0]
+        line = np.array(path[1:], dtype=float).reshape(-1, 2)
+        robot = RobotOnMap(name, Pose2D(x, y, 0.0), RADIUS, line, goes_first)
+        self.traffic.take_robot(self.time, robot)
+
+
+def test_a_robot_alone_is_left_alone():
+    scene = Scene()
+    before = list(scene.output.plans)
+    scene.go_on()
+    assert scene.output.plans == before
+    assert scene.session.hold_reason == ''
+
+
+def test_before_a_crossing_it_waits_and_then_goes_on_to_the_same_goal():
+    scene = Scene()
+    scene.tell('a', (2.2, 0.3), (2.2, 3.7))
+    scene.go_on()
+    assert scene.session.hold_reason == 'waiting for a to pass'
+    assert scene.output.plans[-1] is None
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+    scene.tell('a', (2.2, 3.4), (2.2, 3.7))
+    scene.go_on()
+    assert scene.session.hold_reason == ''
+    assert scene.output.plans[-1].poses[-1] == Pose2D(7.0, 2.0, 0.0)
+
+
+def test_with_the_right_of_way_it_goes_on():
+    scene = Scene()
+    before = list(scene.output.plans)
+    scene.tell('c', (2.2, 0.3), (2.2, 3.7))
+    scene.go_on()
+    assert scene.output.plans == before
+
+
+def test_on_the_path_of_one_that_comes_it_leaves_it_and_says_so():
+    scene = Scene()
+    scene.tell('a', (6.0, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.hold_reason == 'giving way to a'
+    place = scene.output.plans[-1].poses[-1]
+    assert abs(place.y - 2.0) > 2.0 * RADIUS + 0.2
+
+
+def test_the_goal_stays_in_force_when_the_place_to_wait_at_is_reached():
+    scene = Scene()
+    scene.tell('a', (6.0, 2.0), (0.5, 2.0))
+    scene.go_on()
+    scene.session.take_followed(len(scene.output.plans), 'map', None)
+    scene.go_on(scene.output.plans[-1].poses[-1])
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+    scene.traffic.forget_robot('a')
+    scene.go_on()
+    scene.go_on()
+    assert scene.session.hold_reason == ''
+    assert scene.output.plans[-1].poses[-1] == Pose2D(7.0, 2.0, 0.0)
+
+
+def test_in_a_dead_end_it_goes_first():
+    cells = np.zeros((80, 160), np.int8)
+    # A corridor around the robot, closed behind it, and nothing but the other one before it.
+    cells[:25], cells[55:], cells[:, :8], cells[:, 100:] = (OCCUPIED,) * 4
+    scene = Scene(cells)
+    scene.session.give_goal('map', Pose2D(4.2, 2.0, 0.0))
+    for _ in range(4):
+        scene.tell('a', (4.4, 2.0), (1.0, 2.0))
+        scene.go_on()
+    assert scene.traffic.goes_first
+    assert scene.traffic.own_word().goes_first
+
+
+def test_one_that_stays_is_planned_around_after_a_while():
+    scene = Scene()
+    for _ in range(14):
+        scene.tell('a', (4.0, 2.0))
+        scene.go_on()
+    plan = scene.session.plan
+    assert plan is not None
+    distances = np.linalg.norm(plan.corners - (4.0, 2.0), axis=1)
+    assert len(plan.poses) > 2
+    assert distances.min() > 2.0 * RADIUS
+
+
+def test_one_that_is_silent_is_forgotten():
+    scene = Scene()
+    scene.tell('a', (2.2, 0.3), (2.2, 3.7))
+    scene.go_on()
+    assert scene.session.hold_reason
+    scene.go_on(seconds=0.9)
+    for _ in range(12):
+        scene.go_on(seconds=0.9)
+    assert scene.traffic.others == {}
+    assert scene.session.hold_reason == ''
+
+
+@pytest.mark.parametrize('moves', [True, False])
+def test_a_new_goal_is_planned_to_while_it_waits(moves):
+    scene = Scene()
+    scene.tell('a', (2.2, 0.3), (2.2, 3.7))
+    scene.go_on()
+    goal = Pose2D(0.6, 2.0, 0.0) if moves else Pose2D(7.0, 3.0, 0.0)
+    scene.session.give_goal('map', goal)
+    assert scene.session.goal == goal
+    assert scene.output.plans[-1].poses[-1] == goal
