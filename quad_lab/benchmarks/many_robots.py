@@ -14,7 +14,7 @@ from rich.console import Console
 
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_lab.closed_loop.fleet_walk import FleetRecord, FleetWalk, Member
+from quad_lab.fleet.fleet_walk import FleetRecord, FleetWalk, Member
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.fleet_maps import corridor, warehouse
 from quad_lab.tools.workers import worker_pool

@@ -8,6 +8,7 @@ import contextlib
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 
 from quad_common.planar_pose import Pose2D
@@ -204,19 +206,28 @@ class _Observer:
         self.notes = FleetNotes({name: RobotNotes() for name in options.robots})
         self._context = Context()
         rclpy.init(context=self._context)
-        self._node = rclpy.create_node('fleet_observer', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
+        self._nodes: list[Node] = []
         self._goals: dict[str, Any] = {}
         self._are_given = False
-        listen = self._node.create_subscription
-        listen(DiagnosticArray, '/diagnostics', self._on_simulator, 10)
+        simulator = self._make_node('')
+        simulator.create_subscription(DiagnosticArray, 'diagnostics', self._on_simulator, 10)
         for name, notes in self.notes.robots.items():
-            # Names of topics are those of msg_docs, below the robot's namespace.
-            self._goals[name] = self._node.create_publisher(PoseStamped, f'/{name}/goal_pose', 10)
-            self._hear(Odometry, f'/{name}/odom', self._on_odometry, name, qos_profile_sensor_data)
-            self._hear(DiagnosticArray, f'/{name}/diagnostics', self._on_status, name, 10)
-            notes.track.append(options.robots[name].start)
+            robot = options.robots[name]
+            notes.track.append(robot.start)
+            node = self._make_node(name)
+            self._goals[name] = node.create_publisher(PoseStamped, 'goal_pose', 10)
+            hear = partial(self._on_odometry, notes)
+            node.create_subscription(Odometry, 'odom', hear, qos_profile_sensor_data)
+            hear = partial(self._on_status, notes, robot.goal)
+            node.create_subscription(DiagnosticArray, 'diagnostics', hear, 10)
+
+    def _make_node(self, namespace: str) -> Node:
+        """Make a node in a robot's namespace."""
+        node = Node('fleet_observer', namespace=namespace, context=self._context)
+        self._executor.add_node(node)
+        self._nodes.append(node)
+        return node
 
     @property
     def is_ready(self) -> bool:
@@ -258,22 +269,17 @@ class _Observer:
     def close(self) -> None:
         """Leave the graph."""
         self._executor.shutdown()
-        self._node.destroy_node()
+        for node in self._nodes:
+            node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
-    def _hear(self, kind: Any, topic: str, callback: Any, name: str, quality: Any) -> None:
-        notes, goal = self.notes.robots[name], self._options.robots[name].goal
-        self._node.create_subscription(
-            kind, topic, lambda message: callback(message, notes, goal), quality
-        )
-
-    def _on_odometry(self, message: Odometry, notes: RobotNotes, goal: Pose2D) -> None:
+    def _on_odometry(self, notes: RobotNotes, message: Odometry) -> None:
         notes.time = seconds_from_time(message.header.stamp)
         notes.pose = pose = pose_from_message(message.pose.pose)
         if pose.distance_to(notes.track[-1]) > _STEP:
             notes.track.append(pose)
 
-    def _on_status(self, message: DiagnosticArray, notes: RobotNotes, goal: Pose2D) -> None:
+    def _on_status(self, notes: RobotNotes, goal: Pose2D, message: DiagnosticArray) -> None:
         for status in message.status:
             node = status.name.rpartition('/')[2]
             notes.says[node] = said = status.message

@@ -73,12 +73,12 @@ def test_a_robot_alone_is_left_alone():
 
 def test_before_a_crossing_it_waits_and_then_goes_on_to_the_same_goal():
     scene = Scene()
-    scene.tell('a', (2.2, 0.3), (2.2, 3.7))
+    scene.tell('a', (2.0, 0.3), (2.0, 3.7))
     scene.go_on()
     assert scene.session.hold_reason == 'waiting for a to pass'
     assert scene.output.plans[-1] is None
     assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
-    scene.tell('a', (2.2, 3.4), (2.2, 3.7))
+    scene.tell('a', (2.0, 3.4), (2.0, 3.7))
     scene.go_on()
     assert scene.session.hold_reason == ''
     assert scene.output.plans[-1].poses[-1] == Pose2D(7.0, 2.0, 0.0)
@@ -87,7 +87,7 @@ def test_before_a_crossing_it_waits_and_then_goes_on_to_the_same_goal():
 def test_with_the_right_of_way_it_goes_on():
     scene = Scene()
     before = list(scene.output.plans)
-    scene.tell('c', (2.2, 0.3), (2.2, 3.7))
+    scene.tell('c', (2.0, 0.3), (2.0, 3.7))
     scene.go_on()
     assert scene.output.plans == before
 
@@ -142,7 +142,7 @@ def test_one_that_stays_is_planned_around_after_a_while():
 
 def test_one_that_is_silent_is_forgotten():
     scene = Scene()
-    scene.tell('a', (2.2, 0.3), (2.2, 3.7))
+    scene.tell('a', (2.0, 0.3), (2.0, 3.7))
     scene.go_on()
     assert scene.session.hold_reason
     scene.go_on(seconds=0.9)
@@ -155,7 +155,7 @@ def test_one_that_is_silent_is_forgotten():
 @pytest.mark.parametrize('moves', [True, False])
 def test_a_new_goal_is_planned_to_while_it_waits(moves):
     scene = Scene()
-    scene.tell('a', (2.2, 0.3), (2.2, 3.7))
+    scene.tell('a', (2.0, 0.3), (2.0, 3.7))
     scene.go_on()
     goal = Pose2D(0.6, 2.0, 0.0) if moves else Pose2D(7.0, 3.0, 0.0)
     scene.session.give_goal('map', goal)

@@ -6,7 +6,7 @@ import numpy as np
 
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_lab.closed_loop.fleet_walk import FleetWalk, Member
+from quad_lab.fleet.fleet_walk import FleetWalk, Member
 from quad_lab.tools.fleet_maps import corridor, warehouse
 
 

@@ -1,0 +1,3 @@
+"""
+Several robots on one map, walked in one process without topics.
+"""
