@@ -103,6 +103,10 @@ class Guidance:
         """Return how far it is along the plan to the goal [m]."""
         return self._follower.distance_left(pose)
 
+    def pose_ahead(self, pose: Pose2D, distance: float) -> Pose2D | None:
+        """Return the pose to be at next, so far along the plan at most; None without a plan."""
+        return self._follower.pose_ahead(pose, distance)
+
     # Wishes
 
     def take_plan(self, wish: FollowPlan, refusal: str) -> None:

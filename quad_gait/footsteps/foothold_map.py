@@ -49,6 +49,8 @@ class FootholdMap:
         self._footsteps = footsteps
         self.heights = heights
         """Of the ground."""
+        self.blocked: list[tuple[int, float, float]] = []
+        """Footholds that are kept out of plans: leg, x and y [m]."""
 
     def is_fit(self, leg: int, points: Array, yaw: float) -> NDArray[np.bool_]:
         """
@@ -124,6 +126,9 @@ class FootholdMap:
         points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         fit = np.stack([self.is_fit(leg, points, yaw) for leg in range(4)]).astype(np.uint8)
         fit = fit.reshape(4, len(y), len(x))
+        for leg, blocked_x, blocked_y in self.blocked:
+            near = np.hypot(points[:, 0] - blocked_x, points[:, 1] - blocked_y) < 1.5 * side
+            fit[leg][near.reshape(fit[leg].shape)] = 0
         best = np.zeros_like(fit)
         keep_best(fit, self._footsteps.block, best)
         z = np.nan_to_num(self.heights.height_at(points)) + shift + self._robot.foot_radius

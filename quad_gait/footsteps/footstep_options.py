@@ -27,17 +27,19 @@ class FootstepOptions:
     """Distance along the plan to which footsteps are planned ahead [m]."""
     aside: float = 0.3
     """Distance by which footholds may be beside and beyond where the feet would be [m]."""
-    distance_tolerance: float = 0.04
+    distance_tolerance: float = 0.03
     """Distance from the wanted pose at the end of footsteps that will do [m]."""
-    angle_tolerance: float = 0.08
+    far_tolerance: float = 0.1
+    """The same where that pose is the horizon [m]."""
+    angle_tolerance: float = 0.1
     """Angle from the wanted pose that will do [rad]."""
     weight: float = 3.0
     """Factor of the cost ahead, which makes the search quick, and its first path longer."""
-    strain: float = 3.0
+    strain: float = 4.0
     """Factor of how far feet are off their initial posture, by which such stances come later."""
-    expansions: int = 600
+    expansions: int = 200
     """Number of stances from which steps are looked for after the first path was found."""
-    most_expansions: int = 6000
+    most_expansions: int = 2000
     """Number of stances from which steps are looked for before there is none."""
     off_plan: float = 0.03
     """Distance of a foot from where it was to be beyond which footsteps are planned again [m]."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import FootstepsNotFound
-from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
@@ -26,11 +26,10 @@ Array = NDArray[np.float64]
 _NODES = 1 << 17
 """Number of stances that are remembered in a search."""
 
+_TOLERANCE = 0.1
+"""Fraction of the distance to a target within which footsteps may end beside it."""
+
 _LEVEL = np.zeros(2)
-
-_LARGEST_TURN = 0.6
-"""Largest turn for which footsteps are planned at once [rad]."""
-
 
 @dataclass(frozen=True)
 class Footstep:
@@ -110,11 +109,14 @@ class FootstepPlanner:
     def plan_over(self, lattice: Lattice, target: Pose2D) -> FootstepPlan:
         """Plan footsteps over a lattice, whose last four places are the feet; as :meth:`plan`."""
         options, scale = self._options, self._robot.relative_size
+        middle = lattice.places[-4:, :2].mean(axis=0)
+        distance = math.hypot(*(middle - (target.x, target.y)))
+        near, far = options.distance_tolerance, options.far_tolerance
         goal = Goal(
             target.x,
             target.y,
             target.yaw,
-            scale * options.distance_tolerance,
+            min(max(_TOLERANCE * distance, scale * near), scale * far),
             options.angle_tolerance,
             options.weight,
             options.strain,
@@ -127,7 +129,6 @@ class FootstepPlanner:
             if tree.state[2] == before:
                 break
         if end < 0:
-            distance = math.hypot(*(lattice.places[-4:, :2].mean(axis=0) - (target.x, target.y)))
             raise FootstepsNotFound(distance, int(tree.state[2]))
         end = search(lattice, self._body, goal, tree, options.expansions)
         steps: list[Footstep] = []
@@ -142,13 +143,6 @@ class FootstepPlanner:
         return FootstepPlan(
             tuple(reversed(steps)), float(tree.costs[end]), int(tree.state[2]), is_best
         )
-
-    def reachable_turn(self, pose: Pose2D, target: Pose2D) -> Pose2D:
-        """Return a pose whose heading is not farther from the first one's than is planned for."""
-        turn = wrap_angle(target.yaw - pose.yaw)
-        if abs(turn) <= _LARGEST_TURN:
-            return target
-        return Pose2D(target.x, target.y, pose.yaw + math.copysign(_LARGEST_TURN, turn))
 
     @cached_property
     def _body(self) -> Body:

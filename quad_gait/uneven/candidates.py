@@ -52,8 +52,11 @@ VARIANTS = sorted(
 """Kinds of swings in the order in which they are tried: fraction of the step, tilt, lowering, and
 fraction of the height that the foot is to be above the ground."""
 
-IN_PLACE = [kind for kind in VARIANTS if kind[0] == 1.0]
-"""Those that do the whole step: its foothold was chosen."""
+_PACES = (1.0, 0.6, 0.35)
+"""Fractions of its speed at which a foot goes to a foothold that was chosen for it."""
+
+IN_PLACE = [(*kind, pace) for kind in VARIANTS if kind[0] == 1.0 for pace in _PACES]
+"""Kinds of swings that do the whole step, with the fraction of a foot's speed."""
 
 LEANS = sorted(
     product(_FRACTIONS, _TILTS, _LOWER),

@@ -18,7 +18,14 @@ from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.candidates import LEANS, LOWEST, POSTURES, VARIANTS, first_possible
+from quad_gait.uneven.candidates import (
+    IN_PLACE,
+    LEANS,
+    LOWEST,
+    POSTURES,
+    VARIANTS,
+    first_possible,
+)
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
@@ -105,7 +112,13 @@ class SwingPlanner:
         self._scale = robot.relative_size
 
     def swing(
-        self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
+        self,
+        now: Stance,
+        commanded: Array | None,
+        ground: GroundModel,
+        leg: int,
+        place: Array,
+        is_exact: bool = False,
     ) -> PlannedSwing:
         """
         Plan a swing, shorter or with the body at a tilt if the legs do not reach.
@@ -122,6 +135,8 @@ class SwingPlanner:
             Which one swings.
         place : ndarray, shape (2,)
             Where its foot should stand then [m].
+        is_exact : bool
+            Whether it goes just there or nowhere; else the best foothold near the place is chosen.
 
         Returns
         -------
@@ -137,14 +152,17 @@ class SwingPlanner:
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
         def plan(
-            fraction: float, tilt: float, lower: float, clearance: float
+            fraction: float, tilt: float, lower: float, clearance: float, pace: float = 1.0
         ) -> tuple[float, PlannedSwing]:
-            target = self._target(ground, start, place, fraction, shin)
-            swing = _Swing(leg, target, 1.0, stands=True)
+            if is_exact:
+                target = self._foot_on(ground, place)
+            else:
+                target = self._target(ground, start, place, fraction, shin)
+            swing = _Swing(leg, target, pace, stands=True)
             posture = _Posture(tilt, lower, clearance)
             return fraction, self._swing_to(now, commanded, ground, swing, posture)
 
-        (fraction, swing), problem = first_possible(plan, VARIANTS)
+        (fraction, swing), problem = first_possible(plan, IN_PLACE if is_exact else VARIANTS)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
@@ -316,7 +334,11 @@ class SwingPlanner:
                 self._robot.foot_radius + scale * options.shin_clearance,
             )
             wanted = ground.best_foothold(wanted, choice)
-        return np.array([*wanted, float(ground.height(wanted)) + self._robot.foot_radius])
+        return self._foot_on(ground, wanted)
+
+    def _foot_on(self, ground: GroundModel, place: Array) -> Array:
+        """Return the center of a foot on the ground, shape (3,) [m]."""
+        return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
 
     def _heights(
         self, ground: GroundModel, start: Array, target: Array, feels: bool, clearance: float

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import enum
 from contextlib import suppress
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,27 @@ class _Phase(enum.Enum):
     OVER = 'over'
 
 
+@dataclass(frozen=True)
+class StrideGoal:
+    """Where a stride leads."""
+
+    order: tuple[int, ...]
+    """Legs in the order in which they swing."""
+    footholds: Array
+    """Where their feet are to stand, in the plan's frame, shape (4, 2) [m]."""
+    place: Pose2D
+    """Pose of the body at the end, in the plan's frame."""
+    is_exact: bool = False
+    """Whether the footholds were chosen, and feet go there in this order or not at all."""
+
+    @classmethod
+    def of(cls, robot: Robot, gait: Gait, motion: BodyMotion, pose: Pose2D) -> StrideGoal:
+        """Bring all feet on by a motion of the body from a pose, in the order of a gait."""
+        place = pose @ motion.end
+        order = tuple(LEGS.index(swing.leg) for swing in gait.swings)
+        return cls(order, place.transform(robot.neutral_feet)[:, :2], place)
+
+
 class UnevenStride:
     """
     Carries one step of the body out, leg by leg.
@@ -66,12 +88,10 @@ class UnevenStride:
     ----------
     robot : Robot
         The robot.
-    gait : Gait
-        In whose order the legs swing.
-    motion : BodyMotion
-        Where the body goes.
-    pose : Pose2D
-        From where, in the plan's frame.
+    swing_height : float
+        Of the gait on even ground [m].
+    goal : StrideGoal
+        Where it leads.
     height_map : HeightMap, optional
         Of the ground, in the plan's frame; without one the feet feel for the ground.
     options : UnevenOptions
@@ -81,18 +101,18 @@ class UnevenStride:
     def __init__(
         self,
         robot: Robot,
-        gait: Gait,
-        motion: BodyMotion,
-        pose: Pose2D,
+        swing_height: float,
+        goal: StrideGoal,
         height_map: HeightMap | None,
         options: UnevenOptions,
     ) -> None:
         self._robot = robot
         self._options = options
-        self._planner = SwingPlanner(robot, options, gait.swing_height)
-        self._order = [LEGS.index(swing.leg) for swing in gait.swings]
-        self._place = pose @ motion.end
-        self._footholds = self._place.transform(robot.neutral_feet)[:, :2]
+        self._planner = SwingPlanner(robot, options, swing_height)
+        self._order = list(goal.order)
+        self._place = goal.place
+        self._footholds = goal.footholds
+        self._is_exact = goal.is_exact
         self.height_map = height_map
         self._phase = _Phase.SEEKING
         self._next = 0
@@ -112,6 +132,11 @@ class UnevenStride:
         """Time at which what was planned last is done [s]."""
         self.limit = ''
         """What kept a leg from getting as far as it was to; empty if nothing did."""
+
+    @property
+    def leg(self) -> int:
+        """Index of the leg that swings, or is next."""
+        return self._order[self._next]
 
     @property
     def joint_positions(self) -> Array | None:
@@ -323,10 +348,13 @@ class UnevenStride:
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
         problem: GaitError | None = None
-        for leg in self._order[self._next :]:
+        ahead = self._order[self._next :]
+        for leg in ahead[:1] if self._is_exact else ahead:
             place = self._footholds[leg]
             try:
-                swing = self._planner.swing(now, self._commanded, ground, leg, place)
+                swing = self._planner.swing(
+                    now, self._commanded, ground, leg, place, self._is_exact
+                )
             except GaitError as error:
                 problem = problem or error
                 continue
