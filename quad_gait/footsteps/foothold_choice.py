@@ -44,7 +44,7 @@ def find_fit(
         lowest_point = min(lowest_point, shin[k, 2])
     for index in range(len(cells)):
         fit[index] = 0
-        column, row = int(math.floor(cells[index, 0])), int(math.floor(cells[index, 1]))
+        column, row = math.floor(cells[index, 0]), math.floor(cells[index, 1])
         if column < 0 or row < 0 or column >= columns or row >= rows:
             continue
         own = images[0, row, column]
@@ -54,8 +54,8 @@ def find_fit(
             continue
         is_free = True
         for k in range(len(shin)):
-            u = int(math.floor(cells[index, 0] + shin[k, 0]))
-            v = int(math.floor(cells[index, 1] + shin[k, 1]))
+            u = math.floor(cells[index, 0] + shin[k, 0])
+            v = math.floor(cells[index, 1] + shin[k, 1])
             if u < 0 or v < 0 or u >= columns or v >= rows:
                 continue
             # What is not known is in nobody's way.

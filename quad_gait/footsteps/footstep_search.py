@@ -1,11 +1,13 @@
 """
 Anytime weighted A* over stances: four footholds each, of which a step changes one.
 
-A stance is worth a visit if the robot can stand on it: its body level over the middle of the feet, as
+A stance is possible if the robot can stand on it: its body level over the middle of the feet, as
 it walks over uneven ground, every foot in reach. A step is possible if the center of mass has room
-inside the three feet that stand, and legs reach from there both where the foot is and where it goes.
-Any foot may go next. The first path found is not the shortest; the search goes on as long as it may,
-and leaves out what cannot lead to a shorter one (Hansen and Zhou, 2007).
+inside the three feet that stand, and legs reach from there both where the foot is and where it
+goes. Any foot may go next.
+
+The first path found is not the shortest. The search goes on as long as it may, and leaves out what
+cannot lead to a shorter one [Hansen2007].
 """
 
 from __future__ import annotations
@@ -50,7 +52,7 @@ class Lattice(NamedTuple):
 
 
 class Body(NamedTuple):
-    """What the search knows of a robot; tables as :class:`~quad_gait.footsteps.leg_room.LegRoom`'s."""
+    """What is known of a robot; tables as :class:`~quad_gait.footsteps.leg_room.LegRoom`'s."""
 
     neutral: Array
     """Feet in the initial posture, body frame, shape (4, 3) [m]."""
@@ -175,7 +177,7 @@ def search(lattice: Lattice, body: Body, goal: Goal, tree: Tree, expansions: int
     feet = np.empty((4, 3))
     cells = np.empty(4, dtype=np.int32)
     rows, columns = lattice.fit.shape[1:]
-    around = int(math.ceil(0.5 * body.lowest.shape[1] * body.side / lattice.side))
+    around = math.ceil(0.5 * body.lowest.shape[1] * body.side / lattice.side)
     for _ in range(expansions):
         if state[0] + _ROOM > len(tree.costs) or state[1] + _ROOM > len(tree.heap):
             break
@@ -200,8 +202,8 @@ def search(lattice: Lattice, body: Body, goal: Goal, tree: Tree, expansions: int
             if not _find_room(body, tree, feet, leg):
                 continue
             ahead, aside = body.neutral[leg, 0], body.neutral[leg, 1]
-            column = int(round((x + c * ahead - s * aside - lattice.x) / lattice.side))
-            row = int(round((y + s * ahead + c * aside - lattice.y) / lattice.side))
+            column = round((x + c * ahead - s * aside - lattice.x) / lattice.side)
+            row = round((y + s * ahead + c * aside - lattice.y) / lattice.side)
             for i in range(max(0, row - around), min(rows, row + around + 1)):
                 for j in range(max(0, column - around), min(columns, column + around + 1)):
                     if lattice.fit[leg, i, j] == 0:
@@ -255,7 +257,7 @@ def _place_body(body: Body, tree: Tree) -> None:
 
 @inlined_part
 def _is_reached(body: Body, tree: Tree, leg: int, count: int) -> bool:
-    """Tell whether legs reach the four feet, and `leg` a fifth one, at one of the body's heights."""
+    """Tell whether legs reach all feet, the fifth being one of `leg`, at some of the heights."""
     pose, feet = tree.pose, tree.scratch
     c, s, size = pose[3], pose[4], body.lowest.shape[1]
     half = 0.5 * size
@@ -263,18 +265,18 @@ def _is_reached(body: Body, tree: Tree, leg: int, count: int) -> bool:
     for index in range(count):
         number = leg if index == 4 else index
         u, v = feet[index, 0] - pose[0], feet[index, 1] - pose[1]
-        i = int(math.floor((c * u + s * v - body.neutral[number, 0]) / body.side + half))
-        j = int(math.floor((c * v - s * u - body.neutral[number, 1]) / body.side + half))
+        i = math.floor((c * u + s * v - body.neutral[number, 0]) / body.side + half)
+        j = math.floor((c * v - s * u - body.neutral[number, 1]) / body.side + half)
         if i < 0 or j < 0 or i >= size or j >= size:
             return False
         low = max(low, feet[index, 2] - body.highest[number, i, j])
         high = min(high, feet[index, 2] - body.lowest[number, i, j])
         if not low <= high:
             return False
+    is_possible = False
     for k in range(len(body.lowerings)):
-        if low <= pose[2] - body.lowerings[k] <= high:
-            return True
-    return False
+        is_possible |= low <= pose[2] - body.lowerings[k] <= high
+    return is_possible
 
 
 @inlined_part

@@ -28,6 +28,15 @@ _STANCES = 1.5
 """A step's height over this many stances is fitted by a plane as steep as height per stance."""
 
 
+_GAP = 0.5
+"""Width of the widest gap that is bridged, in lengths of a leg."""
+
+
+_FOOTHOLD_RADIUS, _FOOTHOLD_STEP = 0.035, 0.025
+"""Radius of a foothold and the difference of heights within it, as gaits choose footholds [m, of
+TITAN-VIII]."""
+
+
 @dataclass(frozen=True)
 class GroundLimits:
     """
@@ -50,6 +59,12 @@ class GroundLimits:
     """
     slope_length: float
     """Side of the square over which slopes are averaged, > 0 [m]."""
+    largest_gap: float = 0.0
+    """Width of gaps that are bridged from foothold to foothold; 0: none are [m]."""
+    foothold_radius: float = 0.0
+    """Radius of even ground that a foothold needs [m]."""
+    foothold_step: float = 0.0
+    """Difference of heights within it, at most [m]."""
 
     def __post_init__(self) -> None:
         """Check the limits."""
@@ -62,7 +77,11 @@ class GroundLimits:
 
     @classmethod
     def of(
-        cls, robot: Robot, step_height: float = 0.0, largest_slope: float = LARGEST_SLOPE
+        cls,
+        robot: Robot,
+        step_height: float = 0.0,
+        largest_slope: float = LARGEST_SLOPE,
+        plans_footsteps: bool = False,
     ) -> GroundLimits:
         """
         Derive the limits of a robot.
@@ -75,6 +94,9 @@ class GroundLimits:
             0 for the robot's own [m].
         largest_slope : float
             [rad]
+        plans_footsteps : bool
+            Whether the gait finds footholds on both sides of gaps: they are bridged then up to
+            half the length of a leg.
 
         Returns
         -------
@@ -84,9 +106,14 @@ class GroundLimits:
             that fits a step there is as steep as the line from foot to foot across it.
         """
         stance = float(np.ptp(robot.neutral_feet[:, :2], axis=0).min())
+        leg, scale = robot.legs[0], robot.relative_size
+        gap = _GAP * float(leg.thigh_length + leg.calf_length) if plans_footsteps else 0.0
         return cls(
             step_height or robot.step_height,
             robot.largest_stride / _STRIDES,
             largest_slope,
             _STANCES * stance,
+            gap,
+            max(scale * _FOOTHOLD_RADIUS, robot.foot_radius),
+            scale * _FOOTHOLD_STEP,
         )

@@ -1,8 +1,8 @@
 """
 Ground that asks for footholds: staircases, stepping stones, gaps and beams.
 
-They lie across the robot's path, as wide as the ground, and are made of blocks with upright sides; a
-pit is a part of the height field.
+They lie across the robot's path, as wide as the ground, and are made of blocks with upright sides;
+a pit is a part of the height field.
 """
 
 from __future__ import annotations

@@ -38,6 +38,9 @@ KINDS = (
 )
 """Kinds of ground, besides ``flat`` and files."""
 
+_WITH_GAPS = ('stones', 'gap', 'beam')
+"""Kinds that lie over a pit."""
+
 FLAT = 'flat'
 
 FILES = ('.yaml', '.yml')
@@ -78,8 +81,8 @@ class TerrainSpec:
     """Mean diameter of bumps and diagonal of boxes, length of noise's waves, depth of treads, side
     of stepping stones, 0.1 to 10 [m]."""
     length: float = 1.5
-    """Length of each part of a slope, of a kerb, of the landing above stairs, of stepping stones and
-    of a beam, 0.1 to 100 [m]."""
+    """Length of each part of a slope, of a kerb, of the landing above stairs, of the path over
+    stepping stones and of a beam, 0.1 to 100 [m]."""
     clear: float = 0.8
     """Radius of the level ground around start and goal, 0 to 10 [m]."""
     seed: int = 0
@@ -173,6 +176,11 @@ def specs_from_text(text: str, **numbers: float) -> tuple[TerrainSpec, ...]:
     return tuple(_spec(part, numbers) for part in parts)
 
 
+def needs_footholds(text: str) -> bool:
+    """Tell whether ground by name, as at the head of this module, has no continuous path."""
+    return any(spec.kind in _WITH_GAPS for spec in specs_from_text(text))
+
+
 def make_terrain(
     specs: tuple[TerrainSpec, ...],
     bounds: tuple[float, float, float, float],
@@ -248,7 +256,7 @@ def _field(
         made = shapes.slope(level, start, spec.angle, spec.length, spec.clear)
     elif spec.kind == 'cross_slope':
         made = shapes.cross_slope(level, start, spec.angle)
-    elif spec.kind in ('stones', 'gap', 'beam'):
+    elif spec.kind in _WITH_GAPS:
         length = {'stones': _stones(spec).whole_length, 'gap': spec.gap}.get(spec.kind, spec.length)
         pit = courses.Pit(length, spec.depth, level_at, spec.clear)
         made = courses.pit(level, start, pit)
