@@ -95,9 +95,7 @@ class UnevenWalk(Walk):
         else:
             step = Step(step.is_turn, BodyMotion.reaching(state.pose.inverse() @ goal.place))
         self._goal = goal
-        self._stride = UnevenStride(
-            self._robot, gait.swing_height, goal, self._height_map, options
-        )
+        self._stride = UnevenStride(self._robot, gait.swing_height, goal, self._height_map, options)
         self._begun = state
         guidance.note_begun(state, step, PlannedMotion(step.motion, goal.place))
         self._report.limit = chosen.remark or self._report.limit

@@ -31,6 +31,7 @@ _TOLERANCE = 0.1
 
 _LEVEL = np.zeros(2)
 
+
 @dataclass(frozen=True)
 class Footstep:
     """One foot goes somewhere."""

@@ -7,7 +7,7 @@ inside the three feet that stand, and legs reach from there both where the foot 
 goes. Any foot may go next.
 
 The first path found is not the shortest. The search goes on as long as it may, and leaves out what
-cannot lead to a shorter one [Hansen2007].
+cannot lead to a shorter one (Hansen and Zhou, 2007).
 """
 
 from __future__ import annotations
@@ -308,9 +308,7 @@ def _find_room(body: Body, tree: Tree, feet: Array, leg: int) -> bool:
 
 
 @inlined_part
-def _may_step(
-    lattice: Lattice, body: Body, tree: Tree, feet: Array, leg: int, cell: int
-) -> bool:
+def _may_step(lattice: Lattice, body: Body, tree: Tree, feet: Array, leg: int, cell: int) -> bool:
     """Tell whether a foot can go to a cell, and the robot stand there; leave the body's pose."""
     x, y, z = lattice.places[cell, 0], lattice.places[cell, 1], lattice.places[cell, 2]
     distance = math.hypot(x - feet[leg, 0], y - feet[leg, 1])
