@@ -20,13 +20,11 @@ from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
 from quad_gait.state.robot_state import RobotState
-from quad_gait.uneven.uneven_stride import StrideGoal, UnevenStride
+from quad_gait.uneven.stride_goal import StrideGoal
+from quad_gait.uneven.uneven_stride import UnevenStride
 
 if TYPE_CHECKING:
     from quad_gait.footsteps.footstep_route import FootstepRoute
-
-_HORIZONS = (1.0, 0.5, 0.25)
-"""Fractions of the horizon to which footsteps are planned, the next where there are none."""
 
 
 class UnevenWalk(Walk):
@@ -102,24 +100,12 @@ class UnevenWalk(Walk):
         return self._go_on(state, self._stride)
 
     def _over_footholds(self, state: RobotState) -> StrideGoal | None:
-        """Plan a stride over footholds, where it takes them; None elsewhere."""
+        """Plan a stride over footholds, where the ground asks for them; None elsewhere."""
         route, pose = self._route, state.pose
-        ahead = self._guidance.pose_ahead(pose, 0.0)
-        if route is None or ahead is None:
+        if route is None:
             return None
-        problem: GaitError | None = None
-        for fraction in _HORIZONS:
-            target = self._guidance.pose_ahead(pose, fraction * route.horizon)
-            assert target is not None
-            if problem is None and not route.is_needed(pose, target):
-                route.forget()
-                return None
-            try:
-                return route.next_stride(state.stance(state), target)
-            except GaitError as error:
-                problem = problem or error
-        assert problem is not None
-        raise problem
+        targets = self._guidance.poses_ahead(pose, route.horizons)
+        return route.stride_ahead(state.stance(state), pose, targets)
 
     def _ask_for_detour(self, pose: Pose2D, step: Step) -> None:
         """Stop, and say from where there is no going on: a planner finds another path."""

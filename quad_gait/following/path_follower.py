@@ -121,6 +121,13 @@ class PathFollower:
 
         No farther than the next stop; where the robot is to turn first, the pose to turn to; behind
         the last piece the goal.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Where the robot is.
+        distance : float
+            From beside it on [m].
         """
         if self.plan is None:
             return None

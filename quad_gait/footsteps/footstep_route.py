@@ -5,10 +5,12 @@ Footsteps along a path: planned ahead, given out as strides, planned again when 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import FootstepsNotFound
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
@@ -17,14 +19,20 @@ from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import Footstep, FootstepPlanner, pose_over
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
+from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_gait.uneven.uneven_stride import StrideGoal
 
 Array = NDArray[np.float64]
 
 _LOOK, _APART = 0.5, 0.03
 """Length of the way ahead that must be even for strides without footsteps, and distance between
 the places that are looked at [m, of TITAN-VIII]."""
+
+_HORIZONS = (1.0, 0.5, 0.25)
+"""Fractions of the horizon to which footsteps are planned."""
+
+_LARGEST_TURN = 0.6
+"""Largest turn for which footsteps are planned at once [rad]."""
 
 _MOST_BLOCKED = 20
 """Number of footholds that are kept out of plans because a leg could not get there."""
@@ -48,17 +56,15 @@ class FootstepRoute:
         self._robot = robot
         self._uneven = uneven
         self._options = options
+        self.horizons = [robot.relative_size * options.horizon * part for part in _HORIZONS]
+        """Distances along a plan to which footsteps are planned, the next where there are none [m].
+        """
         self._planner = FootstepPlanner(robot, options)
         self._map: FootholdMap | None = None
         self._steps: tuple[Footstep, ...] = ()
         self._length = 0
         self._feet: Array | None = None
         self._target: Pose2D | None = None
-
-    @property
-    def horizon(self) -> float:
-        """Distance along the plan to which footsteps are planned [m]."""
-        return self._robot.relative_size * self._options.horizon
 
     def take_map(self, heights: HeightMap | None) -> None:
         """Take a map of the ground, or none."""
@@ -79,6 +85,43 @@ class FootstepRoute:
                 (leg, float(goal.footholds[leg, 0]), float(goal.footholds[leg, 1])),
             ]
         self.forget()
+
+    def stride_ahead(
+        self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D]
+    ) -> StrideGoal | None:
+        """
+        Return the next stride over footholds, where the ground asks for them.
+
+        Parameters
+        ----------
+        now : Stance
+            The robot as it stands.
+        pose : Pose2D
+            Pose of its body.
+        targets : sequence of Pose2D
+            Where the body is to be, some strides ahead; the next where no footsteps lead to one.
+
+        Returns
+        -------
+        StrideGoal or None
+            None where the ground is even, or the body is there.
+
+        Raises
+        ------
+        FootstepsNotFound
+            If there are none.
+        """
+        if not targets or not self.is_needed(pose, targets[0]):
+            self.forget()
+            return None
+        problem: FootstepsNotFound | None = None
+        for target in targets:
+            try:
+                return self.next_stride(now, target)
+            except FootstepsNotFound as error:
+                problem = problem or error
+        assert problem is not None
+        raise problem
 
     def is_needed(self, pose: Pose2D, target: Pose2D) -> bool:
         """
@@ -171,10 +214,6 @@ class FootstepRoute:
         planned = self._planner.plan(now.feet, _within_turn(pose, target), self._map, shift)
         self._steps, self._length = planned.steps, len(planned.steps)
         self._feet, self._target = now.feet, target
-
-
-_LARGEST_TURN = 0.6
-"""Largest turn for which footsteps are planned at once [rad]."""
 
 
 def _within_turn(pose: Pose2D, target: Pose2D) -> Pose2D:

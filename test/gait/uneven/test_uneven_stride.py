@@ -21,8 +21,9 @@ from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
+from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_gait.uneven.uneven_stride import StrideGoal, UnevenStride, check_suits_uneven_ground
+from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.simulation import Simulation
