@@ -37,9 +37,9 @@ class FootstepOptions:
     """Factor of the cost ahead, which makes the search quick, and its first path longer."""
     strain: float = 4.0
     """Factor of how far feet are off their initial posture, by which such stances come later."""
-    expansions: int = 200
+    expansions: int = 400
     """Number of stances from which steps are looked for after the first path was found."""
-    most_expansions: int = 2000
+    most_expansions: int = 4000
     """Number of stances from which steps are looked for before there is none."""
     off_plan: float = 0.03
     """Distance of a foot from where it was to be beyond which footsteps are planned again [m]."""

@@ -23,7 +23,7 @@ from quad_gait.uneven.candidates import LOWERINGS
 
 Array = NDArray[np.float64]
 
-_NODES = 1 << 17
+_NODES = 1 << 19
 """Number of stances that are remembered in a search."""
 
 _TOLERANCE = 0.1

@@ -47,7 +47,7 @@ def bridged(heights: HeightMap, limits: GroundLimits) -> HeightMap:
     reach = 0.5 * limits.largest_gap + limits.foothold_radius + side
     margin = math.ceil(reach / side) + 1
     away, nearest = ndimage.distance_transform_edt(~fit, return_indices=True)
-    near = np.pad(side * away <= reach, margin)
+    near = np.pad(side * away <= reach, margin, mode='edge')
     inner = side * ndimage.distance_transform_edt(near)[margin:-margin, margin:-margin]
     filled = ~fit & np.isfinite(heights.heights) & (inner > reach)
     if not filled.any():
