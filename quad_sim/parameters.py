@@ -60,8 +60,8 @@ class SimParameters:
     )
     terrain_length: float = parameter(
         1.5,
-        'Of each of the three parts of a slope, of a kerb, of the landing above stairs, of the path '
-        'over stepping stones and of a beam.',
+        'Of each of the three parts of a slope, of a kerb, of the landing above stairs, of the '
+        'path over stepping stones and of a beam.',
         'm',
         0.1,
         100.0,

@@ -41,5 +41,8 @@ class FootstepOptions:
     """Number of stances from which steps are looked for after the first path was found."""
     most_expansions: int = 4000
     """Number of stances from which steps are looked for before there is none."""
+    strained: float = 0.12
+    """Distance of a foot from its initial posture beyond which strides without footsteps do not
+    begin [m]."""
     off_plan: float = 0.03
     """Distance of a foot from where it was to be beyond which footsteps are planned again [m]."""

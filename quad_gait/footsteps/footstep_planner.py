@@ -51,7 +51,7 @@ class FootstepPlan:
     steps: tuple[Footstep, ...]
     """The steps; none where the robot is there."""
     cost: float
-    """Number of steps, and some more for legs far from their initial posture."""
+    """Number of steps, and some more for legs far from their initial posture and for turns."""
     expansions: int
     """Number of stances from which steps were looked for."""
     is_best: bool

@@ -64,6 +64,7 @@ class FootstepRoute:
         self._steps: tuple[Footstep, ...] = ()
         self._length = 0
         self._feet: Array | None = None
+        self._has_begun = False
         self._target: Pose2D | None = None
 
     def take_map(self, heights: HeightMap | None) -> None:
@@ -111,8 +112,9 @@ class FootstepRoute:
         FootstepsNotFound
             If there are none.
         """
-        if not targets or not self.is_needed(pose, targets[0]):
+        if not targets or not (self._is_strained(now) or self.is_needed(pose, targets[0])):
             self.forget()
+            self._has_begun = False
             return None
         problem: FootstepsNotFound | None = None
         for target in targets:
@@ -122,6 +124,14 @@ class FootstepRoute:
                 problem = problem or error
         assert problem is not None
         raise problem
+
+    def _is_strained(self, now: Stance) -> bool:
+        """Tell whether footsteps have left the feet where strides could not begin."""
+        if self._map is None or not self._has_begun:
+            return False
+        neutral = pose_over(self._robot, now.feet).transform(self._robot.neutral_feet)
+        off = np.hypot(*(now.feet - neutral)[:, :2].T).max()
+        return bool(off > self._robot.relative_size * self._options.strained)
 
     def is_needed(self, pose: Pose2D, target: Pose2D) -> bool:
         """
@@ -188,6 +198,7 @@ class FootstepRoute:
             if any(step.leg == other.leg for other in steps):
                 break
             steps.append(step)
+        self._has_begun = bool(steps)
         if not steps:
             return None
         self._steps = self._steps[len(steps) :]

@@ -36,6 +36,10 @@ _DISCOMFORT = 0.3
 """Cost of a foot one longest step away from its initial posture; a step costs 1."""
 
 
+_DEVIATION = 4.0
+"""Cost of a step after which the body is off the heading of the goal, for 1 rad, squared."""
+
+
 class Lattice(NamedTuple):
     """Where feet may stand: cells in rows, and behind them the four feet at the start."""
 
@@ -387,6 +391,7 @@ def _add(
     found = tree.table[slot]
     _place_body(body, tree)
     cost = tree.costs[node] + 1.0 + _DISCOMFORT * _squared_off(body, feet, pose, leg)
+    cost += _DEVIATION * _turn(goal, pose) ** 2
     best = state[3]
     is_new = found < 0
     if is_new:

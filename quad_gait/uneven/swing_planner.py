@@ -112,13 +112,7 @@ class SwingPlanner:
         self._scale = robot.relative_size
 
     def swing(
-        self,
-        now: Stance,
-        commanded: Array | None,
-        ground: GroundModel,
-        leg: int,
-        place: Array,
-        is_exact: bool = False,
+        self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
     ) -> PlannedSwing:
         """
         Plan a swing, shorter or with the body at a tilt if the legs do not reach.
@@ -135,8 +129,6 @@ class SwingPlanner:
             Which one swings.
         place : ndarray, shape (2,)
             Where its foot should stand then [m].
-        is_exact : bool
-            Whether it goes just there or nowhere; else the best foothold near the place is chosen.
 
         Returns
         -------
@@ -152,20 +144,32 @@ class SwingPlanner:
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
         def plan(
-            fraction: float, tilt: float, lower: float, clearance: float, pace: float = 1.0
+            fraction: float, tilt: float, lower: float, clearance: float
         ) -> tuple[float, PlannedSwing]:
-            if is_exact:
-                target = self._foot_on(ground, place)
-            else:
-                target = self._target(ground, start, place, fraction, shin)
-            swing = _Swing(leg, target, pace, stands=True)
+            target = self._target(ground, start, place, fraction, shin)
+            swing = _Swing(leg, target, 1.0, stands=True)
             posture = _Posture(tilt, lower, clearance)
             return fraction, self._swing_to(now, commanded, ground, swing, posture)
 
-        (fraction, swing), problem = first_possible(plan, IN_PLACE if is_exact else VARIANTS)
+        (fraction, swing), problem = first_possible(plan, VARIANTS)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
+
+    def swing_onto(
+        self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
+    ) -> PlannedSwing:
+        """Plan a swing just to a foothold that was chosen, or none; else as `swing`."""
+        target = self._foot_on(ground, place)
+
+        def plan(tilt: float, lower: float, clearance: float, pace: float) -> PlannedSwing:
+            swing, posture = (
+                _Swing(leg, target, pace, stands=True),
+                _Posture(tilt, lower, clearance),
+            )
+            return self._swing_to(now, commanded, ground, swing, posture)
+
+        return first_possible(plan, IN_PLACE)[0]
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array

@@ -325,13 +325,13 @@ class UnevenStride:
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
         problem: GaitError | None = None
-        ahead = self._order[self._next :]
-        for leg in ahead[:1] if self._is_exact else ahead:
+        ahead, plan = self._order[self._next :], self._planner.swing
+        if self._is_exact:
+            ahead, plan = ahead[:1], self._planner.swing_onto
+        for leg in ahead:
             place = self._footholds[leg]
             try:
-                swing = self._planner.swing(
-                    now, self._commanded, ground, leg, place, self._is_exact
-                )
+                swing = plan(now, self._commanded, ground, leg, place)
             except GaitError as error:
                 problem = problem or error
                 continue

@@ -146,7 +146,7 @@ def _cross(
 
 def _crossed(robot: str, course: str, seed: int) -> TerrainOutcome:
     loaded = load_robot(robot)
-    return walk_course(loaded, foothold_course(loaded, course, seed), footsteps=True)
+    return walk_course(loaded, foothold_course(loaded, course, seed), footsteps=course == 'stones')
 
 
 def _crossing_bars(robot: str, course: str, outcomes: list[TerrainOutcome]) -> list[Criterion]:

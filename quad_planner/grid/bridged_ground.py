@@ -9,49 +9,39 @@ import math
 import numpy as np
 
 from quad_common.maps.height_map import HeightMap
-from quad_planner.grid.array_types import Mask
-from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.grid.cell_overlap import EPSILON
 
 
-def bridged(heights: HeightMap, limits: GroundLimits) -> HeightMap:
+def bridged(heights: HeightMap, largest_gap: float) -> HeightMap:
     """
-    Fill what no foot can stand on, where it is narrow.
+    Fill gaps that are narrow.
 
-    A gap between places on which feet can stand is filled if no disc as wide as the largest gap
-    fits into it (a morphological closing): each of its cells receives the height of the nearest
-    such place. Steps between these places remain.
+    This is the closing of mathematical morphology by a disc: where no disc as wide as the largest
+    gap fits between higher ground, the gap is filled up to it. Steps, and whatever stands on the
+    ground, stay as they are.
 
     Parameters
     ----------
     heights : HeightMap
-        The ground.
-    limits : GroundLimits
-        Limits of the robot.
+        The ground; what is unknown bounds no gap, and remains unknown.
+    largest_gap : float
+        Width of the widest gap that is filled; 0 for none [m].
 
     Returns
     -------
     HeightMap
-        The same one, if no gaps are bridged.
+        The same one, if no gaps are filled.
     """
-    if not limits.largest_gap > 0.0:
+    reach = 0.5 * largest_gap / heights.resolution
+    if reach < 1.0:
         return heights
     # Imported late, as only a height map needs it: it takes a good part of a node's start.
     from scipy import ndimage
 
-    side = heights.resolution
-    rough = heights.steps(limits.foothold_radius)
-    fit: Mask = np.isfinite(heights.heights) & (rough <= limits.foothold_step)
-    if fit.all() or not fit.any():
-        return heights
-    # A foothold begins a radius behind the edge, and cells are as wide as they are.
-    reach = 0.5 * limits.largest_gap + limits.foothold_radius + side
-    margin = math.ceil(reach / side) + 1
-    away, nearest = ndimage.distance_transform_edt(~fit, return_indices=True)
-    near = np.pad(side * away <= reach, margin, mode='edge')
-    inner = side * ndimage.distance_transform_edt(near)[margin:-margin, margin:-margin]
-    filled = ~fit & np.isfinite(heights.heights) & (inner > reach)
-    if not filled.any():
-        return heights
-    bridged_heights = heights.heights.copy()
-    bridged_heights[filled] = heights.heights[tuple(nearest)][filled]
-    return heights.with_heights(bridged_heights)
+    cells = np.arange(-math.floor(reach + EPSILON), math.floor(reach + EPSILON) + 1)
+    disc = np.hypot(cells[:, None], cells) <= reach + EPSILON
+    known = ~np.isnan(heights.heights)
+    ground = np.where(known, heights.heights, -math.inf)
+    highest = ndimage.maximum_filter(ground, footprint=disc, mode='nearest')
+    closed = ndimage.minimum_filter(highest, footprint=disc, mode='nearest')
+    return heights.with_heights(np.where(known, np.maximum(closed, ground), math.nan))

@@ -32,11 +32,6 @@ _GAP = 0.5
 """Width of the widest gap that is bridged, in lengths of a leg."""
 
 
-_FOOTHOLD_RADIUS, _FOOTHOLD_STEP = 0.035, 0.025
-"""Radius of a foothold and the difference of heights within it, as gaits choose footholds [m, of
-TITAN-VIII]."""
-
-
 @dataclass(frozen=True)
 class GroundLimits:
     """
@@ -61,10 +56,6 @@ class GroundLimits:
     """Side of the square over which slopes are averaged, > 0 [m]."""
     largest_gap: float = 0.0
     """Width of gaps that are bridged from foothold to foothold; 0: none are [m]."""
-    foothold_radius: float = 0.0
-    """Radius of even ground that a foothold needs [m]."""
-    foothold_step: float = 0.0
-    """Difference of heights within it, at most [m]."""
 
     def __post_init__(self) -> None:
         """Check the limits."""
@@ -106,7 +97,7 @@ class GroundLimits:
             that fits a step there is as steep as the line from foot to foot across it.
         """
         stance = float(np.ptp(robot.neutral_feet[:, :2], axis=0).min())
-        leg, scale = robot.legs[0], robot.relative_size
+        leg = robot.legs[0]
         gap = _GAP * float(leg.thigh_length + leg.calf_length) if plans_footsteps else 0.0
         return cls(
             step_height or robot.step_height,
@@ -114,6 +105,4 @@ class GroundLimits:
             largest_slope,
             _STANCES * stance,
             gap,
-            max(scale * _FOOTHOLD_RADIUS, robot.foot_radius),
-            scale * _FOOTHOLD_STEP,
         )

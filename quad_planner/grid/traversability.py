@@ -41,7 +41,7 @@ class Ground:
 
     def __post_init__(self) -> None:
         """Find the obstacles."""
-        heights = bridged(self.heights, self.limits)
+        heights = bridged(self.heights, self.limits.largest_gap)
         steps = high_steps(heights, self.limits)
         obstacles = steps | steep_slopes_beside(heights, self.limits, steps)
         object.__setattr__(self, 'obstacles', obstacles)
