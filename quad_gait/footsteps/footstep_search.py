@@ -215,7 +215,8 @@ def search(lattice: Lattice, body: Body, goal: Goal, tree: Tree, expansions: int
                     cell = i * columns + j
                     if _may_step(lattice, body, tree, feet, leg, cell):
                         _add(lattice, body, goal, tree, node, cells, leg, cell)
-    return state[3]
+    end: int = state[3]
+    return end
 
 
 @inlined_part
@@ -423,7 +424,8 @@ def _squared_off(body: Body, feet: Array, pose: Array, leg: int) -> float:
     u, v = feet[leg, 0] - pose[0], feet[leg, 1] - pose[1]
     ahead = pose[3] * u + pose[4] * v - body.neutral[leg, 0]
     aside = pose[3] * v - pose[4] * u - body.neutral[leg, 1]
-    return (ahead * ahead + aside * aside) / body.longest_step**2
+    squared: float = (ahead * ahead + aside * aside) / body.longest_step**2
+    return squared
 
 
 @inlined_part
@@ -450,7 +452,7 @@ def _is_there(goal: Goal, pose: Array) -> bool:
 
 
 @inlined_part
-def _key(cells: NDArray[np.int32]) -> int:
+def _key(cells: NDArray[np.int32]) -> np.int64:
     key = np.int64(0)
     for leg in range(4):
         key = (key << _KEY_BITS) | np.int64(cells[leg])
@@ -458,7 +460,7 @@ def _key(cells: NDArray[np.int32]) -> int:
 
 
 @compiled_part
-def _slot(tree: Tree, key: int) -> int:
+def _slot(tree: Tree, key: np.int64) -> np.int64:
     """Find where a key is in the hash table, or belongs."""
     mask = len(tree.table) - 1
     mixed = np.uint64(key) * _HASH
@@ -488,7 +490,8 @@ def _pop(tree: Tree) -> int:
     """Take the node out that is first in order and was not improved since; -1 if there is none."""
     heap, order, paid, state = tree.heap, tree.order, tree.paid, tree.state
     while state[1] > 0:
-        node, cost = heap[0], paid[0]
+        node: int = heap[0]
+        cost = paid[0]
         state[1] -= 1
         last = state[1]
         if last > 0:
