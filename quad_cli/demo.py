@@ -98,7 +98,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--terrain',
         default='flat',
-        help='ground: bumps, slope, cross_slope, kerb, noise, boxes; several with +; or a file',
+        help='ground: bumps, slope, cross_slope, kerb, noise, boxes, stairs, stones, gap, beam; '
+        'several with +; or a file',
     )
     parser.add_argument(
         '--perception',

@@ -74,6 +74,11 @@ class GaitParameters:
         lower=0.01,
         upper=0.5,
     )
+    footsteps: bool = parameter(
+        False,
+        'On uneven ground with a height map, whether footholds are planned ahead, foot by foot, '
+        'where strides would not find even ground: on stairs, stepping stones and beams.',
+    )
     foot_tracking: str = parameter(
         'inverse_kinematics',
         'How foot paths become joint motion: in closed form, or by the law of S1.',
@@ -237,7 +242,11 @@ class GaitParameters:
     @property
     def supervisor_options(self) -> SupervisorOptions:
         """Timing and tolerances of the supervisor."""
-        uneven = UnevenOptions(sample_period=self.sample_period, reaction_time=self.reaction_time)
+        uneven = UnevenOptions(
+            sample_period=self.sample_period,
+            reaction_time=self.reaction_time,
+            plans_footsteps=self.footsteps,
+        )
         balance = BalanceOptions(
             reaction_time=self.balance_reaction_time, steps_in_place=self.steps_in_place
         )

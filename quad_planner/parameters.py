@@ -171,6 +171,11 @@ class PlannerParameters:
         lower=0.01,
         upper=STEEPEST,
     )
+    footsteps: bool = parameter(
+        False,
+        'Whether paths lead over gaps of the height map that a foot bridges, from foothold to '
+        "foothold. Only with gait_node's footsteps.",
+    )
     low_obstacles: str = parameter(
         'keep',
         'Whether obstacles of the map stay obstacles where the height map shows that they are '

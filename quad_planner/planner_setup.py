@@ -70,7 +70,7 @@ def session_from_parameters(
     planning_map = PlanningMap(
         planner_from_parameters(p, robot, clock, requests.is_superseded),
         frame,
-        GroundLimits.of(robot, p.step_height, p.largest_slope),
+        GroundLimits.of(robot, p.step_height, p.largest_slope, p.footsteps),
         p.obstacle_threshold,
         steps_over_low=p.low_obstacles == 'step_over',
         warn=output.warn,

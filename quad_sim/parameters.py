@@ -45,23 +45,38 @@ class SimParameters:
     )
     terrain: str = parameter(
         'flat',
-        'Ground: flat, bumps, slope, cross_slope, kerb, noise, boxes, or a height map file; '
-        "'+' adds several.",
+        'Ground: flat, bumps, slope, cross_slope, kerb, noise, boxes, stairs, stones, gap, beam, '
+        "or a height map file; '+' adds several.",
     )
     terrain_height: float = parameter(
-        0.04, 'Of the highest bumps, boxes and waves of noise, and of kerbs.', 'm', 0.0, 1.0
+        0.04,
+        'Of the highest bumps, boxes and waves of noise, of kerbs and of each stair; by which '
+        'stepping stones differ.',
+        'm',
+        0.0,
+        1.0,
     )
     terrain_angle: float = parameter(0.15, 'Of slopes.', 'rad', lower=-0.6, upper=0.6)
     terrain_size: float = parameter(
-        0.4, "Mean diameter of bumps, diagonal of boxes, length of noise's waves.", 'm', 0.1, 10.0
+        0.4,
+        "Mean diameter of bumps, diagonal of boxes, length of noise's waves, depth of treads, side "
+        'of stepping stones.',
+        'm',
+        0.1,
+        10.0,
     )
     terrain_length: float = parameter(
-        1.5, 'Of each of the three parts of a slope, and of a kerb.', 'm', 0.1, 100.0
+        1.5,
+        'Of each of the three parts of a slope, of a kerb, of the landing above stairs, of the '
+        'path over stepping stones and of a beam.',
+        'm',
+        0.1,
+        100.0,
     )
     terrain_clear: float = parameter(
         0.8, 'Of the level ground around start and goal: its radius.', 'm', 0.0, 10.0
     )
-    terrain_seed: int = parameter(0, 'Of bumps, noise and boxes.', lower=0)
+    terrain_seed: int = parameter(0, 'Of bumps, noise, boxes and stepping stones.', lower=0)
     publish_height_map: bool = parameter(
         True, 'Publish the height map of uneven ground; false: the robot has to feel its way.'
     )

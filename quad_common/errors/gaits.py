@@ -133,6 +133,23 @@ class FootholdNotFound(GaitError):
 
 
 @dataclass(eq=False, repr=False)
+class FootstepsNotFound(GaitError):
+    """No sequence of footholds leads on."""
+
+    distance: float
+    """Distance to where they were to lead [m]."""
+    expansions: int
+    """Number of stances from which steps were looked for."""
+
+    def sentence(self) -> str:
+        """Say how far they were to lead."""
+        return (
+            f'no footsteps lead {self.distance:.2f} m on: of {self.expansions} stances none has a '
+            f'foothold in reach that brings it there'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class LeftPath(GaitError):
     """The robot is too far from its plan to follow it."""
 

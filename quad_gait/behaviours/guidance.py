@@ -5,6 +5,7 @@ Where the robot is to go: a plan, or steering, as one step after the other.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from quad_common.plan import Plan
@@ -102,6 +103,11 @@ class Guidance:
     def distance_left(self, pose: Pose2D) -> float:
         """Return how far it is along the plan to the goal [m]."""
         return self._follower.distance_left(pose)
+
+    def poses_ahead(self, pose: Pose2D, distances: Sequence[float]) -> list[Pose2D]:
+        """Return poses to be at, so far along the plan at most [m]; none without a plan."""
+        ahead = [self._follower.pose_ahead(pose, distance) for distance in distances]
+        return [place for place in ahead if place is not None]
 
     # Wishes
 

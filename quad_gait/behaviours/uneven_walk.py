@@ -5,6 +5,7 @@ Walking over uneven ground: each step is a stride whose feet feel for the ground
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,14 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
 from quad_gait.behaviours.guidance import PlannedMotion
 from quad_gait.behaviours.wishes import UseHeightMap, Wish
+from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
 from quad_gait.state.robot_state import RobotState
+from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.uneven_stride import UnevenStride
+
+if TYPE_CHECKING:
+    from quad_gait.footsteps.footstep_route import FootstepRoute
 
 
 class UnevenWalk(Walk):
@@ -31,11 +37,22 @@ class UnevenWalk(Walk):
         self._height_map: HeightMap | None = None
         # What kept the last stride from being what it was to be.
         self._limit = ''
+        self._goal: StrideGoal | None = None
+        uneven = shared.options.uneven
+        self._route: FootstepRoute | None = None
+        if uneven is not None and uneven.plans_footsteps:
+            # Imported late: compiled loops take time to load, and other walks need none.
+            from quad_gait.footsteps.footstep_options import FootstepOptions
+            from quad_gait.footsteps.footstep_route import FootstepRoute
+
+            self._route = FootstepRoute(shared.robot, uneven, FootstepOptions())
 
     def take(self, wish: Wish) -> None:
         """Take a map of the ground."""
         if isinstance(wish, UseHeightMap):
             self._height_map = wish.height_map
+            if self._route is not None:
+                self._route.take_map(wish.height_map)
             if self._stride is not None:
                 self._stride.height_map = wish.height_map
 
@@ -64,23 +81,31 @@ class UnevenWalk(Walk):
             self._ask_for_detour(state.pose, step)
             return GO_ON
         step, self._limit = chosen.step, ''
+        gait = guidance.gait_pair.order_of(step)
         try:
-            self._stride = UnevenStride(
-                self._robot,
-                guidance.gait_pair.order_of(step),
-                step.motion,
-                state.pose,
-                self._height_map,
-                options,
-            )
+            goal = self._over_footholds(state)
         except GaitError as error:
-            self._report.say(Activity.STOPPED, str(error))
+            self._report.limit = str(error)
+            guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
+        if goal is None:
+            goal = StrideGoal.of(self._robot, gait, step.motion, state.pose)
+        else:
+            step = Step(step.is_turn, BodyMotion.reaching(state.pose.inverse() @ goal.place))
+        self._goal = goal
+        self._stride = UnevenStride(self._robot, gait.swing_height, goal, self._height_map, options)
         self._begun = state
-        end = state.pose @ step.motion.end
-        guidance.note_begun(state, step, PlannedMotion(step.motion, end))
+        guidance.note_begun(state, step, PlannedMotion(step.motion, goal.place))
         self._report.limit = chosen.remark or self._report.limit
         return self._go_on(state, self._stride)
+
+    def _over_footholds(self, state: RobotState) -> StrideGoal | None:
+        """Plan a stride over footholds, where the ground asks for them; None elsewhere."""
+        route, pose = self._route, state.pose
+        if route is None:
+            return None
+        targets = self._guidance.poses_ahead(pose, route.horizons)
+        return route.stride_ahead(state.stance(state), pose, targets)
 
     def _ask_for_detour(self, pose: Pose2D, step: Step) -> None:
         """Stop, and say from where there is no going on: a planner finds another path."""
@@ -104,6 +129,8 @@ class UnevenWalk(Walk):
             trajectory = stride.update(state.stance(self._begun))
         except GaitError as error:
             self._end(stride)
+            if self._route is not None and self._goal is not None and self._goal.is_exact:
+                self._route.block(self._goal, stride.leg)
             self._report.limit = str(error)
             self._guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON

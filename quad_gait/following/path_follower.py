@@ -115,6 +115,36 @@ class PathFollower:
             return None
         return work_left(self._pieces[self._piece :], pose, self.plan.poses[-1])
 
+    def pose_ahead(self, pose: Pose2D, distance: float) -> Pose2D | None:
+        """
+        Return the pose so far along the path, heading along it; None without a plan.
+
+        No farther than the next stop; where the robot is to turn first, the pose to turn to; behind
+        the last piece the goal.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Where the robot is.
+        distance : float
+            From beside it on [m].
+        """
+        if self.plan is None:
+            return None
+        if self._piece == len(self._pieces):
+            return self.plan.poses[-1]
+        piece = self._pieces[self._piece]
+        done = min(max(piece.project(pose), 0.0), piece.length)
+        beside = piece.at(done)
+        if abs(wrap_angle(beside.yaw - pose.yaw)) > 2.0 * self._options.turn_threshold:
+            return beside
+        for piece in self._pieces[self._piece :]:
+            left = piece.length - done
+            if piece.ends_in_stop or left > distance:
+                break
+            distance, done = distance - left, 0.0
+        return piece.at(min(done + distance, piece.length))
+
     def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:
         """
         Decide on the next cycle.

@@ -27,6 +27,9 @@ _HIGHER = (-0.02, -0.04)
 _LOW_LIFT = 0.3
 """Fraction of its usual height over the ground at which a foot whose thigh is in the way swings."""
 
+LOWERINGS = (*_LOWER, *_HIGHER)
+"""Distances by which the body may be lower than in its initial posture, of TITAN-VIII [m]."""
+
 LOWEST = _LOWER[-1]
 """Largest of these distances [m]."""
 
@@ -41,13 +44,20 @@ def _swing_cost(kind: tuple[float, ...]) -> float:
 
 VARIANTS = sorted(
     [
-        *product(_FRACTIONS, _TILTS, (*_LOWER, *_HIGHER), (1.0,)),
+        *product(_FRACTIONS, _TILTS, LOWERINGS, (1.0,)),
         *product((1.0, 0.5), (0.0, 1.0), (0.0, _HIGHER[0]), (_LOW_LIFT,)),
     ],
     key=_swing_cost,
 )
 """Kinds of swings in the order in which they are tried: fraction of the step, tilt, lowering, and
 fraction of the height that the foot is to be above the ground."""
+
+_PACES = (1.0, 0.6, 0.35)
+"""Fractions of its speed at which a foot goes to a foothold that was chosen for it."""
+
+IN_PLACE = [(*kind[1:], pace) for kind in VARIANTS if kind[0] == 1.0 for pace in _PACES]
+"""The same of swings that do the whole step, with the fraction of a foot's speed in place of that
+of the step."""
 
 LEANS = sorted(
     product(_FRACTIONS, _TILTS, _LOWER),
@@ -56,7 +66,7 @@ LEANS = sorted(
 ) + list(product(_FRACTIONS, _TILTS, _HIGHER))
 """Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
 
-POSTURES = tuple(product(_TILTS, (*_LOWER, *_HIGHER)))
+POSTURES = tuple(product(_TILTS, LOWERINGS))
 """Tilts and lowerings, in the order in which they are tried."""
 
 

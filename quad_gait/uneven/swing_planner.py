@@ -18,7 +18,14 @@ from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.candidates import LEANS, LOWEST, POSTURES, VARIANTS, first_possible
+from quad_gait.uneven.candidates import (
+    IN_PLACE,
+    LEANS,
+    LOWEST,
+    POSTURES,
+    VARIANTS,
+    first_possible,
+)
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
@@ -148,6 +155,21 @@ class SwingPlanner:
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
+
+    def swing_onto(
+        self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
+    ) -> PlannedSwing:
+        """Plan a swing just to a foothold that was chosen, or none; else as `swing`."""
+        target = self._foot_on(ground, place)
+
+        def plan(tilt: float, lower: float, clearance: float, pace: float) -> PlannedSwing:
+            swing, posture = (
+                _Swing(leg, target, pace, stands=True),
+                _Posture(tilt, lower, clearance),
+            )
+            return self._swing_to(now, commanded, ground, swing, posture)
+
+        return first_possible(plan, IN_PLACE)[0]
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
@@ -316,7 +338,11 @@ class SwingPlanner:
                 self._robot.foot_radius + scale * options.shin_clearance,
             )
             wanted = ground.best_foothold(wanted, choice)
-        return np.array([*wanted, float(ground.height(wanted)) + self._robot.foot_radius])
+        return self._foot_on(ground, wanted)
+
+    def _foot_on(self, ground: GroundModel, place: Array) -> Array:
+        """Return the center of a foot on the ground, shape (3,) [m]."""
+        return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
 
     def _heights(
         self, ground: GroundModel, start: Array, target: Array, feels: bool, clearance: float

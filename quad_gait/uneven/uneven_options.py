@@ -46,3 +46,5 @@ class UnevenOptions:
     """Distance of foot and shin from what is higher than they are [m]."""
     largest_step: float = 0.025
     """Difference of the heights around a foot on even ground, at most [m]."""
+    plans_footsteps: bool = False
+    """Whether footholds are planned ahead where strides would not find even ground."""

@@ -17,16 +17,15 @@ from numpy.typing import NDArray
 
 from quad_common.errors import FootholdNotFound, GaitError, ParameterError
 from quad_common.maps.height_map import HeightMap
-from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
 from quad_gait.state.foot_forces import GRAVITY
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
+from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
 from quad_gait.uneven.touch import as_touched
 from quad_gait.uneven.uneven_options import UnevenOptions
@@ -66,12 +65,10 @@ class UnevenStride:
     ----------
     robot : Robot
         The robot.
-    gait : Gait
-        In whose order the legs swing.
-    motion : BodyMotion
-        Where the body goes.
-    pose : Pose2D
-        From where, in the plan's frame.
+    swing_height : float
+        Of the gait on even ground [m].
+    goal : StrideGoal
+        Where it leads.
     height_map : HeightMap, optional
         Of the ground, in the plan's frame; without one the feet feel for the ground.
     options : UnevenOptions
@@ -81,18 +78,18 @@ class UnevenStride:
     def __init__(
         self,
         robot: Robot,
-        gait: Gait,
-        motion: BodyMotion,
-        pose: Pose2D,
+        swing_height: float,
+        goal: StrideGoal,
         height_map: HeightMap | None,
         options: UnevenOptions,
     ) -> None:
         self._robot = robot
         self._options = options
-        self._planner = SwingPlanner(robot, options, gait.swing_height)
-        self._order = [LEGS.index(swing.leg) for swing in gait.swings]
-        self._place = pose @ motion.end
-        self._footholds = self._place.transform(robot.neutral_feet)[:, :2]
+        self._planner = SwingPlanner(robot, options, swing_height)
+        self._order = list(goal.order)
+        self._place = goal.place
+        self._footholds = goal.footholds
+        self._is_exact = goal.is_exact
         self.height_map = height_map
         self._phase = _Phase.SEEKING
         self._next = 0
@@ -112,6 +109,11 @@ class UnevenStride:
         """Time at which what was planned last is done [s]."""
         self.limit = ''
         """What kept a leg from getting as far as it was to; empty if nothing did."""
+
+    @property
+    def leg(self) -> int:
+        """Index of the leg that swings, or is next."""
+        return self._order[self._next]
 
     @property
     def joint_positions(self) -> Array | None:
@@ -323,10 +325,13 @@ class UnevenStride:
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
         problem: GaitError | None = None
-        for leg in self._order[self._next :]:
+        ahead, plan = self._order[self._next :], self._planner.swing
+        if self._is_exact:
+            ahead, plan = ahead[:1], self._planner.swing_onto
+        for leg in ahead:
             place = self._footholds[leg]
             try:
-                swing = self._planner.swing(now, self._commanded, ground, leg, place)
+                swing = plan(now, self._commanded, ground, leg, place)
             except GaitError as error:
                 problem = problem or error
                 continue

@@ -2,10 +2,12 @@
 ``quadwalk bench ground``: random walks over random ground, as users ask for them.
 
 Without topics; starts, goals and ground are drawn, and the planner decides where to turn.
+Staircases and stepping stones are crossed straight on, and footsteps planned over them.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -14,13 +16,27 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.robot_files.robot_file import load_robot
+from quad_lab.benchmarks.foothold_courses import (
+    COURSES,
+    PlannedFootsteps,
+    foothold_course,
+    plan_footsteps,
+)
 from quad_lab.closed_loop.ground_walk import TERRAINS, GroundOutcome, make_scene, walk_scene
+from quad_lab.closed_loop.terrain_walk import TerrainOutcome, walk_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 
 ROBOTS = ('titan_viii', 'genibo')
+"""Robots that walk between random places."""
 
-PARTS = (*ROBOTS, *TERRAINS)
+CLIMBER = 'a1'
+"""Robot that climbs stairs beside TITAN-VIII; it is imported from a package of descriptions."""
+
+FOOTSTEPS = 'footsteps'
+"""Part that plans footsteps, and walks nowhere."""
+
+PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS)
 """Robots and terrains to which ``--only`` limits it; of what is not named all are walked."""
 
 PREFERRED_BACKEND = 'mujoco'
@@ -28,6 +44,19 @@ PREFERRED_BACKEND = 'mujoco'
 
 _WALKS = 100
 """Of each robot; the terrains take turns."""
+
+_CROSSINGS = 20
+"""Walks over each course by each robot, and plans of footsteps."""
+
+_NEEDED = {
+    ('titan_viii', 'stairs'): 20,
+    (CLIMBER, 'stairs'): 18,
+    ('titan_viii', 'stones'): 18,
+}
+"""Walks that are to arrive, of 20."""
+
+_LEAST_STEPS, _LONGEST_PLANNING = 30, 125.0
+"""Number of footsteps that are planned in so many milliseconds."""
 
 _QUICK = (('titan_viii', 'noise+boxes'), ('genibo', 'boxes'))
 """In the quick run, with one seed each."""
@@ -68,19 +97,87 @@ def measure(
     details : dict
         Every walk.
     """
-    jobs = [(*job, seed) for job in _QUICK] if quick else list(_jobs(seed))
     wanted = set(only or PARTS)
+    bars, details = _cross(console, quick, seed, wanted)
     robots = wanted & set(ROBOTS) or set(ROBOTS)
-    terrains = wanted & set(TERRAINS) or set(TERRAINS)
+    terrains = wanted & set(TERRAINS)
+    if not terrains and not wanted & {*COURSES, FOOTSTEPS, CLIMBER}:
+        terrains = set(TERRAINS)
+    jobs = [(*job, seed) for job in _QUICK] if quick else list(_jobs(seed))
     jobs = [job for job in jobs if job[0] in robots and job[1] in terrains]
+    if not jobs:
+        return bars, details
     walks: list[_Walk] = []
     with worker_pool() as pool:
         for walk in pool.map(_walked, *zip(*jobs)):
             walks.append(walk)
             console.print(f'walk {len(walks)} of {len(jobs)}, {_described(walk)}', highlight=False)
     console.print(_table(walks))
-    bars = [bar for robot in ROBOTS for bar in _bars(robot, walks)]
-    return bars, {'walks': [asdict(walk) for walk in walks]}
+    bars += [bar for robot in ROBOTS for bar in _bars(robot, walks)]
+    return bars, {**details, 'walks': [asdict(walk) for walk in walks]}
+
+
+def _cross(
+    console: Console, quick: bool, seed: int, wanted: set[str]
+) -> tuple[list[Criterion], dict[str, Any]]:
+    """Cross staircases and stepping stones, and plan footsteps."""
+    seeds = range(seed, seed + (1 if quick else _CROSSINGS))
+    robots = wanted & {*ROBOTS, CLIMBER} or {*ROBOTS, CLIMBER}
+    courses = [case for case in _NEEDED if case[0] in robots and case[1] in wanted]
+    bars: list[Criterion] = []
+    crossings: list[dict[str, Any]] = []
+    with worker_pool() as pool:
+        for robot, course in courses:
+            outcomes: list[TerrainOutcome] = []
+            for each in pool.map(_crossed, *zip(*((robot, course, one) for one in seeds))):
+                outcomes.append(each)
+                number = seeds[len(outcomes) - 1]
+                said = 'arrived' if each.arrived else each.problem
+                told = f'{said}, {"FELL, " if each.has_fallen else ""}{"; ".join(each.contacts)}'
+                console.print(f'{robot} over {course} (seed {number}): {told}', highlight=False)
+                crossings.append({'robot': robot, 'course': course, 'seed': number, **asdict(each)})
+            bars += _crossing_bars(robot, course, outcomes)
+        if FOOTSTEPS in wanted:
+            plans = [plan_footsteps(load_robot('titan_viii'), one) for one in seeds]
+            bars += _planning_bars(plans)
+            crossings += [{'course': FOOTSTEPS, **asdict(plan)} for plan in plans]
+    return bars, {'crossings': crossings}
+
+
+def _crossed(robot: str, course: str, seed: int) -> TerrainOutcome:
+    loaded = load_robot(robot)
+    return walk_course(loaded, foothold_course(loaded, course, seed), footsteps=course == 'stones')
+
+
+def _crossing_bars(robot: str, course: str, outcomes: list[TerrainOutcome]) -> list[Criterion]:
+    count = len(outcomes)
+    needed = math.ceil(count * _NEEDED[robot, course] / _CROSSINGS - 1e-9)
+    name = f'{robot} over {course}'
+    return [
+        at_least(f'{name}: arrived, of {count}', sum(o.arrived for o in outcomes), '', needed),
+        at_most(f'{name}: falls', sum(o.has_fallen for o in outcomes), '', count - needed),
+        figure(
+            f'{name}: walks with contacts of anything but feet',
+            sum(bool(o.contacts) for o in outcomes),
+            '',
+        ),
+        figure(f'{name}: largest tilt', math.degrees(max(o.largest_tilt for o in outcomes)), 'deg'),
+    ]
+
+
+def _planning_bars(plans: list[PlannedFootsteps]) -> list[Criterion]:
+    found = [plan for plan in plans if plan.steps]
+    long = [plan for plan in found if plan.steps >= _LEAST_STEPS]
+    return [
+        at_least(f'footsteps over stones: found, of {len(plans)}', len(found), '', len(plans)),
+        at_most(
+            f'the slowest plan of {_LEAST_STEPS} footsteps or more, of {len(long)}',
+            max((1e3 * plan.duration for plan in long), default=None),
+            'ms',
+            _LONGEST_PLANNING,
+        ),
+        figure('footsteps of the longest plan', max((p.steps for p in found), default=None), ''),
+    ]
 
 
 def _jobs(seed: int) -> Iterator[tuple[str, str, int]]:

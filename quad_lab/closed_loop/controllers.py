@@ -42,9 +42,10 @@ def controller_for(
     return Supervisor(robot, gait, turning, options or SupervisorOptions(), compensation)
 
 
-def for_uneven_ground(options: SupervisorOptions) -> SupervisorOptions:
+def for_uneven_ground(options: SupervisorOptions, footsteps: bool = False) -> SupervisorOptions:
     """Return options with which feet find uneven ground, and no margin is planned for."""
-    return replace(options, least_margin=-math.inf, uneven=UnevenOptions())
+    uneven = UnevenOptions(plans_footsteps=footsteps)
+    return replace(options, least_margin=-math.inf, uneven=uneven)
 
 
 def measuring_controller(

@@ -231,7 +231,11 @@ def _large_places(rng: np.random.Generator, scale: float) -> list[Pose2D]:
 
 
 def walk_course(
-    robot: Robot, course: Course, ground: str = 'uneven', sees: bool = True
+    robot: Robot,
+    course: Course,
+    ground: str = 'uneven',
+    sees: bool = True,
+    footsteps: bool = False,
 ) -> TerrainOutcome:
     """
     Walk a course in physics.
@@ -246,6 +250,8 @@ def walk_course(
         What the gait takes it for: ``uneven``, or ``flat``.
     sees : bool
         Whether the gait has the height map; without it the feet feel their way.
+    footsteps : bool
+        Whether it plans footsteps where strides find no even ground.
 
     Returns
     -------
@@ -255,7 +261,7 @@ def walk_course(
     gait = load_gait('crawl', robot)
     options = SupervisorOptions(least_margin=-math.inf)
     if ground == 'uneven':
-        options = for_uneven_ground(options)
+        options = for_uneven_ground(options, footsteps)
     controller = controller_for(robot, gait, options)
     if sees:
         controller.set_height_map(course.height_map)

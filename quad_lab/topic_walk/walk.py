@@ -25,6 +25,7 @@ from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
 from quad_sim.engines.registry import AUTO
+from quad_sim.world.terrain_spec import needs_footholds
 
 if TYPE_CHECKING:
     from quad_lab.recordings.robot_recording import RobotRecording
@@ -244,6 +245,8 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
         if not options.real_time_factor:
             simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
         gait['ground'] = 'uneven'
+        if needs_footholds(options.terrain):
+            gait['footsteps'] = planner['footsteps'] = True
     if options.lead_time is not None:
         gait['lead_time'] = options.lead_time
     if options.safety_distance is not None:

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, inlined_part
 from quad_planner.any_angle.intervals import neighbour, neighbours
 from quad_planner.any_angle.rectangles import Rectangles
 from quad_planner.grid.array_types import Mask
-from quad_planner.grid.compiled import compiled, inlined_part
 
 Integers = NDArray[np.int64]
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, inlined_part
 from quad_common.robot_files.walking_time import LENGTH_SLACK
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.interval_search import lengths_from
@@ -34,7 +35,6 @@ from quad_planner.grid.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.grid.compiled import compiled, inlined_part
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from quad_common.compiled import compiled
 from quad_planner.any_angle.blocks import Blocks, between, blocks_of
 from quad_planner.any_angle.intervals import holds
 from quad_planner.any_angle.rectangles import Rectangles, rectangles_of
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask
-from quad_planner.grid.compiled import compiled
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, inlined_part
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.intervals import (
     INTERVAL,
@@ -39,7 +40,6 @@ from quad_planner.any_angle.rectangles import (
     corner_places,
 )
 from quad_planner.grid.array_types import Mask, Points
-from quad_planner.grid.compiled import compiled, inlined_part
 from quad_planner.search.jump_tree import pop_node, push_node
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, path_back
 

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import inlined_part
 from quad_planner.any_angle.rectangles import BOTTOM, LEFT, RIGHT, TOP, Rectangles, ends_of_opening
-from quad_planner.grid.compiled import inlined_part
 
 Records = NDArray[np.void]
 

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part, inlined_part
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitMask, Bits, first_bit
-from quad_planner.grid.compiled import compiled, compiled_part, inlined_part
 
 Integers = NDArray[np.int64]
 

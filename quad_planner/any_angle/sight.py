@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, inlined_part
 from quad_planner.any_angle.intervals import (
     INTERVAL,
     crossing,
@@ -16,7 +17,6 @@ from quad_planner.any_angle.intervals import (
     opening_part,
 )
 from quad_planner.any_angle.rectangles import BOTTOM, TOP, Rectangles
-from quad_planner.grid.compiled import compiled, inlined_part
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

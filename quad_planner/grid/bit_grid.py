@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_planner.grid.array_types import Mask
-from quad_planner.grid.compiled import compiled, compiled_part
 
 Bits = NDArray[np.uint64]
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.compiled import inlined_part
+from quad_common.compiled import inlined_part
 
 Integers = NDArray[np.int64]
 

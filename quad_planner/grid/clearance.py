@@ -8,10 +8,10 @@ import math
 
 import numpy as np
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.maps.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits, is_set
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.inflation import blocked_cells
 
 _LOOK_FIRST = 32.0

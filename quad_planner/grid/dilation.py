@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_part
 
 Bits = NDArray[np.uint64]
 

@@ -28,6 +28,10 @@ _STANCES = 1.5
 """A step's height over this many stances is fitted by a plane as steep as height per stance."""
 
 
+_GAP = 0.5
+"""Width of the widest gap that is bridged, in lengths of a leg."""
+
+
 @dataclass(frozen=True)
 class GroundLimits:
     """
@@ -50,6 +54,8 @@ class GroundLimits:
     """
     slope_length: float
     """Side of the square over which slopes are averaged, > 0 [m]."""
+    largest_gap: float = 0.0
+    """Width of gaps that are bridged from foothold to foothold; 0: none are [m]."""
 
     def __post_init__(self) -> None:
         """Check the limits."""
@@ -62,7 +68,11 @@ class GroundLimits:
 
     @classmethod
     def of(
-        cls, robot: Robot, step_height: float = 0.0, largest_slope: float = LARGEST_SLOPE
+        cls,
+        robot: Robot,
+        step_height: float = 0.0,
+        largest_slope: float = LARGEST_SLOPE,
+        plans_footsteps: bool = False,
     ) -> GroundLimits:
         """
         Derive the limits of a robot.
@@ -75,6 +85,9 @@ class GroundLimits:
             0 for the robot's own [m].
         largest_slope : float
             [rad]
+        plans_footsteps : bool
+            Whether the gait finds footholds on both sides of gaps: they are bridged then up to
+            half the length of a leg.
 
         Returns
         -------
@@ -84,9 +97,12 @@ class GroundLimits:
             that fits a step there is as steep as the line from foot to foot across it.
         """
         stance = float(np.ptp(robot.neutral_feet[:, :2], axis=0).min())
+        leg = robot.legs[0]
+        gap = _GAP * float(leg.thigh_length + leg.calf_length) if plans_footsteps else 0.0
         return cls(
             step_height or robot.step_height,
             robot.largest_stride / _STRIDES,
             largest_slope,
             _STANCES * stance,
+            gap,
         )

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import math
 
+from quad_common.compiled import compiled
 from quad_planner.grid.bit_grid import Bits, is_set
-from quad_planner.grid.compiled import compiled
 
 _EPSILON = 1e-9
 """Segments that come so near to a cell only touch it [cells]."""

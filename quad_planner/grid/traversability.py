@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import FREE, OCCUPIED, OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.grid.array_types import Mask
+from quad_planner.grid.bridged_ground import bridged
 from quad_planner.grid.cell_overlap import EPSILON, cells_touched
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.ground_shape import high_steps, steep_slopes_beside
@@ -40,8 +41,9 @@ class Ground:
 
     def __post_init__(self) -> None:
         """Find the obstacles."""
-        steps = high_steps(self.heights, self.limits)
-        obstacles = steps | steep_slopes_beside(self.heights, self.limits, steps)
+        heights = bridged(self.heights, self.limits.largest_gap)
+        steps = high_steps(heights, self.limits)
+        obstacles = steps | steep_slopes_beside(heights, self.limits, steps)
         object.__setattr__(self, 'obstacles', obstacles)
 
     def is_like(self, heights: HeightMap) -> bool:

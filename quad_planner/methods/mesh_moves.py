@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part, inlined_part
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bit_grid import BitMask, Bits, is_set
-from quad_planner.grid.compiled import compiled, compiled_part, inlined_part
 
 _EPSILON = 1e-6
 """A point so near to a cell's edge counts as on it [cells]."""

@@ -15,6 +15,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -22,7 +23,6 @@ from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.interval_search import any_angle_path
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.cell_costs import Floats, cell_costs
 from quad_planner.methods.cell_request import CellRequest

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from quad_common.compiled import compiled
 from quad_planner.grid.array_types import Points
-from quad_planner.grid.compiled import compiled
 from quad_planner.outline.heading_kernels import CLASSES, STEP
 from quad_planner.outline.outline_zones import Zones, leg_fits
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from quad_planner.grid.compiled import compiled_part
+from quad_common.compiled import compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers, class_of
 from quad_planner.outline.outline_zones import Zones, fits, is_room
 from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT

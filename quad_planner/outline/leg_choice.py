@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.array_types import Points
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers
 from quad_planner.outline.outline_zones import Zones, fitting_classes, has_room_to_turn, leg_fits
 from quad_planner.outline.turn_rule import may_turn

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from quad_common.compiled import compiled, compiled_part
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -26,7 +27,6 @@ from quad_planner.grid.bucket_queue import (
     pop,
     push,
 )
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 from quad_planner.outline.heading_moves import Moves, may_move
 from quad_planner.outline.outline_zones import Zones, classes_beside, fits, is_narrow, is_room

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from quad_common.compiled import compiled, compiled_part
 from quad_planner.grid.bit_grid import Bits
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, Integers, Kernels
 
 _ONE = np.uint64(1)

@@ -8,7 +8,7 @@ degrees may be made while walking, as the follower does: it needs room for every
 
 from __future__ import annotations
 
-from quad_planner.grid.compiled import compiled_part
+from quad_common.compiled import compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 
 HALF = CLASSES // 2

@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitMask, Bits
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.potential.potential_field import critical_point
 

@@ -16,6 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits
@@ -28,7 +29,6 @@ from quad_planner.grid.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.line_of_sight import sees
 
 Floats = NDArray[np.float64]

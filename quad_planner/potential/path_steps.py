@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled
 from quad_common.errors import ParameterError
-from quad_planner.grid.compiled import compiled
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.compiled import compiled
+from quad_common.compiled import compiled
 
 Cells = NDArray[np.int64]
 

@@ -18,6 +18,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
@@ -29,7 +30,6 @@ from quad_planner.grid.bucket_queue import (
     push,
     with_room,
 )
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.search.cell_steps import DIAGONAL, ONWARD, STRAIGHT
 
 Integers = NDArray[np.int64]

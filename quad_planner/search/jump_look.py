@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from quad_common.compiled import compiled_part
 from quad_planner.grid.bit_grid import Bits, first_bit, is_set, last_bit
-from quad_planner.grid.compiled import compiled_part
 
 _ONE = np.uint64(1)
 

@@ -14,8 +14,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.search.cell_path import CellPath, without_straights
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, ONWARD, STRAIGHT
 from quad_planner.search.jump_look import look_along

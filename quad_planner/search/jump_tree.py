@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_planner.grid.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_part
 
 Records = NDArray[np.void]
 

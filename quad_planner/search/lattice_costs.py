@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import inlined_part
 from quad_common.robot_files.walking_time import LENGTH_SLACK
-from quad_planner.grid.compiled import inlined_part
 from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
 from quad_planner.search.walk_terms import WalkTerms
 

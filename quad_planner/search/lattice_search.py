@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, inlined_part
 from quad_planner.grid.bit_grid import BitGrid, BitMask, Bits, is_set
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -34,7 +35,6 @@ from quad_planner.grid.bucket_queue import (
     pop,
     push,
 )
-from quad_planner.grid.compiled import compiled, inlined_part
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
 from quad_planner.search.distance_field import distance_field
 from quad_planner.search.lattice_costs import (

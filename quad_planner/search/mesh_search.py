@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part, inlined_part
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -32,7 +33,6 @@ from quad_planner.grid.bucket_queue import (
     pop,
     push,
 )
-from quad_planner.grid.compiled import compiled, compiled_part, inlined_part
 from quad_planner.search.cell_steps import DX, DY
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, path_back, run_search
 

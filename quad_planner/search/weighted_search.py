@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, BitMask, Bits, is_set
 from quad_planner.grid.bucket_queue import (
@@ -23,7 +24,6 @@ from quad_planner.grid.bucket_queue import (
     pop,
     push,
 )
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.cell_path import without_straights
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT

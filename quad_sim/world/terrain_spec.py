@@ -4,6 +4,7 @@ Ground by name: what a parameter or an option says of it, and the terrain that i
     bumps                              one kind of ground
     slope+noise                        several, added up
     slope:angle=0.1+boxes:height=0.03  with numbers of their own
+    stairs:height=0.04,count=10        stairs up, and down again
     hills.yaml                         a height map file
 """
 
@@ -18,12 +19,27 @@ from quad_common.errors import ParameterError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.height_map_file import load_height_map
 from quad_common.planar_pose import Pose2D
+from quad_sim.world import terrain_courses as courses
 from quad_sim.world import terrain_shapes as shapes
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.terrain_shapes import Places
 
-KINDS = ('bumps', 'slope', 'cross_slope', 'kerb', 'noise', 'boxes')
+KINDS = (
+    'bumps',
+    'slope',
+    'cross_slope',
+    'kerb',
+    'noise',
+    'boxes',
+    'stairs',
+    'stones',
+    'gap',
+    'beam',
+)
 """Kinds of ground, besides ``flat`` and files."""
+
+_WITH_GAPS = ('stones', 'gap', 'beam')
+"""Kinds that lie over a pit."""
 
 FLAT = 'flat'
 
@@ -57,17 +73,28 @@ class TerrainSpec:
     kind: str
     """One of :data:`KINDS`, or the path of a height map file."""
     height: float = 0.04
-    """Height of the highest bumps, boxes and waves of noise, and of kerbs, 0 to 1 [m]."""
+    """Height of the highest bumps, boxes and waves of noise, of kerbs and of each stair; by which
+    stepping stones differ; 0 to 1 [m]."""
     angle: float = 0.15
     """Angle of slopes, within 0.6 on both sides [rad]."""
     size: float = 0.4
-    """Mean diameter of bumps and diagonal of boxes, length of noise's waves, 0.1 to 10 [m]."""
+    """Mean diameter of bumps and diagonal of boxes, length of noise's waves, depth of treads, side
+    of stepping stones, 0.1 to 10 [m]."""
     length: float = 1.5
-    """Length of each part of a slope, and of a kerb, 0.1 to 100 [m]."""
+    """Length of each part of a slope, of a kerb, of the landing above stairs, of the path over
+    stepping stones and of a beam, 0.1 to 100 [m]."""
     clear: float = 0.8
     """Radius of the level ground around start and goal, 0 to 10 [m]."""
     seed: int = 0
-    """Seed of bumps, noise and boxes, at least 0."""
+    """Seed of bumps, noise, boxes and stepping stones, at least 0."""
+    count: int = 10
+    """Number of stairs up, and of those down, 1 to 100."""
+    gap: float = 0.09
+    """Width of a gap, and of those between stepping stones, 0.01 to 10 [m]."""
+    width: float = 0.8
+    """Width of a beam, 0.01 to 100 [m]."""
+    depth: float = 0.3
+    """Depth of the pit below gaps, stepping stones and beams, 0 to 10 [m]."""
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -96,6 +123,9 @@ class TerrainSpec:
             size=factor * self.size,
             length=factor * self.length,
             clear=factor * self.clear,
+            gap=factor * self.gap,
+            width=factor * self.width,
+            depth=factor * self.depth,
             seed=seed,
         )
 
@@ -107,7 +137,14 @@ _RANGES = {
     'length': (0.1, 100.0),
     'clear': (0.0, 10.0),
     'seed': (0, 2**63 - 1),
+    'count': (1, 100),
+    'gap': (0.01, 10.0),
+    'width': (0.01, 100.0),
+    'depth': (0.0, 10.0),
 }
+
+_WHOLE = ('seed', 'count')
+"""Numbers that are whole."""
 
 
 def specs_from_text(text: str, **numbers: float) -> tuple[TerrainSpec, ...]:
@@ -137,6 +174,11 @@ def specs_from_text(text: str, **numbers: float) -> tuple[TerrainSpec, ...]:
     if len(parts) > MOST_PARTS:
         raise ParameterError('terrain', text, f'of at most {MOST_PARTS} parts')
     return tuple(_spec(part, numbers) for part in parts)
+
+
+def needs_footholds(text: str) -> bool:
+    """Tell whether ground by name, as at the head of this module, has no continuous path."""
+    return any(spec.kind in _WITH_GAPS for spec in specs_from_text(text))
 
 
 def make_terrain(
@@ -187,7 +229,18 @@ def make_terrain(
         elif spec.kind == 'boxes':
             scatter = shapes.Scatter(spec.size, level_at=level_at, clear=spec.clear)
             blocks += shapes.boxes(field, _rng(spec), spec.height, scatter)
+        elif spec.kind == 'stairs':
+            stairs = courses.Stairs(spec.height, spec.size, spec.count, spec.length)
+            blocks += courses.staircase(level, start, stairs, spec.clear)
+        elif spec.kind == 'stones':
+            blocks += courses.stones(level, start, _rng(spec), _stones(spec), spec.clear)
+        elif spec.kind == 'beam':
+            blocks.append(courses.beam(start, spec.width, spec.length, spec.clear))
     return Terrain(field, tuple(blocks))
+
+
+def _stones(spec: TerrainSpec) -> courses.Stones:
+    return courses.Stones(spec.size, spec.gap, spec.height, spec.length)
 
 
 def _field(
@@ -203,6 +256,10 @@ def _field(
         made = shapes.slope(level, start, spec.angle, spec.length, spec.clear)
     elif spec.kind == 'cross_slope':
         made = shapes.cross_slope(level, start, spec.angle)
+    elif spec.kind in _WITH_GAPS:
+        length = {'stones': _stones(spec).whole_length, 'gap': spec.gap}.get(spec.kind, spec.length)
+        pit = courses.Pit(length, spec.depth, level_at, spec.clear)
+        made = courses.pit(level, start, pit)
     elif spec.is_file:
         return load_height_map(spec.kind).height_at(level.centers, beyond=0.0)
     else:
@@ -224,8 +281,8 @@ def _spec(part: str, numbers: dict[str, float]) -> TerrainSpec:
         if name not in _RANGES:
             raise ParameterError('terrain', part, f'with numbers named {", ".join(_RANGES)}')
         try:
-            own[name] = int(value[:_DIGITS]) if name == 'seed' else float(value)
+            own[name] = int(value[:_DIGITS]) if name in _WHOLE else float(value)
         except ValueError as error:
-            whole = 'a whole number' if name == 'seed' else 'a number'
+            whole = 'a whole number' if name in _WHOLE else 'a number'
             raise ParameterError(f'terrain_{name}', value, whole) from error
     return dataclasses.replace(TerrainSpec(kind.strip()), **own)  # type: ignore[arg-type]

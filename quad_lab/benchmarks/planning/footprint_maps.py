@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled, compiled_part
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D
-from quad_planner.grid.compiled import compiled, compiled_part
 from quad_planner.outline.heading_kernels import CLASSES, Kernels
 from quad_planner.outline.heading_moves import Moves
 

@@ -21,6 +21,7 @@ from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
+from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
 from quad_lab.closed_loop.closed_loop import ClosedLoop
@@ -116,7 +117,9 @@ class Legs:
 
 
 def stride_for(motion=AHEAD, height_map=None, robot=TITAN):
-    return UnevenStride(robot, load_gait('crawl'), motion, ORIGIN, height_map, UnevenOptions())
+    gait = load_gait('crawl')
+    goal = StrideGoal.of(robot, gait, motion, ORIGIN)
+    return UnevenStride(robot, gait.swing_height, goal, height_map, UnevenOptions())
 
 
 def test_legs_swing_in_the_order_of_the_gait_and_one_at_a_time():

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from quad_planner.grid.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_part
 
 ROOT = Path(__file__).parents[3]
 

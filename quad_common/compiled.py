@@ -1,5 +1,5 @@
 """
-Decorators that compile the planner's inner loops.
+Decorators that compile inner loops of searches.
 
 Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, what
 only such functions call is a `compiled_part` of them. Compiled code is kept beside the

@@ -1,0 +1,136 @@
+"""
+Where each foot of a robot may stand, cell by cell of a lattice over a height map.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.maps.height_map import HeightMap
+from quad_common.robot.robot import Robot
+from quad_gait.footsteps.foothold_choice import find_fit, keep_best
+from quad_gait.footsteps.footstep_options import FootstepOptions
+from quad_gait.footsteps.footstep_search import MOST_CELLS, Lattice
+from quad_gait.uneven.shin import shin_points
+from quad_gait.uneven.uneven_options import UnevenOptions
+
+Array = NDArray[np.float64]
+
+
+class FootholdMap:
+    """
+    Tells where feet may stand: on even ground, off edges, foot and shin free.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : UnevenOptions
+        How it walks.
+    footsteps : FootstepOptions
+        How footsteps are planned.
+    heights : HeightMap
+        Of the ground.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        options: UnevenOptions,
+        footsteps: FootstepOptions,
+        heights: HeightMap,
+    ) -> None:
+        self._robot = robot
+        self._options = options
+        self._footsteps = footsteps
+        self.heights = heights
+        """Of the ground."""
+        self.blocked: list[tuple[int, float, float]] = []
+        """Footholds that are kept out of plans: leg, x and y [m]."""
+
+    def is_fit(self, leg: int, points: Array, yaw: float) -> NDArray[np.bool_]:
+        """
+        Tell where a foot may stand.
+
+        Parameters
+        ----------
+        leg : int
+            Index of the leg.
+        points : ndarray, shape (n, 2)
+            Places on the ground [m].
+        yaw : float
+            Heading of the body [rad].
+
+        Returns
+        -------
+        ndarray of bool, shape (n,)
+            False where nothing is known, and off the map.
+        """
+        robot, scale = self._robot, self._robot.relative_size
+        stride = 0.5 * robot.largest_stride * np.array([math.cos(yaw), math.sin(yaw)])
+        shin = shin_points(robot, leg, stride, yaw)
+        fit = np.empty(len(points), dtype=np.uint8)
+        cells = (points - self.heights.origin) / self.heights.resolution
+        shin[:, :2] /= self.heights.resolution
+        find_fit(cells, self._images, shin, scale * self._options.largest_step, fit)
+        return fit.astype(bool)
+
+    @cached_property
+    def _images(self) -> Array:
+        """Heights, how rough it is around them, and the highest and lowest ground near a shin."""
+        robot, scale, options = self._robot, self._robot.relative_size, self._options
+        heights = self.heights
+        radius = max(scale * self._footsteps.radius, robot.foot_radius)
+        near = robot.foot_radius + scale * options.shin_clearance + heights.resolution / 2.0
+        centers = heights.centers
+        return np.stack(
+            [
+                heights.heights,
+                heights.steps(radius),
+                heights.highest_within(centers, near),
+                heights.lowest_within(centers, near),
+            ]
+        )
+
+    def lattice(self, low: Array, high: Array, yaw: float, feet: Array, shift: float) -> Lattice:
+        """
+        Lay a lattice over a part of the map.
+
+        Parameters
+        ----------
+        low, high : ndarray, shape (2,)
+            Corners of the part [m].
+        yaw : float
+            Heading of the body [rad].
+        feet : ndarray, shape (4, 3)
+            Centers of the feet at the start [m].
+        shift : float
+            Height that is added to the map's, so that it fits the feet [m].
+
+        Returns
+        -------
+        Lattice
+            With cells as far apart as the options say; farther, where they would be too many.
+        """
+        side = self._robot.relative_size * self._footsteps.cell
+        area = float(np.prod(high - low))
+        side = max(side, math.sqrt(area / (0.9 * MOST_CELLS)))
+        # The same cells wherever the part begins: footholds stay where they are.
+        first, last = np.floor(low / side).astype(int), np.ceil(high / side).astype(int)
+        first -= first % self._footsteps.block
+        x, y = (side * np.arange(a, b + 1) for a, b in zip(first, last))
+        points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        fit = np.stack([self.is_fit(leg, points, yaw) for leg in range(4)]).astype(np.uint8)
+        fit = fit.reshape(4, len(y), len(x))
+        for leg, blocked_x, blocked_y in self.blocked:
+            near = np.hypot(points[:, 0] - blocked_x, points[:, 1] - blocked_y) < 1.5 * side
+            fit[leg][near.reshape(fit[leg].shape)] = 0
+        best = np.zeros_like(fit)
+        keep_best(fit, self._footsteps.block, best)
+        z = np.nan_to_num(self.heights.height_at(points)) + shift + self._robot.foot_radius
+        places = np.concatenate([np.column_stack([points, z]), feet])
+        return Lattice(places, best, float(x[0]), float(y[0]), side)

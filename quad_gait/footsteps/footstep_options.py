@@ -1,0 +1,48 @@
+"""
+Options of planning footsteps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class FootstepOptions:
+    """How footsteps are planned; lengths are TITAN-VIII's."""
+
+    cell: float = 0.03
+    """Distance between the places that are looked at [m]."""
+    radius: float = 0.035
+    """Radius around a foot in which the ground is even [m]."""
+    block: int = 3
+    """Side of the squares of which each gives one foothold, that with the most room [cells]."""
+    longest_step: float = 0.36
+    """Distance that a foot goes in one step, at most [m]."""
+    margin: float = 0.035
+    """Distance of the center of mass inside the three feet that stand, at least [m]."""
+    separation: float = 0.5
+    """Distance between feet, as a fraction of the least one in the initial posture."""
+    horizon: float = 1.2
+    """Distance along the plan to which footsteps are planned ahead [m]."""
+    aside: float = 0.3
+    """Distance by which footholds may be beside and beyond where the feet would be [m]."""
+    distance_tolerance: float = 0.03
+    """Distance from the wanted pose at the end of footsteps that will do [m]."""
+    far_tolerance: float = 0.1
+    """The same where that pose is the horizon [m]."""
+    angle_tolerance: float = 0.1
+    """Angle from the wanted pose that will do [rad]."""
+    weight: float = 3.0
+    """Factor of the cost ahead, which makes the search quick, and its first path longer."""
+    strain: float = 4.0
+    """Factor of how far feet are off their initial posture, by which such stances come later."""
+    expansions: int = 400
+    """Number of stances from which steps are looked for after the first path was found."""
+    most_expansions: int = 4000
+    """Number of stances from which steps are looked for before there is none."""
+    strained: float = 0.12
+    """Distance of a foot from its initial posture beyond which strides without footsteps do not
+    begin [m]."""
+    off_plan: float = 0.03
+    """Distance of a foot from where it was to be beyond which footsteps are planned again [m]."""
