@@ -224,12 +224,16 @@ def _choose(
     count = len(points)
     fitting = np.empty(CLASSES, dtype=np.int64)
     best, last = np.inf, -1
+    begin = 0
     for at in range(count):
+        # Legs from places before it pass over too many.
+        while ranks[at] - ranks[begin] > window:
+            begin += 1
         x, y = points[at]
         free = fitting_classes(zones, math.floor(x), math.floor(y), fitting)
         is_roomy = has_room_to_turn(zones, math.floor(x), math.floor(y)) if free else False
         if at == count - 1:
-            for h in range(at):
+            for h in range(begin, at):
                 if cheapest[h, at] < np.inf:
                     heading = yaws[0] if fixed_class >= 0 else headings[h, at]
                     cost = cheapest[h, at] + _turn_cost(yaws[1] - heading, costs)
@@ -251,7 +255,7 @@ def _choose(
                     least = 0.0
                 elif may_turn(fitting, free, _class(yaws[0]), k, False):
                     least = _turn_cost(heading - yaws[0], costs)
-            for h in range(at):
+            for h in range(begin, at):
                 if cheapest[h, at] < np.inf:
                     cost = cheapest[h, at]
                     if fixed_class < 0:

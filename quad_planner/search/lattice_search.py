@@ -36,7 +36,7 @@ from quad_planner.grid.bucket_queue import (
 )
 from quad_planner.grid.compiled import compiled, inlined_part
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
-from quad_planner.search.distance_field import distance_field
+from quad_planner.search.distance_field import Beyond, distance_field
 from quad_planner.search.lattice_costs import (
     HEADINGS,
     LARGEST,
@@ -229,7 +229,9 @@ def _lengths_left(
     low = [max(min(a, b) + 1 - margin, 0) for a, b in zip(start, goal)]
     high = [min(max(a, b) + 2 + margin, size) for a, b, size in zip(start, goal, sizes)]
     free = BitMask(grid.rows, sizes[0]).window(low[0], low[1], high[0], high[1])
-    lengths = distance_field(free, (goal[0] + 1 - low[0], goal[1] + 1 - low[1]), check)
+    ends = [(end[0] + 1 - low[0], end[1] + 1 - low[1]) for end in (start, goal)]
+    beyond = Beyond(*ends[0], math.ceil(costs.longest / costs.scale))
+    lengths = distance_field(free, ends[1], check, beyond)
     left = np.zeros(sizes[::-1], dtype=np.int64)
     # What is not reached has a length of -1.
     np.add(lengths, 1, out=left[low[1] : high[1], low[0] : high[0]])
