@@ -117,7 +117,8 @@ def chosen_legs(
     ranks.append(len(inner) + 1)
     points = np.array(nodes)
     count = len(points)
-    before = np.full((count, count), -1, dtype=np.int64)
+    # Most of these are never touched: one leg passes over few turning points.
+    before = np.empty((count, count), dtype=np.int64)
     last = _choose(
         zones,
         points,
@@ -126,9 +127,9 @@ def chosen_legs(
         ends.fixed_class,
         window,
         costs,
-        np.full((count, count), np.inf),
+        np.empty((count, count)),
         before,
-        np.full((count, count), np.nan),
+        np.empty((count, count)),
     )
     if last < 0:
         return None
@@ -225,10 +226,14 @@ def _choose(
     fitting = np.empty(CLASSES, dtype=np.int64)
     best, last = np.inf, -1
     begin = 0
+    # By the place before: whether the robot may overshoot, -1 where that was not looked at.
+    may_overshoot = np.empty(count, dtype=np.int64)
     for at in range(count):
         # Legs from places before it pass over too many.
         while ranks[at] - ranks[begin] > window:
             begin += 1
+        for h in range(begin, at):
+            may_overshoot[h] = -1
         x, y = points[at]
         free = fitting_classes(zones, math.floor(x), math.floor(y), fitting)
         is_roomy = has_room_to_turn(zones, math.floor(x), math.floor(y)) if free else False
@@ -244,7 +249,10 @@ def _choose(
             return last
         for to in range(at + 1, count):
             far = ranks[to] - ranks[at]
-            if far == 0 or far > window:
+            if far > window:
+                break
+            cheapest[at, to] = np.inf
+            if far == 0:
                 continue
             dx, dy = points[to, 0] - x, points[to, 1] - y
             heading = math.atan2(dy, dx)
@@ -260,10 +268,12 @@ def _choose(
                     cost = cheapest[h, at]
                     if fixed_class < 0:
                         cost += _turn_cost(heading - headings[h, at], costs)
-                        if _class(headings[h, at]) != k and not (
-                            is_roomy and _may_overshoot(zones, x, y, headings[h, at], costs)
-                        ):
-                            cost += costs.tight
+                        if _class(headings[h, at]) != k:
+                            if is_roomy and may_overshoot[h] < 0:
+                                ends_well = _may_overshoot(zones, x, y, headings[h, at], costs)
+                                may_overshoot[h] = 1 if ends_well else 0
+                            if not is_roomy or may_overshoot[h] == 0:
+                                cost += costs.tight
                     if cost < least and (
                         fixed_class >= 0
                         or may_turn(fitting, free, _class(headings[h, at]), k, False)
