@@ -4,7 +4,7 @@ A search over cells and classes of headings, for a robot with an outline.
 Where the robot's circle fits a state is a cell: every heading fits there. Elsewhere it is a cell
 and the class of the heading in which the robot came. From there it turns as
 :mod:`~quad_planner.outline.turn_rule` allows, and moves straight on in its heading. The bound on
-what is left is the distance for a robot as small as the circle within the outline; it is
+what is left is the distance through cells where some heading fits, or may fit; it is heavily
 weighted, so paths are found soon and are not the shortest: the legs are chosen afterwards.
 Whether there is a path is exact.
 """
@@ -72,8 +72,8 @@ class _Detail(NamedTuple):
 
 _DETAILS = (_Detail(_EIGHTH, 1), _Detail(1, 4))
 """
-Searches. Along rows, columns and diagonals alone there are far fewer states; by all directions every
-path is found, and it is known if there is none.
+Searches. Along rows, columns and diagonals alone there are far fewer states; by all directions
+every path is found, and it is known if there is none.
 """
 
 
@@ -176,7 +176,8 @@ class _Search:
     ) -> None:
         self._zones, self._moves, self._ends = zones, moves, ends
         self._left, self._detail = left, detail
-        self._reached = _table(1 << 14)
+        # Small, so that a warm-up makes it grow too.
+        self._reached = _table(1 << 9)
         self._queue = bucket_queue(_REACH)
         _begin(zones, ends, left, self._reached, self._queue)
 
