@@ -30,12 +30,13 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.array_types import Mask, Points
-from quad_planner.grid.bit_grid import BitMask
+from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.dilation import dilated
 from quad_planner.grid.inflated_map import SAME_PLACE, InflatedMap
 from quad_planner.grid.inflation import inflated
 from quad_planner.methods.potential_planner import PotentialPlanner
 from quad_planner.outline.arcs import ArcTurns, with_short_arcs
+from quad_planner.outline.class_layers import class_layers
 from quad_planner.outline.heading_kernels import CLASSES, Kernels, class_of, kernels_of
 from quad_planner.outline.heading_moves import LONGEST_MOVE, inside_cell, moves_from
 from quad_planner.outline.leg_choice import LegCosts, LegEnds, chosen_legs, with_approaches
@@ -104,9 +105,17 @@ class PreparedOutline(InflatedMap):
         return inflated(self.blocked_bits, radius / self.grid.resolution)
 
     @cached_property
+    def classes(self) -> Bits | None:
+        """Return the cells in which each class of headings does not fit, where that is known."""
+        return class_layers(self.blocked_bits.words, self.grid.width, self.kernels[0])
+
+    @cached_property
     def small(self) -> Mask:
-        """Return where the smallest robot fits, in squares of two by two cells."""
-        return free_for_smallest(self.inner_bits.unpacked())
+        """Return where some heading fits, or may fit, in squares of two by two cells."""
+        if self.classes is None:
+            return free_for_smallest(self.inner_bits.unpacked())
+        words = np.bitwise_and.reduce(self.classes, axis=0) & self.forbidden_bits.words
+        return free_for_smallest(BitMask(words, self.grid.width).unpacked())
 
     @cached_property
     def zones(self) -> Zones:
@@ -118,7 +127,7 @@ class PreparedOutline(InflatedMap):
             self.inner_bits.words,
             narrow,
         )
-        return zones_of(layers, self.grid.width, self.kernels)
+        return zones_of(layers, self.grid.width, self.kernels, self.classes)
 
 
 class OutlinePlanner(Generic[Prepared]):

@@ -117,24 +117,28 @@ def chosen_legs(
     ranks.append(len(inner) + 1)
     points = np.array(nodes)
     count = len(points)
-    before = np.full((count, count), -1, dtype=np.int64)
+    order = np.array(ranks)
+    # By a turning point, and how many on the leg leads: one leg passes over few.
+    most = int((np.searchsorted(order, order + window, side='right') - np.arange(count)).max())
+    shape = (count, most)
+    before = np.empty(shape, dtype=np.int64)
     last = _choose(
         zones,
         points,
-        np.array(ranks),
+        order,
         np.array([ends.start_yaw, ends.goal_yaw]),
         ends.fixed_class,
         window,
         costs,
-        np.full((count, count), np.inf),
+        np.full(shape, np.inf),
         before,
-        np.full((count, count), np.nan),
+        np.empty(shape),
     )
     if last < 0:
         return None
     chosen = [count - 1, last]
     while chosen[-1] != 0:
-        chosen.append(int(before[chosen[-1], chosen[-2]]))
+        chosen.append(int(before[chosen[-1], chosen[-2] - chosen[-1]]))
     result: Points = points[chosen[::-1]]
     return result
 
@@ -220,19 +224,31 @@ def _choose(
     before: Integers,
     headings: Floats,
 ) -> int:
-    """Fill costs of legs and the turning points before them; return the one before the goal."""
+    """
+    Fill costs of legs and the turning points before them; return the one before the goal.
+
+    Of legs from a to b they are at [a, b - a].
+    """
     count = len(points)
     fitting = np.empty(CLASSES, dtype=np.int64)
     best, last = np.inf, -1
+    begin = 0
+    # By the place before: whether the robot may overshoot, -1 where that was not looked at.
+    may_overshoot = np.empty(count, dtype=np.int64)
     for at in range(count):
+        # Legs from places before it pass over too many.
+        while ranks[at] - ranks[begin] > window:
+            begin += 1
+        for h in range(begin, at):
+            may_overshoot[h] = -1
         x, y = points[at]
         free = fitting_classes(zones, math.floor(x), math.floor(y), fitting)
         is_roomy = has_room_to_turn(zones, math.floor(x), math.floor(y)) if free else False
         if at == count - 1:
-            for h in range(at):
-                if cheapest[h, at] < np.inf:
-                    heading = yaws[0] if fixed_class >= 0 else headings[h, at]
-                    cost = cheapest[h, at] + _turn_cost(yaws[1] - heading, costs)
+            for h in range(begin, at):
+                if cheapest[h, at - h] < np.inf:
+                    heading = yaws[0] if fixed_class >= 0 else headings[h, at - h]
+                    cost = cheapest[h, at - h] + _turn_cost(yaws[1] - heading, costs)
                     if cost < best and may_turn(
                         fitting, free, _class(heading), _class(yaws[1]), True
                     ):
@@ -240,7 +256,9 @@ def _choose(
             return last
         for to in range(at + 1, count):
             far = ranks[to] - ranks[at]
-            if far == 0 or far > window:
+            if far > window:
+                break
+            if far == 0:
                 continue
             dx, dy = points[to, 0] - x, points[to, 1] - y
             heading = math.atan2(dy, dx)
@@ -251,22 +269,24 @@ def _choose(
                     least = 0.0
                 elif may_turn(fitting, free, _class(yaws[0]), k, False):
                     least = _turn_cost(heading - yaws[0], costs)
-            for h in range(at):
-                if cheapest[h, at] < np.inf:
-                    cost = cheapest[h, at]
+            for h in range(begin, at):
+                if cheapest[h, at - h] < np.inf:
+                    cost = cheapest[h, at - h]
                     if fixed_class < 0:
-                        cost += _turn_cost(heading - headings[h, at], costs)
-                        if _class(headings[h, at]) != k and not (
-                            is_roomy and _may_overshoot(zones, x, y, headings[h, at], costs)
-                        ):
-                            cost += costs.tight
+                        cost += _turn_cost(heading - headings[h, at - h], costs)
+                        if _class(headings[h, at - h]) != k:
+                            if is_roomy and may_overshoot[h] < 0:
+                                ends_well = _may_overshoot(zones, x, y, headings[h, at - h], costs)
+                                may_overshoot[h] = 1 if ends_well else 0
+                            if not is_roomy or may_overshoot[h] == 0:
+                                cost += costs.tight
                     if cost < least and (
                         fixed_class >= 0
-                        or may_turn(fitting, free, _class(headings[h, at]), k, False)
+                        or may_turn(fitting, free, _class(headings[h, at - h]), k, False)
                     ):
                         least, via = cost, h
             if least < np.inf and leg_fits(zones, x, y, points[to, 0], points[to, 1], k):
-                cheapest[at, to] = least + _leg_cost(math.hypot(dx, dy), costs)
-                before[at, to] = via
-                headings[at, to] = heading
+                cheapest[at, to - at] = least + _leg_cost(math.hypot(dx, dy), costs)
+                before[at, to - at] = via
+                headings[at, to - at] = heading
     return last

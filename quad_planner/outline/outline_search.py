@@ -4,7 +4,7 @@ A search over cells and classes of headings, for a robot with an outline.
 Where the robot's circle fits a state is a cell: every heading fits there. Elsewhere it is a cell
 and the class of the heading in which the robot came. From there it turns as
 :mod:`~quad_planner.outline.turn_rule` allows, and moves straight on in its heading. The bound on
-what is left is the distance for a robot as small as the circle within the outline; it is
+what is left is the distance through cells where some heading fits, or may fit; it is heavily
 weighted, so paths are found soon and are not the shortest: the legs are chosen afterwards.
 Whether there is a path is exact.
 """
@@ -26,6 +26,7 @@ from quad_planner.grid.bucket_queue import (
     next_bucket,
     pop,
     push,
+    with_room,
 )
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 from quad_planner.outline.heading_moves import Moves, may_move
@@ -33,7 +34,7 @@ from quad_planner.outline.outline_zones import Zones, classes_beside, fits, is_n
 from quad_planner.outline.turn_rule import may_turn
 from quad_planner.search.cell_steps import STRAIGHT
 from quad_planner.search.distance_field import NOT_REACHED, distance_field
-from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
+from quad_planner.search.search_loop import DONE, FULL, PAUSED
 
 ROOM = CLASSES
 """In place of a class: any heading."""
@@ -46,14 +47,34 @@ _BUCKET = 11
 """Binary logarithm of the width of a bucket of the queue."""
 _REACH = 128
 """Buckets ahead that a state is put, at most."""
-_AT_A_TIME = 20_000
+_WEIGHT = 6
+"""Weight of the bound on what is left, in halves."""
+_AT_A_TIME = 2_000
 """Number of expansions between two calls of `check`."""
+_AT_FIRST = 10_000
+"""Number of expansions after which another search has its turn."""
 _MOST_PUSHES = CLASSES
 
 _DONE_WITH = -1
 """In place of the length of a state that was gone on from: it is not looked at again."""
 
 _FILLED, _FOUND, _EXPANSIONS = range(3)
+
+
+class _Detail(NamedTuple):
+    """How a search looks at places where the circle does not fit."""
+
+    every: int
+    """Number of classes from one direction in which the robot moves there to the next."""
+    fraction: int
+    """Expansions of another search for one of this."""
+
+
+_DETAILS = (_Detail(_EIGHTH, 1), _Detail(1, 4))
+"""
+Searches. Along rows, columns and diagonals alone there are far fewer states; by all directions
+every path is found, and it is known if there is none.
+"""
 
 
 class Ends(NamedTuple):
@@ -130,40 +151,64 @@ def outline_path(
     left = distance_field(small, (ends.goal_x // 2, ends.goal_y // 2), check)
     if left[ends.y // 2, ends.x // 2] == NOT_REACHED:
         return None
-    # Along rows, columns and diagonals first: there are far fewer such states.
-    for every in (_EIGHTH, 3, 1):
-        path = _search_by(every, zones, moves, ends, left, check)
-        if path is not None or ends.keeps_heading:
-            return path
-    return None
+    searches = [_Search(zones, moves, ends, left, detail) for detail in _DETAILS]
+    if ends.keeps_heading:
+        # It makes no difference: the heading is that of the start.
+        searches = searches[-1:]
+    expansions = _AT_FIRST
+    while True:
+        # In turn, each for longer than before: whichever finds a path soon is not held up for long.
+        for search in list(searches):
+            if not search.goes_on(expansions, check):
+                continue
+            path = search.path()
+            if path is not None or search is searches[-1]:
+                return path
+            searches.remove(search)
+        expansions *= 2
 
 
-def _search_by(
-    every: int,
-    zones: Zones,
-    moves: Moves,
-    ends: Ends,
-    left: Integers,
-    check: Callable[[], None],
-) -> Integers | None:
-    """Find a path by moves of every so many classes."""
-    reached = _table(1 << 14)
-    queue = bucket_queue(_REACH)
-    _begin(zones, ends, left, reached, queue)
+class _Search:
+    """A search that can be left for others, and gone on with."""
 
-    def expand(waiting: BucketQueue) -> int:
-        nonlocal reached
-        if 3 * int(reached.counts[_FILLED]) > len(reached.states):
-            larger = _table(4 * len(reached.states))
-            _copy(reached, larger)
-            reached = larger
-        return _search(every, zones, moves, ends, left, reached, waiting)
+    def __init__(
+        self, zones: Zones, moves: Moves, ends: Ends, left: Integers, detail: _Detail
+    ) -> None:
+        self._zones, self._moves, self._ends = zones, moves, ends
+        self._left, self._detail = left, detail
+        # Small, so that a warm-up makes it grow too.
+        self._reached = _table(1 << 9)
+        self._queue = bucket_queue(_REACH)
+        _begin(zones, ends, left, self._reached, self._queue)
 
-    run_search(expand, queue, _MOST_PUSHES, check)
-    last = int(reached.counts[_FOUND]) - 1
-    if last < 0:
-        return None
-    return _path_to(last, zones.width, reached)
+    def goes_on(self, expansions: int, check: Callable[[], None]) -> bool:
+        """Go on with it for so many expansions; return whether it is over."""
+        until = int(self._reached.counts[_EXPANSIONS]) + expansions // self._detail.fraction
+        while int(self._reached.counts[_EXPANSIONS]) < until:
+            if 3 * int(self._reached.counts[_FILLED]) > len(self._reached.states):
+                larger = _table(4 * len(self._reached.states))
+                _copy(self._reached, larger)
+                self._reached = larger
+            outcome = _search(
+                self._detail.every,
+                self._zones,
+                self._moves,
+                self._ends,
+                self._left,
+                self._reached,
+                self._queue,
+            )
+            if outcome == DONE:
+                return True
+            if outcome == FULL:
+                self._queue = with_room(self._queue, len(self._queue.entries))
+            check()
+        return False
+
+    def path(self) -> Integers | None:
+        """Return the path of a search that is over; None if there is none."""
+        last = int(self._reached.counts[_FOUND]) - 1
+        return None if last < 0 else _path_to(last, self._zones.width, self._reached)
 
 
 def _table(size: int) -> Reached:
@@ -200,7 +245,7 @@ def _copy(old: Reached, new: Reached) -> None:
 
 @compiled_part
 def _reach(
-    state: int, length: int, before: int, left: int, reached: Reached, queue: BucketQueue
+    state: int, length: int, before: int, ahead: int, reached: Reached, queue: BucketQueue
 ) -> None:
     """Note a path to a state if it is the shortest so far, and let the state wait."""
     at = _place(reached.states, state)
@@ -213,7 +258,7 @@ def _reach(
     reached.lengths[at] = length
     reached.before[at] = before
     first = queue.state[0]
-    bucket = (length + left + (left >> 1)) >> _BUCKET
+    bucket = (length + ahead) >> _BUCKET
     bucket = min(max(bucket, first), first + _REACH)
     push(queue.heads, queue.entries, queue.state, state, length, bucket)
 
@@ -225,8 +270,9 @@ def _begin(zones: Zones, ends: Ends, left: Integers, reached: Reached, queue: Bu
     state = _STATES * (ends.y * zones.width + ends.x)
     state += ROOM if in_room else ends.heading_class
     # The queue's first bucket is that of the start.
-    queue.state[0] = (3 * left[ends.y >> 1, ends.x >> 1]) >> _BUCKET
-    _reach(state, 0, state, 2 * left[ends.y >> 1, ends.x >> 1], reached, queue)
+    ahead = _WEIGHT * left[ends.y >> 1, ends.x >> 1]
+    queue.state[0] = ahead >> _BUCKET
+    _reach(state, 0, state, ahead, reached, queue)
 
 
 @compiled
@@ -240,7 +286,7 @@ def _search(
     queue: BucketQueue,
 ) -> int:
     """
-    Go on with a search for a while, by moves of every so many classes.
+    Go on with a search for a while.
 
     Returns ``DONE``, ``PAUSED``, or ``FULL`` if the queue must grow.
     """
@@ -294,7 +340,14 @@ def _search(
             if rest == NOT_REACHED or not may_move(zones, moves, x, y, j, heading):
                 continue
             other = _STATES * (to_y * zones.width + to_x) + (ROOM if goes_to_room else heading)
-            _reach(other, length + turn + moves.length[j], state, 2 * rest, reached, queue)
+            _reach(
+                other,
+                length + turn + moves.length[j],
+                state,
+                _WEIGHT * rest,
+                reached,
+                queue,
+            )
     return PAUSED
 
 

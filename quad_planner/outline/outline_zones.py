@@ -2,7 +2,9 @@
 Whether the robot fits in a cell at a class of headings.
 
 It does wherever its circle fits, at any heading, as for every planning method; and where the
-outline keeps its distance. That is looked at when a search asks, and remembered.
+outline keeps its distance. On maps up to a size that is known of all cells and classes in advance
+(:mod:`~quad_planner.outline.class_layers`); on larger ones it is looked at when a search asks, and
+remembered.
 
 All of it lies in one array: compiled code counts references to each array that it hands on, which
 would take longer than the look itself.
@@ -44,6 +46,8 @@ class Zones(NamedTuple):
     """Index of the kernels."""
     memory_at: int
     """Index of what is remembered; 0 if nothing is."""
+    classes_at: int
+    """Index of the bits of cells where each class does not fit; 0 where they are not known."""
     left: int
     """Least x around a start that may be nearer to obstacles [cells]."""
     right: int
@@ -55,12 +59,16 @@ class Zones(NamedTuple):
     data: Bits
     """
     Bits of cells by rows: obstacles, where the circle does not fit, where no heading fits, and
-    where a move leads to from where the circle does not fit; then kernels, and the memory.
+    where a move leads to from where the circle does not fit; then kernels, and the classes or the
+    memory.
     """
 
 
 def zones_of(
-    layers: tuple[Bits, Bits, Bits, Bits], width: int, kernels: tuple[Kernels, Kernels]
+    layers: tuple[Bits, Bits, Bits, Bits],
+    width: int,
+    kernels: tuple[Kernels, Kernels],
+    classes: Bits | None,
 ) -> Zones:
     """
     Put together what compiled code needs.
@@ -73,6 +81,8 @@ def zones_of(
         Width of the map [cells].
     kernels : tuple of Kernels
         Those of the outline, and those around a start that may be nearer, with no more rows.
+    classes : ndarray of uint64, shape (72, height, n), or None
+        As of :func:`~quad_planner.outline.class_layers.class_layers`.
 
     Returns
     -------
@@ -87,15 +97,20 @@ def zones_of(
         inside = slice(rows - kernel.rows, rows + kernel.rows + 1)
         reach[at, :, inside, 0], reach[at, :, inside, 1] = kernel.low, kernel.high
     kernels_at = len(layers) * height * words
-    memory_at = kernels_at + reach.size
-    remembers = width * height <= _LARGEST
+    further_at = kernels_at + reach.size
+    remembers = classes is None and width * height <= _LARGEST
+    further = _MEMORY * width * height if remembers else 0 if classes is None else classes.size
     # Zeros cost nothing until they are touched.
-    data = np.zeros(memory_at + (_MEMORY * width * height if remembers else 0), dtype=np.uint64)
+    data = np.zeros(further_at + further, dtype=np.uint64)
     for at, layer in enumerate(layers):
         data[at * height * words : (at + 1) * height * words] = layer.reshape(-1)
-    data[kernels_at:memory_at] = reach.reshape(-1).view(np.uint64)
-    memory_at = memory_at if remembers else 0
-    return Zones(width, height, words, rows, kernels_at, memory_at, 0, -1, 0, -1, data)
+    data[kernels_at:further_at] = reach.reshape(-1).view(np.uint64)
+    if classes is not None:
+        data[further_at:] = classes.reshape(-1)
+    memory_at = further_at if remembers else 0
+    classes_at = 0 if classes is None else further_at
+    sizes = (width, height, words, rows)
+    return Zones(*sizes, kernels_at, memory_at, classes_at, 0, -1, 0, -1, data)
 
 
 def around_start(zones: Zones, x: int, y: int) -> Zones:
@@ -146,6 +161,13 @@ def _is_clear(zones: Zones, x: int, y: int, kernel: int) -> bool:
 
 
 @compiled_part
+def _is_clear_by_class(zones: Zones, x: int, y: int, kernel: int) -> bool:
+    """Return the same of a cell of the map, where it is known of all."""
+    at = zones.classes_at + (kernel * zones.height + y) * zones.words + (x >> 6)
+    return not zones.data[at] >> np.uint64(x & 63) & _ONE
+
+
+@compiled_part
 def fits(zones: Zones, x: int, y: int, heading_class: int) -> bool:
     """Return whether the robot fits in a cell at a class of headings."""
     if not (0 <= x < zones.width and 0 <= y < zones.height):
@@ -154,6 +176,8 @@ def fits(zones: Zones, x: int, y: int, heading_class: int) -> bool:
         return True
     if zones.left <= x <= zones.right and zones.bottom <= y <= zones.top:
         return _is_clear(zones, x, y, CLASSES + heading_class)
+    if zones.classes_at:
+        return _is_clear_by_class(zones, x, y, heading_class)
     if _bit(zones, _INNER, x, y):
         return False
     if zones.memory_at == 0:
@@ -173,6 +197,10 @@ def fits(zones: Zones, x: int, y: int, heading_class: int) -> bool:
 def has_room_to_turn(zones: Zones, x: int, y: int) -> bool:
     """Return whether the outline itself fits in a cell of the map at every heading."""
     k = 0
+    if zones.classes_at:
+        while k < CLASSES and _is_clear_by_class(zones, x, y, k):
+            k += 1
+        return k == CLASSES
     while k < CLASSES and _is_clear(zones, x, y, k):
         k += 1
     return k == CLASSES

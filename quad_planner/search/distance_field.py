@@ -14,6 +14,7 @@ which neighbours are free, and where runs end. One look in the memory tells ever
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +56,25 @@ _EXPANSIONS = 4096
 """Number of expansions between two calls of `check`."""
 
 
+class Beyond(NamedTuple):
+    """Which cells are of no interest: those through which no path is short enough."""
+
+    x: int
+    """Cell where the paths through a cell end."""
+    y: int
+    """Cell where the paths through a cell end."""
+    longest: int
+    """Length that they have at most, in straight and diagonal steps."""
+
+
+_NOWHERE = Beyond(0, 0, -1)
+
+
 def distance_field(
-    allowed: Mask, start: tuple[int, int], check: Callable[[], None] = lambda: None
+    allowed: Mask,
+    start: tuple[int, int],
+    check: Callable[[], None] = lambda: None,
+    beyond: Beyond = _NOWHERE,
 ) -> Integers:
     """
     Measure the shortest path from one cell to every other.
@@ -69,6 +87,9 @@ def distance_field(
         x and y of a cell of the map.
     check : callable
         Called again and again; raises to end the search.
+    beyond : Beyond
+        Cells of no interest. Their lengths may be too large, or missing; if it is left out, all
+        cells are of interest.
 
     Returns
     -------
@@ -90,12 +111,12 @@ def distance_field(
     words = np.empty((height + 2, width + 2), dtype=np.int64)
     _make_words(padded, words)
     if allowed[y, x]:
-        _search(words, (y + 1) * (width + 2) + x + 1, check)
+        _search(words, (y + 1) * (width + 2) + x + 1, beyond, check)
     _keep_lengths(words)
     return words[1:-1, 1:-1]
 
 
-def _search(words: Integers, start: int, check: Callable[[], None]) -> None:
+def _search(words: Integers, start: int, beyond: Beyond, check: Callable[[], None]) -> None:
     """Reach every cell; `start` is the place of a cell in `words`."""
     flat = words.reshape(-1)
     queue = bucket_queue((_WINDOW + DIAGONAL >> _BUCKET) + 1)
@@ -103,7 +124,7 @@ def _search(words: Integers, start: int, check: Callable[[], None]) -> None:
     push(*queue, start, 0, 0)
     while not is_empty(queue.state):
         queue = with_room(queue, _MOST_PUSHES)
-        _expand(flat, words.shape[1], ONWARD, *queue, _EXPANSIONS)
+        _expand(flat, words.shape[1], ONWARD, beyond, *queue, _EXPANSIONS)
         check()
 
 
@@ -145,6 +166,7 @@ def _expand(
     words: Integers,
     width: int,
     onward: NDArray[np.uint8],
+    beyond: Beyond,
     heads: Integers,
     entries: Integers,
     state: Integers,
@@ -166,6 +188,13 @@ def _expand(
             # A shorter path was found, or another as short: that one waits too.
             continue
         length = word >> _LENGTH
+        if beyond.longest >= 0:
+            # There is a wall of one cell around the map.
+            dx, dy = abs(cell % width - 1 - beyond.x), abs(cell // width - 1 - beyond.y)
+            least = STRAIGHT * max(dx, dy) + (DIAGONAL - STRAIGHT) * min(dx, dy)
+            if length + least > beyond.longest:
+                # Nor is any cell farther on.
+                continue
         directions = onward[(word >> _ARRIVALS) & 255, (word >> _AROUND) & 255]
         for k in range(0, 8, 2):
             if directions >> k & 1:

@@ -72,6 +72,8 @@ class Costs(NamedTuple):
     """Costs of the turns from each to the goal's heading, shape (8,)."""
     least_turns: Numbers
     """Least costs of turns, shape (8, 17), see :func:`least_turns_of`."""
+    excess: Numbers
+    """How much more a turn may cost from one heading than from another: :func:`excess_of`."""
 
 
 def costs_of(terms: WalkTerms) -> Costs:
@@ -102,7 +104,30 @@ def costs_of(terms: WalkTerms) -> Costs:
         np.array(first),
         last,
         least,
+        excess_of(np.array(turns)),
     )
+
+
+def excess_of(turns: Numbers) -> Numbers:
+    """
+    Tabulate how much more a turn may cost from one heading than from another, to any heading.
+
+    Parameters
+    ----------
+    turns : ndarray of int, shape (8, 8)
+        Costs of turns.
+
+    Returns
+    -------
+    ndarray of int, shape (8, 8)
+        If the robot can rest at a place in heading a at a cost, then in heading b it is of no use
+        to turn there at that cost and excess[a, b].
+    """
+    from_one = np.where(np.eye(HEADINGS, dtype=np.bool_), 0, turns)
+    # From b to b is no turn.
+    from_other = np.where(np.eye(HEADINGS, dtype=np.bool_), NOT_REACHED, turns)
+    excess: Numbers = (from_one[:, None] - from_other[None]).max(axis=2)
+    return excess
 
 
 def least_turns_of(turns: Numbers, last_turns: Numbers) -> Numbers:
@@ -153,7 +178,9 @@ def _sector(dx: int, dy: int) -> int:
 
 
 @inlined_part
-def total_cost(cost: int, left: int, dx: int, dy: int, heading: int, costs: Costs) -> int:
+def total_cost(
+    cost: int, left: int, dx: int, dy: int, heading: int, scale: float, least_turns: Numbers
+) -> int:
     """
     Return a cost and the least that is left.
 
@@ -162,5 +189,4 @@ def total_cost(cost: int, left: int, dx: int, dy: int, heading: int, costs: Cost
     """
     if left == 0:
         return NOT_REACHED
-    least = int(costs.scale * (left - 1))
-    return cost + least + int(costs.least_turns[heading, _sector(dx, dy)])
+    return cost + int(scale * (left - 1)) + int(least_turns[heading, _sector(dx, dy)])

@@ -36,13 +36,14 @@ from quad_planner.grid.bucket_queue import (
     push,
 )
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
-from quad_planner.search.distance_field import distance_field
+from quad_planner.search.distance_field import Beyond, distance_field
 from quad_planner.search.lattice_costs import (
     HEADINGS,
     LARGEST,
     NOT_REACHED,
     Costs,
     costs_of,
+    excess_of,
     least_turns_of,
     total_cost,
 )
@@ -53,14 +54,14 @@ Cells = NDArray[np.int64]
 Numbers = NDArray[np.int64]
 
 
-# How a state was reached: from heading k by a turn, or as follows.
+# How a state was reached: by a step after a turn from heading k, or as follows.
 _BY_A_STEP = np.uint8(8)
 _AT_THE_START = np.uint8(9)
 _PREVIOUS = np.uint8(15)
 _EXPANDED = np.uint8(16)
 
-_AT_A_TIME = 200_000
-"""Number of expansions between two calls of `check`."""
+_AT_A_TIME = 50_000
+"""Number of states that waited between two calls of `check`."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +77,14 @@ class LatticePath:
 
 
 class _Reached(NamedTuple):
-    """What the search knows; state 8 c + k is heading k in cell c."""
+    """What the search knows; state 8 c + k is cell c, reached by a step in heading k."""
 
     cost: NDArray[np.int32]
     """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
     by: NDArray[np.uint8]
-    """State from which each was reached, and whether the search went on from there."""
+    """How each was reached, and whether the search went on from there."""
+    rests: Numbers
+    """Of each cell the least cost to come to rest, times 8, and the heading; 0 where not known."""
     best: NDArray[np.int64]
     """The least cost at the goal and the heading in which it is reached; expansions."""
 
@@ -165,6 +168,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
         first_turns=none,
         last_turns=none,
         least_turns=least_turns_of(turns, none),
+        excess=excess_of(turns),
     )
     found = _find(grid, (start[0], start[1]), (goal[0], goal[1]), costs, check)
     return known if found is None else found[0]
@@ -188,6 +192,7 @@ def _find(
     reached = _Reached(
         np.zeros(HEADINGS * cells, dtype=np.int32),
         np.zeros(HEADINGS * cells, dtype=np.uint8),
+        np.zeros(cells, dtype=np.int64),
         np.array([NOT_REACHED, 0, 0]),
     )
     _begin(grid.rows, width, first, last, costs, left, reached, queue)
@@ -224,7 +229,9 @@ def _lengths_left(
     low = [max(min(a, b) + 1 - margin, 0) for a, b in zip(start, goal)]
     high = [min(max(a, b) + 2 + margin, size) for a, b, size in zip(start, goal, sizes)]
     free = BitMask(grid.rows, sizes[0]).window(low[0], low[1], high[0], high[1])
-    lengths = distance_field(free, (goal[0] + 1 - low[0], goal[1] + 1 - low[1]), check)
+    ends = [(end[0] + 1 - low[0], end[1] + 1 - low[1]) for end in (start, goal)]
+    beyond = Beyond(*ends[0], math.ceil(costs.longest / costs.scale))
+    lengths = distance_field(free, ends[1], check, beyond)
     left = np.zeros(sizes[::-1], dtype=np.int64)
     # What is not reached has a length of -1.
     np.add(lengths, 1, out=left[low[1] : high[1], low[0] : high[0]])
@@ -242,11 +249,6 @@ def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
     return True
 
 
-@inlined_part
-def _wait(queue: BucketQueue, bucket: int, state: int) -> None:
-    push(queue.heads, queue.entries, queue.state, state, 0, bucket)
-
-
 def _begin(
     rows: Bits,
     width: int,
@@ -257,19 +259,24 @@ def _begin(
     reached: _Reached,
     queue: BucketQueue,
 ) -> None:
-    """Let the start's eight headings wait."""
+    """Let the first steps to the start's eight neighbours wait."""
     x, y = start % width, start // width
-    dx, dy = goal % width - x, goal // width - y
-    cycle = costs.cycle
+    goal_x, goal_y = goal % width, goal // width
     for k in range(HEADINGS):
-        cost = int(costs.first_turns[k])
-        total = total_cost(cost, int(left[start]), dx, dy, k, costs)
-        if total > costs.longest - cycle or not _may_step(rows, x, y, k):
+        if not _may_step(rows, x, y, k):
             continue
-        state = HEADINGS * start + k
-        reached.cost[state] = cost + 1
-        reached.by[state] = _AT_THE_START
-        _wait(queue, (total + costs.bucket - 1) // costs.bucket, state)
+        to_x, to_y = x + int(DX[k]), y + int(DY[k])
+        cell = to_y * width + to_x
+        cost = int(costs.first_turns[k]) + (costs.diagonal if k & 1 else costs.straight)
+        dx, dy = goal_x - to_x, goal_y - to_y
+        scale, least_turns = costs.scale, costs.least_turns
+        total = total_cost(cost, int(left[cell]), dx, dy, k, scale, least_turns)
+        if total <= costs.longest - costs.cycle:
+            state = HEADINGS * cell + k
+            reached.cost[state] = cost + 1
+            reached.by[state] = _AT_THE_START
+            bucket = _bucket(total, costs.bucket)
+            push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
 
 @compiled
@@ -284,80 +291,100 @@ def _search(
     at_a_time: int,
 ) -> int:
     """
-    Go on with a search, for so many expansions at a time.
+    Go on with a search, for so many states that waited at a time.
 
-    Returns ``DONE``, ``PAUSED``, or ``FULL`` if the queue must grow.
+    Each is followed straight on while the bound does not rise above its bucket. Returns ``DONE``,
+    ``PAUSED``, or ``FULL`` if the queue must grow.
     """
-    cycle, best = costs.cycle, reached.best
+    # Arrays one by one, for compiled code counts references to those of a tuple at each look.
+    heads, entries, waiting = queue.heads, queue.entries, queue.state
+    reached_cost, reached_by, rests, best = reached.cost, reached.by, reached.rests, reached.best
+    turns, excess, last_turns = costs.turns, costs.excess, costs.last_turns
+    least_turns, scale = costs.least_turns, costs.scale
+    cycle, width_of_bucket = costs.cycle, costs.bucket
+    straight, diagonal, longest = costs.straight, costs.diagonal, costs.longest
     goal_x, goal_y = goal % width, goal // width
     for _ in range(at_a_time):
-        if is_empty(queue.state):
+        if is_empty(waiting):
             return DONE
-        bucket = next_bucket(queue.heads, queue.state)
+        bucket = next_bucket(heads, waiting)
         # The first whole cycle above all that waited in the buckets before.
-        if best[0] <= ((bucket - 1) * costs.bucket // cycle + 1) * cycle:
+        if best[0] <= ((bucket - 1) * width_of_bucket // cycle + 1) * cycle:
             return DONE
-        # A state lets those wait that it turns to, and the one ahead.
-        if not has_room(queue.entries, queue.state, HEADINGS):
-            return FULL
-        state, _ = pop(queue.heads, queue.entries, queue.state)
-        by = reached.by[state]
-        if by & _EXPANDED:
-            continue
-        reached.by[state] = by | _EXPANDED
-        best[2] += 1
-        cell, k = state // HEADINGS, state % HEADINGS
-        x, y = cell % width, cell // width
-        cost = int(reached.cost[state]) - 1
-        rest = (cost + cycle - 1) // cycle * cycle
-        if cell == goal:
-            total = rest + costs.last_turns[k]
-            if total < min(best[0], costs.longest):
-                best[0], best[1] = total, k
-            continue
-        if by & _PREVIOUS == _BY_A_STEP:
-            left_here = int(left[cell])
-            for j in range(HEADINGS):
-                if j != k:
-                    turned = rest + int(costs.turns[k, j])
-                    total = total_cost(turned, left_here, goal_x - x, goal_y - y, j, costs)
-                    other = HEADINGS * cell + j
-                    if _is_new(other, turned, total, costs, reached) and _may_step(rows, x, y, j):
-                        _reach(other, turned, np.uint8(k), total, bucket, costs, reached, queue)
-        if _may_step(rows, x, y, k):
-            x, y = x + int(DX[k]), y + int(DY[k])
-            cost += costs.diagonal if k & 1 else costs.straight
-            left_there = int(left[y * width + x])
-            total = total_cost(cost, left_there, goal_x - x, goal_y - y, k, costs)
-            state = HEADINGS * (y * width + x) + k
-            if _is_new(state, cost, total, costs, reached):
-                _reach(state, cost, _BY_A_STEP, total, bucket, costs, reached, queue)
+        state, _ = pop(heads, entries, waiting)
+        goes_on = True
+        while goes_on:
+            goes_on = False
+            by = reached_by[state]
+            if by & _EXPANDED:
+                break
+            # A state lets those wait to which it turns, and the one ahead.
+            if not has_room(entries, waiting, HEADINGS):
+                # There is room for it itself: it has just been taken, or followed one that was.
+                push(heads, entries, waiting, state, 0, bucket)
+                return FULL
+            reached_by[state] = by | _EXPANDED
+            best[2] += 1
+            cell, k = state // HEADINGS, state % HEADINGS
+            x, y = cell % width, cell // width
+            cost = int(reached_cost[state]) - 1
+            rest = (cost + cycle - 1) // cycle * cycle
+            if cell == goal:
+                total = rest + last_turns[k]
+                if total < min(best[0], longest):
+                    best[0], best[1] = total, k
+                break
+            # Another heading there from which all turns cost no more?
+            other = int(rests[cell])
+            if other == 0 or (other >> 3) + excess[other & 7, k] > rest:
+                if other == 0 or rest < other >> 3:
+                    rests[cell] = rest << 3 | k
+                for j in range(HEADINGS):
+                    if j == k:
+                        continue
+                    there = cell + int(DY[j]) * width + int(DX[j])
+                    onward = rest + int(turns[k, j])
+                    onward += diagonal if j & 1 else straight
+                    if not _is_less(HEADINGS * there + j, onward, reached_cost):
+                        continue
+                    dx, dy = goal_x - x - int(DX[j]), goal_y - y - int(DY[j])
+                    total = total_cost(onward, int(left[there]), dx, dy, j, scale, least_turns)
+                    if total <= longest - cycle and _may_step(rows, x, y, j):
+                        state = HEADINGS * there + j
+                        reached_cost[state] = onward + 1
+                        reached_by[state] = np.uint8(k)
+                        # The bound on what is left may fall by more than a step costs: never back.
+                        further = max(bucket, _bucket(total, width_of_bucket))
+                        push(heads, entries, waiting, state, 0, further)
+            there = cell + int(DY[k]) * width + int(DX[k])
+            onward = cost + (diagonal if k & 1 else straight)
+            state = HEADINGS * there + k
+            if not _is_less(state, onward, reached_cost):
+                break
+            dx, dy = goal_x - x - int(DX[k]), goal_y - y - int(DY[k])
+            total = total_cost(onward, int(left[there]), dx, dy, k, scale, least_turns)
+            if total > longest - cycle or not _may_step(rows, x, y, k):
+                break
+            reached_cost[state] = onward + 1
+            reached_by[state] = _BY_A_STEP
+            further = _bucket(total, width_of_bucket)
+            goes_on = further <= bucket
+            if not goes_on:
+                push(heads, entries, waiting, state, 0, further)
     return PAUSED
 
 
 @inlined_part
-def _is_new(state: int, cost: int, total: int, costs: Costs, reached: _Reached) -> bool:
-    """Return whether a state was not reached as cheaply, and may be on a path in the bound."""
-    known = int(reached.cost[state])
-    return total <= costs.longest - costs.cycle and (known == 0 or cost + 1 < known)
+def _is_less(state: int, cost: int, reached_cost: NDArray[np.int32]) -> bool:
+    """Return whether a state was not reached as cheaply."""
+    known = int(reached_cost[state])
+    return known == 0 or cost + 1 < known
 
 
 @inlined_part
-def _reach(
-    state: int,
-    cost: int,
-    by: np.uint8,
-    total: int,
-    bucket: int,
-    costs: Costs,
-    reached: _Reached,
-    queue: BucketQueue,
-) -> None:
-    """Note how a state was reached, and let it wait."""
-    reached.cost[state] = cost + 1
-    reached.by[state] = by
-    # The bound on what is left may fall by more than a step costs: never back.
-    _wait(queue, max(bucket, (total + costs.bucket - 1) // costs.bucket), state)
+def _bucket(total: int, width: int) -> int:
+    """Return the bucket of a cost and the least that is left."""
+    return (total + width - 1) // width
 
 
 def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
@@ -370,9 +397,8 @@ def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, headin
     cell, by = goal, step
     while by != start:
         by = moves[HEADINGS * cell + heading] & previous
-        if by == step:
-            cell -= offsets[heading]
-        else:
+        cell -= offsets[heading]
+        if by != step:
             places.append(cell)
             heading = by
     return np.array([[place % width - 1, place // width - 1] for place in reversed(places)])

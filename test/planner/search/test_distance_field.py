@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from quad_common.errors import ParameterError
 from quad_planner.search.cell_steps import DIAGONAL, STRAIGHT
-from quad_planner.search.distance_field import NOT_REACHED, distance_field
+from quad_planner.search.distance_field import NOT_REACHED, Beyond, distance_field
 
 
 def graph_of(allowed):
@@ -207,3 +207,22 @@ def test_the_length_is_that_of_a_plane_within_the_octile_ratio():
     # At 22.5 degrees eight directions are longest: 1 / cos(22.5 degrees).
     assert (lengths >= straight - 1e-5 * straight).all()
     assert (lengths <= straight / math.cos(math.pi / 8) + 1e-5).all()
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_cells_on_short_enough_paths_have_their_lengths(seed):
+    rng = np.random.default_rng(seed)
+    allowed = rng.random((90, 120)) > 0.25
+    allowed[[5, 80], [100, 10]] = True
+    all_lengths = distance_field(allowed, (100, 5))
+    others = distance_field(allowed, (10, 80))
+    if all_lengths[80, 10] == NOT_REACHED:
+        return
+    longest = int(1.05 * all_lengths[80, 10])
+    lengths = distance_field(allowed, (100, 5), beyond=Beyond(10, 80, longest))
+    is_near = (all_lengths != NOT_REACHED) & (all_lengths + others <= longest)
+    assert is_near.sum() > 50
+    assert np.array_equal(lengths[is_near], all_lengths[is_near])
+    assert ((lengths == NOT_REACHED) | (lengths >= all_lengths)).all()
+    # And some are left out.
+    assert (lengths == NOT_REACHED).sum() > (all_lengths == NOT_REACHED).sum()
