@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from quad_common.compiled import compiled
 from quad_planner.grid.bit_grid import BitMask, Bits
-from quad_planner.grid.compiled import compiled
 from quad_planner.outline.heading_kernels import CLASSES, Integers, Kernels
 
 _LARGEST = 2**22
