@@ -183,6 +183,7 @@ def falls_of(robot: Robot) -> frozenset[Contact]:
 _FOOT_ZONE = 2.5
 """Distance from a foot's center, in its radii: meshes of calves reach around their feet."""
 
+
 def foot_zone(robot: Robot) -> float:
     """
     Return how near to its foot's center a calf stands on the ground as the foot does [m].
