@@ -135,7 +135,8 @@ def test_a_half_hidden_goal_is_no_goal():
 
 def test_a_goal_behind_an_obstacle_is_hidden():
     goal = Pose2D(2.35, 0.0, math.pi / 2.0)
-    seen = perceiver_of().perceive(room(goals=[goal], obstacles=[Obstacle(1.9, 0.0, 1.0, 0.5, 0.5)]))
+    before = Obstacle(1.9, 0.0, 1.0, 0.5, 0.5)
+    seen = perceiver_of().perceive(room(goals=[goal], obstacles=[before]))
     assert isinstance(seen.goal_problem, MarkerHidden | MarkerNotSeen)
 
 
