@@ -125,9 +125,10 @@ class FloorView:
                 & (pixels[:, 0] <= camera.width)
                 & (pixels[:, 1] <= camera.height)
             )
-        # Far outside the picture the lens's polynomial turns back into it.
-        back = camera.on_plane(pixels[inside])
-        inside[inside] = np.linalg.norm(back - places[inside], axis=1) < self.step
+        if camera.distortion.any():
+            # Far outside the picture the lens's polynomial turns back into it.
+            back = camera.on_plane(pixels[inside])
+            inside[inside] = np.linalg.norm(back - places[inside], axis=1) < self.step
         pixels[~inside] = -9.0
         table = (pixels - 0.5).astype(np.float32).reshape(rows, columns, 2)
         first, second = cv2.convertMaps(table, None, cv2.CV_16SC2)

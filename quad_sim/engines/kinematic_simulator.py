@@ -24,6 +24,9 @@ _GRAVITY = np.array([0.0, 0.0, 9.80665])
 _CONTACT_HEIGHT = 1e-3
 """A foot this near to the height of the lowest one is on the ground [m]."""
 
+_MOST_WAITING = 64
+"""Number of steps after which the body is moved although nobody looks."""
+
 
 class KinematicSimulator:
     """
@@ -56,6 +59,8 @@ class KinematicSimulator:
         self._joints: Array = self._robot.initial_joint_angles.reshape(-1).copy()
         self._joint_velocities: Array = np.zeros_like(self._joints)
         self._feet = self._robot.neutral_feet
+        self._placed: Array = self._joints
+        self._waiting: list[Array] = []
         self._stuck: set[int] = set()
 
     def fail_joint(self, joint: int, kind: str) -> None:
@@ -69,33 +74,46 @@ class KinematicSimulator:
         if self._stuck:
             stuck = list(self._stuck)
             joint_positions[stuck], joint_velocities[stuck] = self._joints[stuck], 0.0
-        self._previous = self._pose
         self._steps += 1
-        self._joint_velocities = joint_velocities
-        if np.array_equal(joint_positions, self._joints):
-            # Where no joint moves nothing does.
-            return
-        feet = self._robot.foot_positions(joint_positions.reshape(4, 3))
-        before, after = self._feet.tolist(), feet.tolist()
-        standing = [a and b for a, b in zip(_on_ground(before), _on_ground(after))]
-        if sum(standing) >= 2:
-            # Feet at rest, but for their rolling: old pose @ old feet = new pose @ new feet.
-            rolled = (self._feet[:, :2] + self._rolled(joint_positions)).tolist()
-            pairs = [pair for pair, stands in zip(zip(after, rolled), standing) if stands]
-            self._pose = self._pose @ _rigid_motion(pairs)
-        self._feet = feet
-        self._joints = joint_positions
+        self._joints, self._joint_velocities = joint_positions, joint_velocities
+        self._waiting.append(joint_positions)
+        if len(self._waiting) >= _MOST_WAITING:
+            self._move()
 
-    def _rolled(self, joint_positions: Array) -> Array:
-        """How far the balls of the feet roll when the joints move, shape (4, 2) [m]."""
-        before, after = self._joints.reshape(4, 3), joint_positions.reshape(4, 3)
+    def _move(self) -> None:
+        """Move the body as the joints have moved since: arrays of several steps take less time."""
+        if not self._waiting:
+            return
+        joints = np.array([self._placed, *self._waiting])
+        self._placed = self._waiting[-1]
+        self._waiting = []
+        self._previous = self._pose
+        # Where no joint moves nothing does.
+        moved = (joints[1:] != joints[:-1]).any(axis=1)
+        if not moved.any():
+            return
+        after = joints[1:][moved].reshape(-1, 4, 3)
+        before = joints[:-1][moved].reshape(-1, 4, 3)
         spin = self._robot.calf_angular_velocities((before + after) / 2.0, after - before)
-        rolled: Array = self._robot.foot_radius * spin[:, 1::-1]
-        rolled[:, 1] *= -1.0
-        return rolled
+        feet = self._robot.foot_positions(after)
+        # Feet at rest, but for their rolling: old pose @ old feet = new pose @ new feet.
+        rolled = self._robot.foot_radius * spin[..., 1::-1] * (1.0, -1.0)
+        rolled += np.concatenate((self._feet[None], feet[:-1]))[..., :2]
+        stood = _on_ground(self._feet.tolist())
+        for new, old in zip(feet.tolist(), rolled.tolist(), strict=True):
+            stand = _on_ground(new)
+            pairs = [(a, b) for a, b, *stands in zip(new, old, stood, stand) if all(stands)]
+            self._previous = self._pose
+            if len(pairs) >= 2:
+                self._pose = self._pose @ _rigid_motion(pairs)
+            stood = stand
+        if not moved[-1]:
+            self._previous = self._pose
+        self._feet = feet[-1]
 
     def observe(self) -> Observation:
         """Return the robot's state; the body stays level and touches nothing."""
+        self._move()
         moved = self._previous.inverse() @ self._pose
         height = self._robot.foot_radius - float(self._feet[:, 2].min())
         half = self._pose.yaw / 2.0

@@ -17,11 +17,26 @@ def domain(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def bench(domain):
-    """Give a bench to start nodes on; see `harness.Bench`."""
+def process_bench(domain):
+    """Give a bench to start nodes on, as processes; see `harness.Bench`."""
     from harness import Bench
 
     with Bench() as bench:
+        yield bench
+
+
+@pytest.fixture
+def bench(process_bench):
+    """Give the bench of a module: nodes are processes unless it says otherwise."""
+    return process_bench
+
+
+@pytest.fixture
+def composed_bench(domain):
+    """Give a bench that makes its nodes in this process; see `composed_bench.ComposedBench`."""
+    from composed_bench import ComposedBench
+
+    with ComposedBench() as bench:
         yield bench
 
 

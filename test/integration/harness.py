@@ -131,6 +131,8 @@ class Bench:
         self.elapsed = 0.0
         """Simulated time that passed, over all simulators [s]."""
         self._nodes = NodeProcesses(namespace)
+        self.received = 0
+        """Number of messages heard."""
         self._alive: set[str] = set()
         self._pids: list[int] = []
         self._listeners: list[Callable[[str, Status], None]] = []
@@ -142,11 +144,10 @@ class Bench:
         self.node = rclpy.create_node('bench', namespace=namespace, context=self._context)
         self._executor = make_executor(self._context)
         self._executor.add_node(self.node)
-        create = self.node.create_subscription
-        create(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
-        create(Odometry, 'odom', self._on_odometry, EVERY_SAMPLE)
-        create(JointState, 'joint_states', self._on_joint_states, EVERY_SAMPLE)
-        create(Path, 'plan', self._on_plan, LATCHED)
+        self._subscribe(DiagnosticArray, 'diagnostics', self._on_diagnostics, 100)
+        self._subscribe(Odometry, 'odom', self._on_odometry, EVERY_SAMPLE)
+        self._subscribe(JointState, 'joint_states', self._on_joint_states, EVERY_SAMPLE)
+        self._subscribe(Path, 'plan', self._on_plan, LATCHED)
 
     def __enter__(self) -> Bench:
         return self
@@ -241,15 +242,19 @@ class Bench:
         began = advanced = self.elapsed
         alive_at = time.monotonic()
         while not condition():
-            self._executor.spin_once(timeout_sec=0.1)
-            for name in self._alive:
-                self.processes[name].check()
+            self._listen()
             if self.elapsed > advanced:
                 advanced, alive_at = self.elapsed, time.monotonic()
             if advanced - began > simulated_timeout:
                 pytest.fail(f'in {simulated_timeout:.0f} s of simulated time not seen: {what}')
             if time.monotonic() - alive_at > wall_timeout:
                 pytest.fail(f'nothing happens since {wall_timeout:.0f} s; not seen: {what}')
+
+    def _listen(self) -> None:
+        """Take what comes, and notice a node that has ended."""
+        self._executor.spin_once(timeout_sec=0.1)
+        for name in self._alive:
+            self.processes[name].check()
 
     def wait_for_status(self, node: str, words: str, **wanted: Any) -> Status:
         """Listen until a node says something; see `Status.is_like`."""
@@ -292,7 +297,7 @@ class Bench:
     def hear(self, kind: Any, topic: str, qos: Any = 10) -> list[Any]:
         """Listen to a topic; messages are appended to the list."""
         messages: list[Any] = []
-        self.node.create_subscription(kind, topic, messages.append, qos)
+        self._subscribe(kind, topic, messages.append, qos)
         return messages
 
     @property
@@ -414,6 +419,13 @@ class Bench:
         return client
 
     # ---- callbacks ----
+
+    def _subscribe(self, kind: Any, topic: str, take: Callable[[Any], None], qos: Any) -> None:
+        def on_message(message: Any) -> None:
+            self.received += 1
+            take(message)
+
+        self.node.create_subscription(kind, topic, on_message, qos)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:

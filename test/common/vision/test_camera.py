@@ -57,6 +57,17 @@ def test_the_corners_of_a_wide_lens_are_traced_back_as_exactly_as_its_middle(dis
     assert seen == pytest.approx(pixels, abs=1e-5)
 
 
+@pytest.mark.parametrize('distortion', [(0.0,) * 5, BARREL, (1.0, -0.3, 0.1, -0.2, 0.05)])
+def test_the_lens_is_opencvs(distortion):
+    cv2 = pytest.importorskip('cv2')
+    model = camera(yaw=0.3, distortion=distortion)
+    points = np.random.default_rng(0).uniform((-4.0, -4.0, 0.0), (4.0, 4.0, 3.0), (200, 3))
+    none = np.zeros(3)
+    ahead = (points - model.position) @ model.rotation
+    expected, _ = cv2.projectPoints(ahead, none, none, model.matrix, model.distortion)
+    assert model.project(points) == pytest.approx(expected.reshape(-1, 2), rel=1e-12, abs=1e-9)
+
+
 def test_a_tall_point_is_displaced_away_from_below_the_camera():
     model = camera()
     low, high = model.project([(2.0, 2.0, 0.0), (2.0, 2.0, 1.0)])

@@ -66,6 +66,12 @@ def dot(image: np.ndarray, at: Pose2D, height: float, radius: float, color) -> N
     cv2.fillPoly(image, [pixels.round().astype(np.int32)], color, shift=8)
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is what becomes of pictures."""
+    return composed_bench
+
+
 class Room:
     """Publishes what a camera and a robot's legs would, at 10 Hz."""
 

@@ -29,6 +29,12 @@ SIM = {
 START = Pose2D(3.0, 3.0, 0.5)
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is what the camera tells."""
+    return composed_bench
+
+
 def start(bench: Bench) -> None:
     bench.start('ceiling_camera_node')
     bench.start('sim_node', **SIM)

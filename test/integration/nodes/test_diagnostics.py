@@ -28,6 +28,12 @@ from quad_common.ros.pose_conversions import grid_message, pose_message, time_fr
 pytestmark = pytest.mark.ros
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is what nodes say."""
+    return composed_bench
+
+
 def odometry_at(x: float, y: float) -> Odometry:
     message = Odometry()
     message.header.frame_id = 'odom'
@@ -171,7 +177,10 @@ def test_a_simulator_without_a_clock_leaves_it_to_others(bench: Bench):
 @pytest.mark.parametrize(
     ('is_stamped', 'other', 'wanted'), [(False, TwistStamped, 'true'), (True, Twist, 'false')]
 )
-def test_steering_of_the_type_that_is_not_received_is_said(bench: Bench, is_stamped, other, wanted):
+def test_steering_of_the_type_that_is_not_received_is_said(
+    process_bench: Bench, is_stamped, other, wanted
+):
+    bench = process_bench
     bench.start('sim_node', map_file='none')
     bench.start('gait_node', stamped_cmd_vel=is_stamped)
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
@@ -188,7 +197,10 @@ def test_steering_of_the_type_that_is_not_received_is_said(bench: Bench, is_stam
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
 
 
-def test_what_is_missing_at_the_start_is_a_warning_in_the_log_when_it_stays_missing(bench: Bench):
+def test_what_is_missing_at_the_start_is_a_warning_in_the_log_when_it_stays_missing(
+    process_bench: Bench,
+):
+    bench = process_bench
     bench.start('gait_node', use_sim_time=False)
     bench.wait_for_status('gait_node', 'no odometry', level=WARN)
     process = bench.processes['gait_node']

@@ -92,7 +92,8 @@ def test_who_listens_late_still_hears_map_plan_and_robot_description(bench: Benc
             assert (qos.reliability, qos.durability) == (reliability, durability), topic
 
 
-def test_a_plan_can_be_asked_for_without_walking_it(bench: Bench):
+def test_a_plan_can_be_asked_for_without_walking_it(composed_bench: Bench):
+    bench = composed_bench
     bench.start('sim_node')
     bench.start('planner_node')
     bench.wait_for_status('planner_node', 'ready')

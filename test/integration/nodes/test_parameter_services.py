@@ -25,6 +25,12 @@ pytestmark = pytest.mark.ros
 NODES = ['planner_node', 'gait_node', 'sim_node', 'ceiling_camera_node', 'viewer_node']
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is what services answer."""
+    return composed_bench
+
+
 def values_of(bench: Bench, node: str) -> dict[str, Any]:
     """Return all parameters of a node, as ``ros2 param dump`` asks for them."""
     names = bench.call(f'{node}/list_parameters', ListParameters).result.names

@@ -56,7 +56,8 @@ def test_an_invalid_parameter_ends_a_node_with_one_sentence(bench: Bench, node, 
     assert words in sentence
 
 
-def test_whole_numbers_will_do_where_others_are_expected(bench: Bench):
+def test_whole_numbers_will_do_where_others_are_expected(composed_bench: Bench):
+    bench = composed_bench
     bench.start('sim_node', start_pose=[2, 3, 0])
     bench.wait_until('odometry', lambda: bench.odometry is not None)
     assert bench.is_near(Pose2D(2.0, 3.0, 0.0))

@@ -21,6 +21,12 @@ RESOLUTION = 0.05
 START, GOAL = Pose2D(1.0, 2.5, 0.0), Pose2D(3.4, 2.5, 0.0)
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is what is planned and walked."""
+    return composed_bench
+
+
 def room(wall: slice | None = None):
     """5 m x 5 m, in its middle a wall over these rows."""
     cells = np.zeros((100, 100), np.int8)

@@ -104,7 +104,8 @@ def test_hostile_obstacles_and_goals_are_refused_and_the_simulation_goes_on(benc
     assert len(bench.processes['sim_node'].log_tail(10_000)) < 20_000
 
 
-def test_a_bad_trajectory_is_refused_and_a_good_one_after_it_is_executed(bench: Bench):
+def test_a_bad_trajectory_is_refused_and_a_good_one_after_it_is_executed(composed_bench: Bench):
+    bench = composed_bench
     bench.start('sim_node')
     bench.wait_until('more than two seconds have passed', lambda: bench.time > 3.0)
 

@@ -78,7 +78,8 @@ def test_without_its_gait_node_the_robot_stands_until_it_is_back(bench: Bench):
     assert not has_fallen(bench)
 
 
-def test_a_robot_that_is_reset_walks_again_from_its_start(bench: Bench):
+def test_a_robot_that_is_reset_walks_again_from_its_start(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot(backend='bullet', real_time_factor=SLOWLY)
     bench.client('reset')
     heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)

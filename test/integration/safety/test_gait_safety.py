@@ -26,7 +26,8 @@ def fastest_joint(bench: Bench) -> float:
     return float(np.abs(bench.joint_states.velocity).max())
 
 
-def test_an_emergency_stop_freezes_the_robot_until_it_is_released(bench: Bench):
+def test_an_emergency_stop_freezes_the_robot_until_it_is_released(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot(backend='bullet', real_time_factor=2.0)
     bench.client('emergency_stop', SetBool)
     bench.give_goal(GOAL)

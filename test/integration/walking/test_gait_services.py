@@ -35,6 +35,12 @@ ROBOT = load_robot('titan_viii')
 GOAL = Pose2D(2.0, 1.2, 0.0)
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is what the robot does."""
+    return composed_bench
+
+
 def joints_away_from(bench: Bench, posture: np.ndarray) -> float:
     """Return how far the joints are from a posture [rad]."""
     positions = joints_from_message(bench.joint_states, ROBOT).positions

@@ -27,6 +27,12 @@ pytestmark = pytest.mark.ros
 GOAL = Pose2D(2.0, 1.2, 0.0)
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is where robots arrive."""
+    return composed_bench
+
+
 def correction(pose: Pose2D) -> TransformStamped:
     return pose_transform(pose, 'map', 'odom', Time())
 

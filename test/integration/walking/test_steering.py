@@ -28,6 +28,12 @@ BOUNDED = {'map_file': 'none', 'real_time_factor': 10.0}
 TIMEOUT = 20.0
 
 
+@pytest.fixture
+def bench(composed_bench: Bench) -> Bench:
+    """Give nodes in this process: what is asserted is how they steer."""
+    return composed_bench
+
+
 def start_steered(bench: Bench, sim: dict[str, object], **gait_parameters: object) -> None:
     """Start simulator and gait on an empty floor; who steers needs no planner."""
     bench.start('sim_node', **BOUNDED, **sim)

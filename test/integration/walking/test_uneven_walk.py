@@ -40,7 +40,8 @@ def start_nodes(bench: Bench, terrain: str, **simulator):
 
 
 @pytest.mark.parametrize('sees', [True, False])
-def test_it_climbs_a_kerb_with_its_body_level(bench: Bench, sees: bool):
+def test_it_climbs_a_kerb_with_its_body_level(composed_bench: Bench, sees: bool):
+    bench = composed_bench
     start_nodes(bench, 'kerb:height=0.04,length=2.0', publish_height_map=sees)
     heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
     lowest = bench.odometry.pose.pose.position.z

@@ -65,7 +65,8 @@ def test_robots_in_namespaces_walk_on_topics_of_their_own(domain):
         assert seconds_from_time(bench.odometry.header.stamp) > 0.0
 
 
-def test_a_robot_that_is_stopped_stands_until_it_gets_another_goal(bench: Bench):
+def test_a_robot_that_is_stopped_stands_until_it_gets_another_goal(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot(real_time_factor=SLOWLY)
     bench.client('stop')
     bench.give_goal(Pose2D(2.0, 1.2, 0.0))

@@ -14,7 +14,6 @@ from quad_sim.world.random_room import random_room
 from quad_sim.world.world import Obstacle
 
 
-@pytest.mark.timeout(600)
 def test_the_camera_alone_leads_to_the_goal_around_an_obstacle_that_is_dropped():
     room = random_room(1, start=Pose2D(1.0, 1.0, 0.0))
     options = CameraWalkOptions(gait='wave', method='shortest', picture_period=2.0, noise=4.0)

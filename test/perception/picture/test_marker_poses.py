@@ -1,6 +1,7 @@
 """The robot's and the goal's pose follow from their discs, or one sentence says why not."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -27,8 +28,13 @@ CAMERAS = [
     )
     for yaw, k1 in ((0.0, 0.0), (2.0, -0.1))
 ]
-PERCEIVERS = [Perceiver(camera, resolution=0.1) for camera in CAMERAS]
-CAMERA, PERCEIVER = CAMERAS[0], PERCEIVERS[0]
+CAMERA = CAMERAS[0]
+
+
+@cache
+def perceiver_of(which=0):
+    """Make the perceiver of a camera; its table takes about a second."""
+    return Perceiver(CAMERAS[which], resolution=0.1)
 
 
 def room(robots=(), goals=(), camera=CAMERA, obstacles=(), **options):
@@ -62,7 +68,7 @@ def test_the_robot_is_found_anywhere_in_any_light(which):
     for pose in poses(12):
         picture = room([pose], camera=CAMERAS[which])
         picture = disturbed(picture, rng, float(rng.uniform(0.7, 1.3)))
-        seen = PERCEIVERS[which].perceive(picture)
+        seen = perceiver_of(which).perceive(picture)
         assert seen.robot_problem is None
         found.append(errors(seen.robot, pose))
     distance, turn = np.sqrt(np.mean(np.square(found), axis=0))
@@ -73,7 +79,7 @@ def test_the_robot_is_found_anywhere_in_any_light(which):
 @pytest.mark.parametrize('which', [0, 1])
 def test_the_goal_is_found_with_its_heading(which):
     for pose in poses(6, seed=1):
-        seen = PERCEIVERS[which].perceive(room(goals=[pose], camera=CAMERAS[which]))
+        seen = perceiver_of(which).perceive(room(goals=[pose], camera=CAMERAS[which]))
         distance, turn = errors(seen.goal, pose)
         assert distance < 0.01
         assert turn < math.radians(1.5)
@@ -96,7 +102,7 @@ def test_the_covariance_covers_a_body_that_bobs():
 
 
 def test_a_robot_or_a_goal_that_is_not_there_is_said():
-    seen = PERCEIVER.perceive(room())
+    seen = perceiver_of().perceive(room())
     assert seen.robot is None
     assert seen.goal is None
     assert isinstance(seen.robot_problem, MarkerNotSeen)
@@ -108,7 +114,7 @@ def test_a_robot_or_a_goal_that_is_not_there_is_said():
 
 def test_two_goals_are_one_too_many():
     places = [Pose2D(1.0, 1.0, 0.0), Pose2D(-1.0, 0.5, 1.0)]
-    seen = PERCEIVER.perceive(room(goals=places))
+    seen = perceiver_of().perceive(room(goals=places))
     assert seen.goal is None
     assert isinstance(seen.goal_problem, SeveralMarkers)
     assert sorted(seen.goal_problem.places) == [
@@ -121,7 +127,7 @@ def test_two_goals_are_one_too_many():
 def test_a_half_hidden_goal_is_no_goal():
     goal = Pose2D(1.0, 1.0, 0.0)
     plates = [*goal_plates(goal, GOAL), (disc(1.1, 1.1, 0.17), 0.01, (90, 90, 90))]
-    seen = PERCEIVER.perceive(paint(CAMERA, [], plates))
+    seen = perceiver_of().perceive(paint(CAMERA, [], plates))
     assert isinstance(seen.goal_problem, MarkerHidden)
     assert 0.1 < seen.goal_problem.seen < 0.8
     assert "the goal's disc 'goal'" in str(seen.goal_problem)
@@ -129,19 +135,20 @@ def test_a_half_hidden_goal_is_no_goal():
 
 def test_a_goal_behind_an_obstacle_is_hidden():
     goal = Pose2D(2.35, 0.0, math.pi / 2.0)
-    seen = PERCEIVER.perceive(room(goals=[goal], obstacles=[Obstacle(1.9, 0.0, 1.0, 0.5, 0.5)]))
+    before = Obstacle(1.9, 0.0, 1.0, 0.5, 0.5)
+    seen = perceiver_of().perceive(room(goals=[goal], obstacles=[before]))
     assert isinstance(seen.goal_problem, MarkerHidden | MarkerNotSeen)
 
 
 def test_a_marker_of_which_one_disc_is_seen_is_hidden():
     one = goal_plates(Pose2D(1.0, 1.0, 0.0), GOAL)[:1]
-    seen = PERCEIVER.perceive(paint(CAMERA, [], one))
+    seen = perceiver_of().perceive(paint(CAMERA, [], one))
     assert isinstance(seen.goal_problem, MarkerHidden)
     assert "'goal_heading' only 0 %" in str(seen.goal_problem)
 
 
 def test_a_marker_at_the_border_is_hidden_by_it():
-    seen = PERCEIVER.perceive(room(goals=[Pose2D(4.15, 0.0, math.pi / 2.0)]))
+    seen = perceiver_of().perceive(room(goals=[Pose2D(4.15, 0.0, math.pi / 2.0)]))
     assert isinstance(seen.goal_problem, MarkerHidden)
     assert 'border' in str(seen.goal_problem)
 
@@ -151,7 +158,7 @@ def test_discs_that_are_too_far_apart_are_no_marker():
         (disc(0.0, 1.0, GOAL.radius), 0.0, GOAL.color),
         (disc(1.0, 1.0, GOAL.heading_radius), 0.0, GOAL.heading_color),
     ]
-    seen = PERCEIVER.perceive(paint(CAMERA, [], plates))
+    seen = perceiver_of().perceive(paint(CAMERA, [], plates))
     assert isinstance(seen.goal_problem, MarkerHidden)
     assert '0.30 m from each other' in str(seen.goal_problem)
 
@@ -162,18 +169,18 @@ def test_specks_of_a_markers_color_change_nothing():
     rng = np.random.default_rng(0)
     for row, column in rng.integers(10, 600, (40, 2)):
         picture[row : row + 2, column : column + 2] = GOAL.color
-    assert errors(PERCEIVER.perceive(picture).goal, pose)[0] < 0.02
+    assert errors(perceiver_of().perceive(picture).goal, pose)[0] < 0.02
 
 
 @pytest.mark.parametrize(('value', 'said'), [(0, 'black'), (12, 'black'), (255, 'overexposed')])
 def test_pictures_that_show_nothing_are_said(value, said):
     with pytest.raises(PictureUnusable, match=said):
-        PERCEIVER.perceive(np.full((640, 640, 3), value, np.uint8))
+        perceiver_of().perceive(np.full((640, 640, 3), value, np.uint8))
 
 
 def test_a_picture_of_another_size_is_refused():
     with pytest.raises(ParameterError, match='320 x 240 pixels'):
-        PERCEIVER.perceive(np.full((240, 320, 3), 128, np.uint8))
+        perceiver_of().perceive(np.full((240, 320, 3), 128, np.uint8))
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,6 @@ for options in json.loads(sys.argv[1]):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
 def test_after_warming_up_nothing_is_left_to_compile():
     command = [sys.executable, '-c', COUNT, json.dumps(OPTIONS)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
