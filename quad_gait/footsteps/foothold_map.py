@@ -14,7 +14,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_choice import find_fit, keep_best
 from quad_gait.footsteps.footstep_options import FootstepOptions
-from quad_gait.footsteps.footstep_search import MOST_CELLS, Lattice
+from quad_gait.footsteps.search_values import MOST_CELLS, Lattice
 from quad_gait.uneven.shin import shin_points
 from quad_gait.uneven.uneven_options import UnevenOptions
 

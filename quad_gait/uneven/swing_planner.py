@@ -28,7 +28,7 @@ from quad_gait.uneven.candidates import (
 )
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
+from quad_gait.uneven.path_motion import PlannedPaths, motion_along, ramp, searched, turned_by
 from quad_gait.uneven.shin import shin_points
 from quad_gait.uneven.uneven_options import UnevenOptions
 
@@ -186,9 +186,9 @@ class SwingPlanner:
         """Plan how feet that bear nothing are lowered, a little more than the ground is rough."""
         depth = 1.5 * self._robot.roughness
         speed = self._scale * self._options.search_speed
-        times = self._times(depth / speed + _ramp(depth))
+        times = self._times(depth / speed + ramp(depth))
         feet = np.repeat(now.feet[None], len(times), axis=0)
-        feet[:, legs, 2] -= _searched(times, speed, depth)[:, None]
+        feet[:, legs, 2] -= searched(times, speed, depth)[:, None]
         still = np.zeros(len(times))
         paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
         return self._motion_along(now, commanded, paths)
@@ -200,9 +200,9 @@ class SwingPlanner:
         speed = self._scale * self._options.search_speed
         target = _lowered(now.body, self._scale * LOWEST)
         shift = self._shift_duration(now.body, target)
-        times = self._times(shift + depth / speed + _ramp(depth))
+        times = self._times(shift + depth / speed + ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
-        path[:, leg, 2] -= _searched(times - shift, speed, depth)
+        path[:, leg, 2] -= searched(times - shift, speed, depth)
         progress = minimum_jerk(0.0, shift, times)[0]
         sure = int(np.searchsorted(times, shift))
         paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
@@ -299,12 +299,12 @@ class SwingPlanner:
         to_feel = top - target[2] - above
         low = fall + (self._lasting(to_feel, options.lower_time, pace) if to_feel > 0.0 else 0.0)
         search = (above + depth) / (scale * options.search_speed)
-        times = self._times(low + search + _ramp(search))
+        times = self._times(low + search + ramp(search))
         over = minimum_jerk((lift + lift_end) / 2.0, over_end, times)[0]
         height = start[2] + (top - start[2]) * minimum_jerk(lift, lift_end, times)[0]
         if low > fall:
             height += (target[2] + above - top) * minimum_jerk(fall, low, times)[0]
-        height -= _searched(times - low, scale * options.search_speed, above + depth)
+        height -= searched(times - low, scale * options.search_speed, above + depth)
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, :2] += over[:, None] * (target - start)[:2]
         path[:, leg, 2] = height
@@ -393,15 +393,3 @@ class SwingPlanner:
 
 def _lowered(body: BodyPose, depth: float) -> BodyPose:
     return BodyPose(body.position - np.array([0.0, 0.0, depth]), body.roll, body.pitch, body.yaw)
-
-
-def _ramp(duration: float) -> float:
-    """How much longer a search takes because it begins gently [s]."""
-    return 0.0 if duration <= 0.0 else 0.03
-
-
-def _searched(times: Array, speed: float, depth: float) -> Array:
-    """Return how far down a foot has felt: it gathers speed, then keeps it [m]."""
-    ramp = 2.0 * _ramp(1.0)
-    gathered = np.where(times < ramp, times**2 / (2.0 * ramp), times - ramp / 2.0)
-    return np.clip(speed * np.where(times > 0.0, gathered, 0.0), 0.0, depth)

@@ -15,6 +15,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from quad_common.errors import RobotModelError
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.benchmarks.foothold_courses import (
     COURSES,
@@ -128,6 +129,12 @@ def _cross(
     crossings: list[dict[str, Any]] = []
     with worker_pool() as pool:
         for robot, course in courses:
+            try:
+                load_robot(robot)
+            except RobotModelError as error:
+                console.print(f'{robot} over {course}: {error}', highlight=False)
+                bars.append(at_least(f'{robot} over {course}: arrived', None, '', len(seeds)))
+                continue
             outcomes: list[TerrainOutcome] = []
             for each in pool.map(_crossed, *zip(*((robot, course, one) for one in seeds))):
                 outcomes.append(each)
