@@ -107,6 +107,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default='truth',
         help='source of map, goal and pose: the simulator, or its ceiling camera alone',
     )
+    _add_pace_arguments(parser)
+    _add_result_arguments(parser)
+
+
+def _add_pace_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare how near to things, how fast and in how many processes it walks."""
     parser.add_argument(
         '--safety-distance',
         type=parameter_argument(PlannerParameters, 'safety_distance'),
@@ -124,7 +130,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action='store_true',
         help='all nodes in one process, in step: the walk repeats bit for bit',
     )
-    _add_result_arguments(parser)
 
 
 def _add_result_arguments(parser: argparse.ArgumentParser) -> None:

@@ -21,7 +21,13 @@ from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.arrival import Arrival
 from quad_gait.following.follower_options import TURNINGS, FollowerOptions
-from quad_gait.following.reference_path import Piece, rounded_pieces, straight_pieces, work_left
+from quad_gait.following.reference_path import (
+    Piece,
+    pose_ahead,
+    rounded_pieces,
+    straight_pieces,
+    work_left,
+)
 from quad_gait.following.step import Gear, Step, advance
 
 _CATCH_UP = 0.2
@@ -117,10 +123,9 @@ class PathFollower:
 
     def pose_ahead(self, pose: Pose2D, distance: float) -> Pose2D | None:
         """
-        Return the pose so far along the path, heading along it; None without a plan.
+        Return the pose so far along the path; None without a plan, behind the last piece the goal.
 
-        No farther than the next stop; where the robot is to turn first, the pose to turn to; behind
-        the last piece the goal.
+        See :func:`~quad_gait.following.reference_path.pose_ahead`.
 
         Parameters
         ----------
@@ -131,19 +136,8 @@ class PathFollower:
         """
         if self.plan is None:
             return None
-        if self._piece == len(self._pieces):
-            return self.plan.poses[-1]
-        piece = self._pieces[self._piece]
-        done = min(max(piece.project(pose), 0.0), piece.length)
-        beside = piece.at(done)
-        if abs(wrap_angle(beside.yaw - pose.yaw)) > 2.0 * self._options.turn_threshold:
-            return beside
-        for piece in self._pieces[self._piece :]:
-            left = piece.length - done
-            if piece.ends_in_stop or left > distance:
-                break
-            distance, done = distance - left, 0.0
-        return piece.at(min(done + distance, piece.length))
+        pieces, most = self._pieces[self._piece :], 2.0 * self._options.turn_threshold
+        return pose_ahead(pieces, pose, distance, most) if pieces else self.plan.poses[-1]
 
     def next_step(self, pose: Pose2D, entry: Twist2D = STILL) -> Step | None:
         """

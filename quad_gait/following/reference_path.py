@@ -210,3 +210,36 @@ def _with_stops(pieces: Sequence[Piece], stop_angle: float) -> list[Piece]:
         last = pieces[-1]
         stopping.append(Piece(last.start, last.length, last.curvature, True))
     return stopping
+
+
+def pose_ahead(pieces: list[Piece], pose: Pose2D, distance: float, most_turn: float) -> Pose2D:
+    """
+    Return the pose so far along a path, heading along it, and no farther than the next stop.
+
+    Parameters
+    ----------
+    pieces : list of Piece
+        What is left of the path, at least one.
+    pose : Pose2D
+        Where the robot is.
+    distance : float
+        From beside it on [m].
+    most_turn : float
+        Angle from the path's heading beyond which the robot is to turn first [rad]: then it is the
+        pose beside it.
+
+    Returns
+    -------
+    Pose2D
+    """
+    piece = pieces[0]
+    done = min(max(piece.project(pose), 0.0), piece.length)
+    beside = piece.at(done)
+    if abs(wrap_angle(beside.yaw - pose.yaw)) > most_turn:
+        return beside
+    for piece in pieces:
+        left = piece.length - done
+        if piece.ends_in_stop or left > distance:
+            break
+        distance, done = distance - left, 0.0
+    return piece.at(min(done + distance, piece.length))

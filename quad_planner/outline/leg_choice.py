@@ -103,21 +103,8 @@ def chosen_legs(
     ndarray, shape (m, 2), or None
         From the start to the goal [cells]; None where no legs lead to the goal's very place.
     """
-    inner = _corners(path)[1:]
-    shift = ends.goal - inner[-1]
-    is_off = bool(np.abs(shift).max() > 1e-9)
-    nodes, ranks = [ends.start], [0]
-    for rank, point in enumerate(inner[: None if is_off else -1], start=1):
-        nodes.append(point)
-        ranks.append(rank)
-        if is_off and len(inner) - rank <= _NEAR_GOAL and rank < len(inner):
-            nodes.append(point + shift)
-            ranks.append(rank)
-    nodes.append(ends.goal)
-    ranks.append(len(inner) + 1)
-    points = np.array(nodes)
+    points, order = _turning_places(path, ends)
     count = len(points)
-    order = np.array(ranks)
     # By a turning point, and how many on the leg leads: one leg passes over few.
     most = int((np.searchsorted(order, order + window, side='right') - np.arange(count)).max())
     shape = (count, most)
@@ -141,6 +128,27 @@ def chosen_legs(
         chosen.append(int(before[chosen[-1], chosen[-2] - chosen[-1]]))
     result: Points = points[chosen[::-1]]
     return result
+
+
+def _turning_places(path: Points, ends: LegEnds) -> tuple[Points, NDArray[np.int64]]:
+    """
+    List where legs may begin and end, and after how many corners of the path each lies.
+
+    Where the goal is off its cell's center, the last corners are moved with it, too.
+    """
+    inner = _corners(path)[1:]
+    shift = ends.goal - inner[-1]
+    is_off = bool(np.abs(shift).max() > 1e-9)
+    nodes, ranks = [ends.start], [0]
+    for rank, point in enumerate(inner[: None if is_off else -1], start=1):
+        nodes.append(point)
+        ranks.append(rank)
+        if is_off and len(inner) - rank <= _NEAR_GOAL and rank < len(inner):
+            nodes.append(point + shift)
+            ranks.append(rank)
+    nodes.append(ends.goal)
+    ranks.append(len(inner) + 1)
+    return np.array(nodes), np.array(ranks)
 
 
 def with_approaches(path: Points, distance: float) -> Points:

@@ -195,7 +195,7 @@ def _find(
         np.zeros(cells, dtype=np.int64),
         np.array([NOT_REACHED, 0, 0]),
     )
-    _begin(grid.rows, width, first, last, costs, left, reached, queue)
+    _begin(grid, np.array([first, last]), costs, left, reached, queue)
 
     def expand(queue: BucketQueue) -> int:
         return _search(grid.rows, width, last, costs, left, reached, queue, _AT_A_TIME)
@@ -250,18 +250,11 @@ def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
 
 
 def _begin(
-    rows: Bits,
-    width: int,
-    start: int,
-    goal: int,
-    costs: Costs,
-    left: Numbers,
-    reached: _Reached,
-    queue: BucketQueue,
+    grid: BitGrid, ends: Cells, costs: Costs, left: Numbers, reached: _Reached, queue: BucketQueue
 ) -> None:
-    """Let the first steps to the start's eight neighbours wait."""
-    x, y = start % width, start // width
-    goal_x, goal_y = goal % width, goal // width
+    """Let the first steps to the start's eight neighbours wait; ends as numbers of cells."""
+    rows, width = grid.rows, grid.width + 2
+    (y, goal_y), (x, goal_x) = (part.tolist() for part in np.divmod(ends, width))
     for k in range(HEADINGS):
         if not _may_step(rows, x, y, k):
             continue

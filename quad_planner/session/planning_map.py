@@ -5,22 +5,22 @@ What is planned on: the map that was received, with the ground of the height map
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from quad_common.errors import InvalidMessage, QuadError, WrongFrame
 from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
-from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
+from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.grid.ground_limits import GroundLimits
-from quad_planner.grid.keepout_mask import KeepoutMask, with_discs
+from quad_planner.grid.keepout_mask import KeepoutMask
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
+from quad_planner.session.map_additions import MapAdditions
 
 _BEYOND = 2.0
 """Cells beyond the clearance at which an obstacle ahead of the robot leaves the robot free."""
@@ -69,10 +69,8 @@ class PlanningMap:
         self._grid: OccupancyGrid | None = None
         self._ground: Ground | None = None
         self._waiting: tuple[HeightMap, str] | None = None
-        self._mask: KeepoutMask | None = None
+        self._added = MapAdditions()
         self._mask_frame = ''
-        self._impassable: list[tuple[float, float]] = []
-        self._bodies: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def is_ready(self) -> bool:
@@ -159,8 +157,8 @@ class PlanningMap:
         QuadError
             If it cannot be planned on.
         """
-        if self._mask is not None and frame != self._mask_frame:
-            self._mask = None
+        if self._added.mask is not None and frame != self._mask_frame:
+            self._added = replace(self._added, mask=None)
             self._warn(f'the map is in frame {quoted(frame)}: the keepout mask is left out')
         is_moved = self._ground is not None and frame != self.frame.name
         has_changed = self._take(grid, frame, None if is_moved else self._ground)
@@ -220,19 +218,19 @@ class PlanningMap:
             If it is in another frame than the map.
         """
         if self._grid is None:
-            self._mask, self._mask_frame = KeepoutMask(mask), frame
+            self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
             return False
         if frame != self.frame.name:
             name = self.frame.name
             raise InvalidMessage(
                 'keepout mask', f'it is in frame {quoted(frame)}; give it in {quoted(name)}'
             )
-        before = self._mask, self._mask_frame
-        self._mask, self._mask_frame = KeepoutMask(mask), frame
+        before = self._added, self._mask_frame
+        self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
         try:
             return self._take(self._grid, frame, self._ground)
         except QuadError:
-            self._mask, self._mask_frame = before
+            self._added, self._mask_frame = before
             raise
 
     def take_heights(self, heights: HeightMap, frame: str) -> bool:
@@ -301,20 +299,17 @@ class PlanningMap:
         bool
             False if so much is closed already that no more is.
         """
-        if self._grid is None or len(self._impassable) == _MOST_CLOSED:
+        if self._grid is None or len(self._added.closed) == _MOST_CLOSED:
             return False
         place = self.pose_on_map(frame, place, 'pose')
         distance = self.planner.clearance_radius + _BEYOND * self._grid.resolution
         ahead = place @ Pose2D(distance, 0.0, 0.0)
-        self._impassable.append((ahead.x, ahead.y))
-        self.planner.set_map(self._combined(self._grid, self._ground))
-        return True
+        return self._add(closed=(*self._added.closed, (ahead.x, ahead.y)))
 
     def open_all(self) -> None:
         """Forget where there was no going on."""
-        if self._impassable and self._grid is not None:
-            self._impassable.clear()
-            self.planner.set_map(self._combined(self._grid, self._ground))
+        if self._added.closed and self._grid is not None:
+            self._add(closed=())
 
     def put_bodies(self, bodies: tuple[tuple[float, float, float], ...]) -> bool:
         """
@@ -330,23 +325,16 @@ class PlanningMap:
         bool
             Whether anything has changed.
         """
-        if bodies == self._bodies or self._grid is None:
-            return False
-        self._bodies = bodies
+        return self._grid is not None and bodies != self._added.bodies and self._add(bodies=bodies)
+
+    def _add(self, **changes: Any) -> bool:
+        self._added = replace(self._added, **changes)
+        assert self._grid is not None
         self.planner.set_map(self._combined(self._grid, self._ground))
         return True
 
     def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
-        if self._mask is not None:
-            grid = self._mask.added_to(grid)
+        grid = self._added.with_zones(grid)
         if ground is not None:
             grid = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
-        if self._bodies:
-            grid = with_discs(grid, self._bodies)
-        if not self._impassable:
-            return grid
-        cells = grid.cells.copy()
-        columns, rows = np.floor(grid.world_to_map(np.array(self._impassable))).astype(int).T
-        inside = (columns >= 0) & (columns < grid.width) & (rows >= 0) & (rows < grid.height)
-        cells[rows[inside], columns[inside]] = OCCUPIED
-        return OccupancyGrid(cells, grid.resolution, grid.origin)
+        return self._added.with_obstacles(grid)

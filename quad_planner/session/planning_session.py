@@ -11,16 +11,14 @@ from collections.abc import Callable
 from functools import partial
 
 from quad_common.errors import PlannerError, without_frames
-from quad_common.maps.height_map import HeightMap
-from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
-from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.session.given_goal import GivenGoal, GoalEnd
 from quad_planner.session.own_plans import Followed, OwnPlans
 from quad_planner.session.planning_map import PlanningMap
+from quad_planner.session.session_maps import SessionMaps
 from quad_planner.session.session_ports import Output, Requests
-from quad_planner.session.session_state import GoalWish, SessionOptions, SessionState
+from quad_planner.session.session_state import GoalWish, SessionOptions
 
 _TAKEN_OVER = (
     'the robot is on its way to ({goal.x:.2f}, {goal.y:.2f}) m by a plan from before this planner '
@@ -40,7 +38,7 @@ _LONG = 3.0
 """Time in which compiled searches are ready at the latest [s]."""
 
 
-class PlanningSession(SessionState):
+class PlanningSession(SessionMaps):
     """
     Plans when a goal comes, when a map changes, and when the robot leaves its path.
 
@@ -73,35 +71,6 @@ class PlanningSession(SessionState):
         self._is_new = True
 
     # Maps
-
-    def take_grid(self, grid: OccupancyGrid, frame: str) -> None:
-        """
-        Plan on this map from now on.
-
-        Raises
-        ------
-        QuadError
-            If it cannot be planned on, or a height map that waited for it does not go with it.
-        """
-        if self.map.take_grid(grid, frame):
-            self.plan_on_new_map()
-        if self.map.take_waiting_heights():
-            self.plan_on_new_map()
-
-    def take_update(self, update: GridUpdate, frame: str) -> None:
-        """Plan on the map with some cells changed; see :meth:`PlanningMap.take_update`."""
-        if self.map.take_update(update, frame):
-            self.plan_on_new_map()
-
-    def take_mask(self, mask: OccupancyGrid, frame: str) -> None:
-        """Keep out of the zones of a mask; see :meth:`PlanningMap.take_mask`."""
-        if self.map.take_mask(mask, frame):
-            self.plan_on_new_map()
-
-    def take_heights(self, heights: HeightMap, frame: str) -> None:
-        """Plan over this ground from now on; see :meth:`PlanningMap.take_heights`."""
-        if self.map.take_heights(heights, frame):
-            self.plan_on_new_map()
 
     def plan_on_new_map(self) -> None:
         """Show the map, and plan on it to the goal in force."""

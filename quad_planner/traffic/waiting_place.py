@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.array_types import Mask
@@ -15,6 +16,8 @@ from quad_planner.grid.keepout_mask import with_discs
 from quad_planner.search.distance_field import distance_field
 from quad_planner.traffic.right_of_way import Distances, is_clear_of
 from quad_planner.traffic.robot_on_map import RobotOnMap
+
+Array = NDArray[np.float64]
 
 _BLOCK = 4096
 """Number of places that are looked at together, the nearest first."""
@@ -58,16 +61,11 @@ def waiting_place(
         The place, with the heading in which it lies from here; None if there is none.
     """
     grid = prepared.grid
+    rows, columns = np.nonzero(prepared.allowed)
+    centers = grid.map_to_world(np.column_stack([columns, rows]).astype(float) + 0.5)
+    taken = _taken(centers, own, bodies, grid.resolution)
     allowed = prepared.allowed.copy()
-    rows, columns = np.nonzero(allowed)
-    cells = np.column_stack([columns, rows]).astype(float)
-    centers = grid.map_to_world(cells + 0.5)
-    for other in bodies:
-        apart = np.linalg.norm(centers - other.position, axis=1)
-        # Bodies that are nearer than that already must not lock the robot in.
-        here = float(np.linalg.norm(own.position - other.position))
-        taken = apart < min(own.radius + other.radius + _GAP, here - grid.resolution)
-        allowed[rows[taken], columns[taken]] = False
+    allowed[rows[taken], columns[taken]] = False
     joints = prepared.joints(grid.world_to_map(own.position), 0.0)
     start = next((cell for cell in joints if allowed[cell[1], cell[0]]), None)
     if start is None:
@@ -81,13 +79,22 @@ def waiting_place(
         order = np.concatenate([order[is_open[order]], order[~is_open[order]]])
     for begin in range(0, len(order), _BLOCK):
         places = centers[order[begin : begin + _BLOCK]]
-        clear = np.ones(len(places), dtype=bool)
-        for other in before:
-            clear &= is_clear_of(places, own.radius, other, room)
-        if clear.any():
+        clear = np.all([is_clear_of(places, own.radius, other, room) for other in before], axis=0)
+        if np.any(clear):
             x, y = places[int(np.argmax(clear))].tolist()
             return Pose2D(x, y, own.pose.heading_to(Pose2D(x, y, 0.0)))
     return None
+
+
+def _taken(centers: Array, own: RobotOnMap, bodies: Sequence[RobotOnMap], cell: float) -> Mask:
+    """Return which places, shape (n, 2), other robots leave no room at."""
+    taken = np.zeros(len(centers), dtype=bool)
+    for other in bodies:
+        # Bodies that are nearer than that already must not lock the robot in.
+        here = float(np.linalg.norm(own.position - other.position))
+        apart = np.linalg.norm(centers - other.position, axis=1)
+        taken |= apart < min(own.radius + other.radius + _GAP, here - cell)
+    return taken
 
 
 def _leads_to(prepared: InflatedMap, goal: Pose2D, before: Sequence[RobotOnMap]) -> Mask:

@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter
 
 from quad_common.ros.guarded_node import GuardedNode
 from quad_gait.gait_node import GaitNode
+from quad_lab.topic_walk.node_processes import in_simulated_time
 from quad_perception.ceiling_camera_node import CeilingCameraNode
 from quad_planner.planner_node import PlannerNode
 from quad_planner.session.immediate_request import ImmediateRequest
@@ -64,7 +65,8 @@ class ComposedBench(Bench):
             return
         if name == 'sim_node':
             parameters = {'backend': 'kinematic', **parameters, 'real_time_factor': 0.0}
-        overrides = [Parameter(key, value=value) for key, value in parameters.items()]
+        given = in_simulated_time(name, parameters)
+        overrides = [Parameter(key, value=value) for key, value in given.items()]
         # Plans are there when the callback that asks for them ends, not when a thread is through.
         others = {'requests': ImmediateRequest()} if name == 'planner_node' else {}
         node = _NODES[name](context=self._context, parameter_overrides=overrides, **others)

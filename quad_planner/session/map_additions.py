@@ -1,0 +1,40 @@
+"""
+What is added to a map before it is planned on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
+from quad_planner.grid.keepout_mask import KeepoutMask, with_discs
+
+
+@dataclass(frozen=True)
+class MapAdditions:
+    """What no map shows: zones to keep out of, places without footing, and other robots."""
+
+    mask: KeepoutMask | None = None
+    """Zones to keep out of."""
+    closed: tuple[tuple[float, float], ...] = ()
+    """Places at which the robot found no footing, x and y in the map [m]."""
+    bodies: tuple[tuple[float, float, float], ...] = ()
+    """Other robots: x, y and radius of each in the map [m]."""
+
+    def with_zones(self, grid: OccupancyGrid) -> OccupancyGrid:
+        """Return the map with zones to keep out of."""
+        return grid if self.mask is None else self.mask.added_to(grid)
+
+    def with_obstacles(self, grid: OccupancyGrid) -> OccupancyGrid:
+        """Return the map with other robots, and places without footing."""
+        if self.bodies:
+            grid = with_discs(grid, self.bodies)
+        if not self.closed:
+            return grid
+        cells = grid.cells.copy()
+        columns, rows = np.floor(grid.world_to_map(np.array(self.closed))).astype(int).T
+        inside = (columns >= 0) & (columns < grid.width) & (rows >= 0) & (rows < grid.height)
+        cells[rows[inside], columns[inside]] = OCCUPIED
+        return OccupancyGrid(cells, grid.resolution, grid.origin)
