@@ -122,18 +122,7 @@ class PathFollower:
         return work_left(self._pieces[self._piece :], pose, self.plan.poses[-1])
 
     def pose_ahead(self, pose: Pose2D, distance: float) -> Pose2D | None:
-        """
-        Return the pose so far along the path; None without a plan, behind the last piece the goal.
-
-        See :func:`~quad_gait.following.reference_path.pose_ahead`.
-
-        Parameters
-        ----------
-        pose : Pose2D
-            Where the robot is.
-        distance : float
-            From beside it on [m].
-        """
+        """Return the pose so far ahead [m] along the path, or the goal; None without a plan."""
         if self.plan is None:
             return None
         pieces, most = self._pieces[self._piece :], 2.0 * self._options.turn_threshold

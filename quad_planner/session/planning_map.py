@@ -312,19 +312,7 @@ class PlanningMap:
             self._add(closed=())
 
     def put_bodies(self, bodies: tuple[tuple[float, float, float], ...]) -> bool:
-        """
-        Lead paths around other robots, in place of those before.
-
-        Parameters
-        ----------
-        bodies : tuple
-            x, y and radius of each in the map [m].
-
-        Returns
-        -------
-        bool
-            Whether anything has changed.
-        """
+        """Lead paths around bodies, x, y and radius of each [m]; return whether there is news."""
         return self._grid is not None and bodies != self._added.bodies and self._add(bodies=bodies)
 
     def _add(self, **changes: Any) -> bool:
