@@ -29,13 +29,17 @@ from quad_gait.following.slip_compensation import (
     calibration_file,
     load_compensation,
 )
-from quad_lab.benchmarks.bench_joint_failure import FailureOutcome, random_cases, walk_and_fail
 from quad_lab.benchmarks.engine_speed import (
     BACKENDS,
     Bars,
     loop_speed,
     step_times,
     topic_speed,
+)
+from quad_lab.benchmarks.ground.bench_joint_failure import (
+    FailureOutcome,
+    random_cases,
+    walk_and_fail,
 )
 from quad_lab.closed_loop.calibration import (
     MeasuredMotion,

@@ -18,7 +18,7 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.faults.tipping import tipping
 from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_lab.benchmarks.bench_joint_failure import FailureCase, walk_and_fail
+from quad_lab.benchmarks.ground.bench_joint_failure import FailureCase, walk_and_fail
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.simulator import JointFailure
 

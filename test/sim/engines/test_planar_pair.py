@@ -16,7 +16,7 @@ from quad_common.planar_pair.planar_pair import (
     points_of,
     posture_of,
 )
-from quad_lab.benchmarks.bench_active_pair import settle_errors
+from quad_lab.benchmarks.ground.bench_active_pair import settle_errors
 from quad_sim.engines.bullet_pair import difference, settle
 from quad_sim.engines.bullet_simulator import headless_client
 

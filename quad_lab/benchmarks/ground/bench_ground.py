@@ -17,7 +17,7 @@ from rich.table import Table
 
 from quad_common.errors import RobotModelError
 from quad_common.robot_files.robot_file import load_robot
-from quad_lab.benchmarks.foothold_courses import (
+from quad_lab.benchmarks.ground.foothold_courses import (
     COURSES,
     PlannedFootsteps,
     foothold_course,

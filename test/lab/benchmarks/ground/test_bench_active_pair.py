@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip('rich')
 
 from quad_common.planar_pair.planar_pair import points_of
-from quad_lab.benchmarks.bench_active_pair import (
+from quad_lab.benchmarks.ground.bench_active_pair import (
     CASES,
     FLATTEST,
     active_pair_bars,

@@ -13,8 +13,8 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.robot_files.robot_file import load_robot
-from quad_lab.benchmarks.bench_active_pair import active_pair_bars
-from quad_lab.benchmarks.bench_joint_failure import joint_failure_bars
+from quad_lab.benchmarks.ground.bench_active_pair import active_pair_bars
+from quad_lab.benchmarks.ground.bench_joint_failure import joint_failure_bars
 from quad_lab.closed_loop.terrain_walk import COURSES, TerrainOutcome, make_course, walk_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most
 from quad_lab.tools.workers import worker_pool

@@ -1,0 +1,3 @@
+"""
+Benchmarks of walks over uneven ground, and of joints that fail.
+"""
