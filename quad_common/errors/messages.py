@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.errors.base import QuadError
+from quad_common.errors.quoting import quoted
 
 
 @dataclass(eq=False, repr=False)
@@ -39,4 +40,21 @@ class InvalidTransform(QuadError):
         return (
             f"the transform from '{self.parent[:60]}' to '{self.child[:60]}' is not used: "
             f'{self.reason}'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class RobotLeftOut(QuadError):
+    """Another robot is one more than can be reckoned with."""
+
+    name: str
+    """Name of the robot."""
+    most: int
+    """Largest number of other robots."""
+
+    def sentence(self) -> str:
+        """Say how many are reckoned with."""
+        return (
+            f'robot {quoted(self.name)} is left out: {self.most} other robots are known already, '
+            'and no more are reckoned with'
         )

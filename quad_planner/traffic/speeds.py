@@ -35,3 +35,8 @@ class Speeds:
         """Return a robot's speed [m/s]; another number for one that was not seen to walk."""
         speed = self._seen.get(name, 0.0)
         return speed if speed > 0.0 else unseen
+
+    def forget(self, name: str) -> None:
+        """Forget a robot that has left."""
+        self._seen.pop(name, None)
+        self._last.pop(name, None)

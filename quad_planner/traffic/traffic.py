@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from quad_common.errors import PlannerError
+from quad_common.errors import PlannerError, RobotLeftOut
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_planner.grid.array_types import Points
@@ -53,6 +53,9 @@ _UNSEEN, _SLOWEST = 1.0, 0.1
 
 _MOVED = 0.15
 """Distance by which a robot that stands has to move for another route to be planned [m]."""
+
+MOST_ROBOTS = 64
+"""Number of other robots that are reckoned with."""
 
 
 class Traffic:
@@ -98,9 +101,18 @@ class Traffic:
         return {name: robot for name, (_, robot) in self._others.items()}
 
     def take_robot(self, time: float, robot: RobotOnMap) -> None:
-        """Take what another robot says of itself at a time [s]; one's own word is left out."""
+        """
+        Take what another robot says of itself at a time [s]; one's own word is left out.
+
+        Raises
+        ------
+        RobotLeftOut
+            If as many as can be are known already.
+        """
         if robot.name == self._name:
             return
+        if robot.name not in self._others and len(self._others) >= MOST_ROBOTS:
+            raise RobotLeftOut(robot.name, MOST_ROBOTS)
         self._others[robot.name] = time, robot
         self._speeds.take(robot.name, time, robot.pose)
         if robot.is_staying:
@@ -112,6 +124,7 @@ class Traffic:
         """Forget a robot that has left."""
         self._others.pop(name, None)
         self._staying.pop(name, None)
+        self._speeds.forget(name)
 
     def own_word(self) -> RobotOnMap | None:
         """Return what others are told; None while the robot does not know where it is."""

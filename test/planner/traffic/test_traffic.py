@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from quad_common.errors import RobotLeftOut
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -11,7 +12,7 @@ from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import session_from_parameters
 from quad_planner.session.immediate_request import ImmediateRequest
 from quad_planner.traffic.robot_on_map import RobotOnMap
-from quad_planner.traffic.traffic import Traffic
+from quad_planner.traffic.traffic import MOST_ROBOTS, Traffic
 
 RADIUS = load_robot('a1').footprint_radius
 
@@ -150,6 +151,19 @@ def test_one_that_is_silent_is_forgotten():
         scene.go_on(seconds=0.9)
     assert scene.traffic.others == {}
     assert scene.session.hold_reason == ''
+
+
+def test_a_stream_of_names_is_cut_off_and_those_known_stay():
+    scene = Scene()
+    for number in range(MOST_ROBOTS):
+        scene.tell(f'r{number}', (4.0, 3.5))
+    with pytest.raises(RobotLeftOut, match="robot 'one_more' is left out: 64 other robots"):
+        scene.tell('one_more', (4.0, 3.5))
+    scene.tell('r0', (4.0, 3.4))
+    assert len(scene.traffic.others) == MOST_ROBOTS
+    for _ in range(30):
+        scene.go_on()
+    assert scene.traffic.others == {}
 
 
 @pytest.mark.parametrize('moves', [True, False])
