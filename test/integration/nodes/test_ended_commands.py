@@ -48,8 +48,12 @@ FAR = ('--start', '1.2,1.2,0', '--goal', '6.8,4.8,0')
 NEAR = ('--start', '1.2,1.2,0', '--goal', '1.6,1.2,0')
 
 
+PACED = ('--backend', 'kinematic', '--real-time-factor', '10')
+"""A walk of its own pace is recorded as it goes, and not when it is over."""
+
+
 def demo(output: Path, way: tuple[str, ...]) -> subprocess.Popen:
-    return start('demo', '--backend', 'kinematic', '--json', *way, '--output', str(output))
+    return start('demo', *PACED, '--json', *way, '--output', str(output))
 
 
 def wait_until(condition) -> None:
@@ -136,7 +140,7 @@ def test_a_second_interrupt_leaves_no_node_behind(tmp_path, place):
 def test_a_demo_whose_terminal_is_closed_ends_with_its_nodes(tmp_path, place):
     pid, terminal = pty.fork()
     if pid == 0:
-        command = ('quad_cli', 'demo', '--backend', 'kinematic', *FAR, '--output', str(tmp_path))
+        command = ('quad_cli', 'demo', *PACED, *FAR, '--output', str(tmp_path))
         os.execv(sys.executable, [sys.executable, '-m', *command])
     wait_until(lambda: recorded(tmp_path / 'recording'))
     nodes = below(pid)
