@@ -126,16 +126,3 @@ def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:
 def turned_by(start: BodyPose, end: BodyPose) -> float:
     """Return the change of heading from one pose to another, in [-pi, pi) [rad]."""
     return float((end.yaw - start.yaw + np.pi) % (2.0 * np.pi) - np.pi)
-
-
-def ramp(duration: float) -> float:
-    """Return how much longer a search takes because it begins gently [s]."""
-    return 0.0 if duration <= 0.0 else 0.03
-
-
-def searched(times: Array, speed: float, depth: float) -> Array:
-    """Return how far down a foot has felt: it gathers speed, then keeps it [m]."""
-    begun = 2.0 * ramp(1.0)
-    gathered = np.where(times < begun, times**2 / (2.0 * begun), times - begun / 2.0)
-    distances: Array = np.clip(speed * np.where(times > 0.0, gathered, 0.0), 0.0, depth)
-    return distances

@@ -28,7 +28,8 @@ from quad_gait.uneven.candidates import (
 )
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.path_motion import PlannedPaths, motion_along, ramp, searched, turned_by
+from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
+from quad_gait.uneven.search_down import ramp, searched
 from quad_gait.uneven.shin import shin_points
 from quad_gait.uneven.uneven_options import UnevenOptions
 

@@ -28,7 +28,7 @@ pytestmark = pytest.mark.ros
 NODES = {
     'planner_node': ('quad_planner.planner_node', 'PlannerNode', {}),
     'gait_node': ('quad_gait.gait_node', 'GaitNode', {'ground': 'uneven', 'gait': 'crawl'}),
-    'sim_node': ('quad_sim.sim_node', 'SimNode', {'backend': 'kinematic', 'use_sim_time': True}),
+    'sim_node': ('quad_sim.sim_node', 'SimNode', {'backend': 'kinematic'}),
     'ceiling_camera_node': ('quad_perception.ceiling_camera_node', 'CeilingCameraNode', {}),
 }
 
@@ -42,7 +42,8 @@ def make(domain) -> Iterator:
 
     def make_node(name: str) -> QuadNode:
         module, kind, parameters = NODES[name]
-        overrides = [Parameter(key, value=value) for key, value in parameters.items()]
+        given = {'use_sim_time': True, **parameters}
+        overrides = [Parameter(key, value=value) for key, value in given.items()]
         node = getattr(importlib.import_module(module), kind)(
             context=context, parameter_overrides=overrides
         )

@@ -477,7 +477,7 @@ def test_text_is_read_with_numbers_for_all_and_numbers_of_its_own():
         ('hills', "'terrain' is 'hills'; it must be flat, one of bumps, slope, "),
         ('bumps+', "'terrain' is ''"),
         ('flat+bumps', "'terrain' is 'flat'"),
-        ('bumps:width=2', 'it must be with numbers named height, angle'),
+        ('bumps:weight=2', 'it must be with numbers named height, angle'),
         ('bumps:height', "'terrain_height' is ''; it must be a number"),
         ('bumps:seed=1.5', "'terrain_seed' is '1.5'; it must be a whole number"),
         ('bumps:height=2', "'terrain_height' is 2.0; it must be from 0 to 1"),
