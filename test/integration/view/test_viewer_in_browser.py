@@ -41,9 +41,6 @@ VALUES = "Array.from(document.querySelectorAll('input'), field => field.value)"
 COARSE = 0.25
 """Of each side of the picture: what is drawn is not looked at here, and takes most of the time."""
 
-SELDOM = 'window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 100);'
-"""Has the page draw ten times a second, not sixty: there is no graphics card to do it."""
-
 
 def start(bench: Bench) -> str:
     """Start a robot and its page; return the page's address."""
@@ -60,7 +57,6 @@ def test_a_click_on_the_floor_makes_the_robot_walk_there(bench: Bench):
     twists = bench.hear(Twist, 'cmd_vel')
     stopped = bench.hear(Bool, 'emergency_stop/active')
     with Chromium((1400, 850), COARSE) as browser, PageReader(address) as reader:
-        browser.prepare(SELDOM)
         browser.open(address)
         browser.wait_for(SHOWN)
         still, _ = reader.count(1.0)
@@ -121,7 +117,6 @@ def test_the_page_says_who_is_missing_and_ignores_clicks_without_a_robot(bench: 
     bench.start('viewer_node', port=port)
     bench.wait_for_status('viewer_node', 'no robot: waiting for joint_states')
     with Chromium((1400, 850), COARSE) as browser:
-        browser.prepare(SELDOM)
         browser.open(bench.statuses['viewer_node'].values['address'])
         browser.wait_for("document.body.innerText.includes('no robot: nobody publishes')")
         browser.click(*FLOOR)
