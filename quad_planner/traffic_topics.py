@@ -37,6 +37,9 @@ _PERIOD = 0.2
 _LARGEST = 10.0
 """Largest radius of a robot [m]."""
 
+_LONGEST = 1000.0
+"""Largest length of a robot's path [m]."""
+
 _GOES_FIRST = 'goes first'
 """Text of the marker of a robot that can give way to nobody."""
 
@@ -159,4 +162,8 @@ def robot_from_message(message: MarkerArray, frame: str) -> RobotOnMap | str:
     line = [position_from_message(point, 'point of a path')[:2] for point in points]
     pose = pose_from_message(body.pose, 'pose of a robot')
     corners = np.array(line, dtype=float).reshape(-1, 2)
+    from_here = np.vstack([[pose.x, pose.y], corners])
+    length = float(np.linalg.norm(np.diff(from_here, axis=0), axis=1).sum())
+    if length > _LONGEST:
+        raise InvalidMessage(what, f'its path is {length:.4g} m long; {_LONGEST:.0f} m are most')
     return RobotOnMap(name, pose, body.scale.x / 2.0, corners, body.text == _GOES_FIRST)

@@ -12,7 +12,7 @@ from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
 from quad_sim.fleet.shared_world import make_shared_world
 from quad_sim.fleet_simulation import FleetSimulation
-from quad_sim.fleet_text import NamedRobot, placed, robots_from_text
+from quad_sim.fleet_text import NamedRobot, check_apart, placed, robots_from_text
 from quad_sim.parameters import SimParameters
 from quad_sim.sim_session import SimSession
 from quad_sim.simulated_robot import SimulatedRobot
@@ -56,6 +56,13 @@ class FleetSession(SimSession):
         self.robots = {}
         wanted, self._wanted = self._wanted, {}
         self._spawn(wanted)
+
+    def reset(self, name: str) -> None:
+        """Put a robot back to its start pose; PlaceTaken if another one stands there."""
+        simulation = self.robots[name].simulation
+        others = {n: one for n, one in self._fleet.standing.items() if n != name}
+        check_apart(name, simulation.robot, simulation.start_pose, others)
+        super().reset(name)
 
     def take_robots(self, text: str) -> None:
         """

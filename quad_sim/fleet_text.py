@@ -21,7 +21,7 @@ _VALID = (
     'left=cuhk@1,2,0; right=a1@4,2,3.14'
 )
 
-_NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
+_NAME = re.compile(r'[A-Za-z]\w{0,60}', re.ASCII)
 
 _SPACING = 0.3
 """Distance that is left between robots that are put somewhere [m]."""

@@ -202,7 +202,7 @@ class SimParameters:
     frame_prefix: str = parameter(
         '',
         "What the robot's own frames begin with, as robot_state_publisher's frame_prefix; of "
-        "several robots in one world each has its name and '/', unless this is set.",
+        "several robots in one world each has its name and '/' after it.",
     )
     map_frame: str = parameter('map', 'Frame of the map.')
     odom_frame: str = parameter(

@@ -186,10 +186,9 @@ class SimSession:
         for name, robot in self.robots.items():
             output.publish_readings(robot.observe(), name)
 
-    def reset(self) -> None:
-        """Put every robot back to its start pose; time goes on."""
-        for robot in self.robots.values():
-            robot.reset()
+    def reset(self, name: str) -> None:
+        """Put a robot back to its start pose, its name being empty if it is alone."""
+        self.robots[name].reset()
 
     def pause(self) -> None:
         """Let simulated time stand still."""

@@ -114,7 +114,7 @@ class SimulatedRobot:
 
 def _with_frames_of(name: str, parameters: SimParameters) -> SimParameters:
     """Prefix the frames that belong to one robot, as robot_state_publisher's frame_prefix does."""
-    prefix = parameters.frame_prefix or (f'{name}/' if name else '')
+    prefix = parameters.frame_prefix + (f'{name}/' if name else '')
     if not prefix:
         return parameters
     names = ('odom_frame', 'base_frame', 'footprint_frame')

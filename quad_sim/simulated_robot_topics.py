@@ -14,6 +14,7 @@ from std_msgs.msg import Bool, Header, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from quad_common.errors import QuadError
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.urdf import published_urdf
 from quad_common.ros.height_map_conversions import height_map_message
@@ -202,7 +203,11 @@ class RobotTopics:
         self._session.take_answer(self._robot.name, seconds_from_time(message.stamp))
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._robot.reset()
+        try:
+            self._session.reset(self._robot.name)
+        except QuadError as error:
+            response.message = str(error)
+            return response
         self.publish_readings(self._robot.observe())
         self._node.update_status()
         response.success = True

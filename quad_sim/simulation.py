@@ -115,7 +115,8 @@ class Simulation:
         )
         self.is_frozen = False
         """Whether the joints hold, and no trajectory is executed."""
-        self._start_pose = start_pose
+        self.start_pose = start_pose
+        """Pose to which a reset puts the robot back."""
         self._failure: JointFailure | None = None
         self.failed: JointFailure | None = None
         """The last joint that has failed since the last reset."""
@@ -149,7 +150,7 @@ class Simulation:
 
     def reset(self) -> None:
         """Put the robot back to its start pose, at rest, with all joints sound; time goes on."""
-        self._simulator.reset(self._start_pose)
+        self._simulator.reset(self.start_pose)
         self._failure = self.failed = None
         self._executor.hold(self._initial_joints)
         self.contacts_seen.clear()

@@ -45,6 +45,7 @@ class ClockCheck:
         self._seen = self._now()
         self._seen_at = time.monotonic()
         self._stamp: float | None = None
+        self._difference = 0.0
         self._look: Subscription | None = None
         self._looked_at = -_NEXT_LOOK
         self._is_clocks = False
@@ -69,6 +70,8 @@ class ClockCheck:
     def take_stamp(self, stamp: Time) -> None:
         """Take note of the stamp of odometry or a picture."""
         self._stamp = _seconds(stamp)
+        # To now, for a robot that falls silent has not another clock.
+        self._difference = 0.0 if not self._stamp else self._stamp - self._now() / 1e9
 
     def note(self) -> str:
         """
@@ -77,7 +80,7 @@ class ClockCheck:
         It is false and should be true only if ``/clock`` has the time of the measurements: robots
         of several simulators in one domain rightly do without it. To be asked once in a while.
         """
-        difference = self._difference()
+        difference = self._difference
         if abs(difference) < _FAR:
             self._end_look()
             return ''
@@ -94,10 +97,6 @@ class ClockCheck:
             'use_sim_time is false, and odometry is stamped with the time of /clock: '
             'with a simulator set it to true'
         )
-
-    def _difference(self) -> float:
-        """Return the time from the node's clock to the newest measurement [s]."""
-        return 0.0 if not self._stamp else self._stamp - self._now() / 1e9
 
     def _is_simulated(self) -> bool:
         return bool(self._node.get_parameter('use_sim_time').value)

@@ -81,7 +81,10 @@ class PlanningSession(SessionMaps):
         if wish is None and self._goal is not None:
             wish = GoalWish(self.map.frame.name, self._goal, is_given=False)
         is_held = bool(self.hold_reason) and not (wish and wish.is_given)
-        if self._waiting is None and wish is not None and self._pose is not None and not is_held:
+        if is_held:
+            # A path to give way by is no longer known to be free.
+            self.hold(self.hold_reason)
+        elif self._waiting is None and wish is not None and self._pose is not None:
             self._search(wish, is_plan_void=True)
         self._try_waiting_goal()
         self._output.update_status()
@@ -121,7 +124,9 @@ class PlanningSession(SessionMaps):
     def hold(self, reason: str) -> None:
         """Stand, and keep the goal, until :meth:`resume`; the reason is a sentence's end."""
         is_news, self.hold_reason = reason != self.hold_reason, reason
-        if self.plan is not None and self._pending is None:
+        if self._pending is not None and not self._pending.is_given:
+            self._give_up_search()
+        if self.plan is not None:
             # That the robot follows it no more is no news.
             self._own.begin_goal()
             self._publish(None)
@@ -130,6 +135,11 @@ class PlanningSession(SessionMaps):
 
     def detour(self, place: Pose2D, reason: str) -> None:
         """Go to a place, and keep the goal, until :meth:`resume`; reasons as of :meth:`hold`."""
+        if self._pending is not None or not self.is_detour:
+            self.hold(reason)
+        if self._pending is not None:
+            # A goal that was just given is not given up for it.
+            return
         self.hold_reason = reason
         self._own.begin_goal()
         self._search(GoalWish(self.map.frame.name, place, is_given=False, is_detour=True))
@@ -157,6 +167,9 @@ class PlanningSession(SessionMaps):
         self.problem = problem = without_frames(error)
         if wish.is_given:
             self._given.conclude(GoalEnd.REFUSED, str(problem), problem)
+            if self.plan is None and self._void_at is None:
+                # It waited for other robots, on its way to the goal that stays.
+                self.plan_again()
 
     # The robot
 
@@ -183,7 +196,11 @@ class PlanningSession(SessionMaps):
 
     def take_impassable(self, frame: str, place: Pose2D) -> None:
         """Plan again, around where the robot, heading there, found no footing."""
-        if self._goal is not None and self.map.close_ahead(frame, place):
+        if self._goal is None or not self.map.close_ahead(frame, place):
+            return
+        if self.hold_reason:
+            self.hold(self.hold_reason)
+        else:
             self._output.say('the robot finds no footing on its path: planning another one')
             self._search(GoalWish(self.map.frame.name, self._goal, is_given=False))
 
@@ -198,6 +215,7 @@ class PlanningSession(SessionMaps):
                 self._output.say('the robot was moved meanwhile: its goal is given up')
                 self._given.conclude(GoalEnd.ENDED, 'the robot was moved meanwhile')
                 self._goal = self._void_at = None
+                self.hold_reason = ''
             return
         distance = distance_to_polyline((pose.x, pose.y), self.plan.corners)
         if distance <= farthest:
@@ -245,12 +263,12 @@ class PlanningSession(SessionMaps):
         elif self._goal is not None and self._pending is None:
             self._output.say('the robot follows the plan of somebody else: its goal here has ended')
             self._given.conclude(GoalEnd.ENDED, 'the robot follows the plan of somebody else')
-            self._goal = None
+            self._goal, self.hold_reason = None, ''
             self._output.update_status()
 
     def _end_goal(self) -> None:
         """Plan no more, whatever moves the robot, until a new goal comes."""
-        goal, self._goal = self._goal, None
+        goal, self._goal, self.hold_reason = self._goal, None, ''
         self._own.begin_goal()
         if self._waiting is not None and not self._waiting.is_given:
             self._waiting = None
@@ -307,11 +325,11 @@ class PlanningSession(SessionMaps):
         except PlannerError as error:
             if not wish.is_detour:
                 self._refuse(wish, error)
-            if self._is_plan_void:
+            if self._is_plan_void or wish.is_detour:
                 self._publish(None)
                 # That the robot follows it no more is no news.
                 self._own.begin_goal()
-                self._void_at = start
+                self._void_at = None if wish.is_detour else start
         else:
             if wish.is_given:
                 self._own.begin_goal()
@@ -326,7 +344,7 @@ class PlanningSession(SessionMaps):
         self._output.update_status()
 
     def _publish(self, plan: Plan | None, is_to_goal: bool = True) -> None:
-        self.plan = plan
+        self.plan, self.is_detour = plan, not is_to_goal
         stamp = self._output.publish_plan(plan)
         if plan is not None:
             self._own.add(stamp, is_to_goal)

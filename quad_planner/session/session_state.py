@@ -69,6 +69,8 @@ class SessionState:
         """Reason for which it waits, or leaves its path, for other robots; empty if it does not."""
         self.plan: Plan | None = None
         """Plan that was published last, unless it was taken back."""
+        self.is_detour = False
+        """Whether that plan leads to a place to give way at."""
         self.planned_from: Pose2D | None = None
         """Pose of the robot from which it was planned."""
         self.problem: QuadError | None = None

@@ -54,6 +54,8 @@ def precedes(a: RobotOnMap, b: RobotOnMap) -> bool:
     return _rank(a) < _rank(b)
 
 
-def _rank(robot: RobotOnMap) -> tuple[bool, list[tuple[int, str]]]:
+def _rank(robot: RobotOnMap) -> tuple[bool, list[tuple[int, str]], str]:
     parts = re.split(r'(\d+)', robot.name)
-    return not robot.goes_first, [(int(p), '') if p.isdigit() else (-1, p) for p in parts]
+    numbered = [(int(p), '') if p.isdecimal() else (-1, p) for p in parts]
+    # robot1 and robot01 are two robots, of which one goes first.
+    return not robot.goes_first, numbered, robot.name

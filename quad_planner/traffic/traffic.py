@@ -42,6 +42,9 @@ _TRIES = 3
 _STRAYED = 0.2
 """Distance from the path to its place from which on a robot that gives way plans again [m]."""
 
+_RETRY = 2.0
+"""Time for which a robot that gives way stands before a body on its way [s]."""
+
 _STUCK = 4.0
 """Time without a movement after which it does so, too [s]."""
 
@@ -92,6 +95,7 @@ class Traffic:
         self._moved = (-math.inf, Pose2D(0.0, 0.0, 0.0))
         self._blocked_since = math.inf
         self._lost = 0
+        self._stopped_at = -math.inf
         self.goes_first = False
         """Whether there is no place to give way at, so that others give way."""
 
@@ -141,22 +145,25 @@ class Traffic:
         if abs(time - self._looked_at) < _PERIOD:
             return
         self._looked_at = time
-        for name in [name for name, (at, _) in self._others.items() if time - at > _FORGOTTEN]:
+        # Time goes back when a simulator is started again.
+        gone = [n for n, (at, _) in self._others.items() if not 0.0 <= time - at <= _FORGOTTEN]
+        for name in gone:
             self.forget_robot(name)
         session = self._session
         if session.pose is None or session.goal is None or not session.map.is_ready:
             self._end()
+            session.map.put_bodies(())
             return
-        if session.pending_goal is not None:
+        if session.pending_goal is not None and (session.plan is None or session.is_detour):
             return
         self._speeds.take(self._name, time, session.pose)
         self._room = self._room_at_rest.at(self._speeds.of(self._name, 0.0))
         self._note_route(session.pose, session.goal)
         own = self.own_word()
-        if own is None or self._route is None:
-            return
+        assert own is not None
         self._look_at_bodies(time, own)
-        self._do_duty(time, own)
+        if self._route is not None:
+            self._do_duty(time, own)
 
     def _end(self) -> None:
         """Have nothing to do with anybody: the robot wants to go nowhere."""
@@ -183,8 +190,8 @@ class Traffic:
     def _look_at_bodies(self, time: float, own: RobotOnMap) -> None:
         """Plan around robots that stay where they are."""
         assert self._goal is not None
-        bodies = []
-        clearance = self._session.map.planner.clearance_radius
+        session, bodies = self._session, []
+        clearance = session.map.planner.clearance_radius
         for name, (_, other) in sorted(self._others.items()):
             is_settled = time - self._staying.get(name, time) > _SETTLED
             is_in_way = time - self._blocked_since > _BLOCKED and self._stops(own, other)
@@ -195,13 +202,16 @@ class Traffic:
                 radius = min(other.radius, apart - clearance - 0.02)
                 bodies.append((round(other.pose.x, 1), round(other.pose.y, 1), round(radius, 2)))
         bodies = [body for body in bodies if body[2] > 0.0]
-        if not self._session.map.put_bodies(tuple(bodies)):
+        if not session.map.put_bodies(tuple(bodies)):
             return
         # While the robot waits, its route is planned again at the next look.
         self._routed_from = None
+        if session.plan is None and not session.hold_reason:
+            session.plan_again()
+            return
         near = [distance_to_polyline(body[:2], own.line) < clearance + body[2] for body in bodies]
-        if any(near) and not self._session.hold_reason:
-            self._session.plan_on_new_map()
+        if any(near) and not session.hold_reason:
+            session.plan_on_new_map()
 
     def _do_duty(self, time: float, own: RobotOnMap) -> None:
         others = self.others.values()
@@ -244,7 +254,10 @@ class Traffic:
         session = self._session
         reason = f'giving way to {names}'
         refuge = self._refuge
-        if refuge is not None and session.plan is not None:
+        if 0.0 <= time - self._stopped_at < _RETRY:
+            session.hold(reason)
+            return
+        if refuge is not None and session.is_detour and session.plan is not None:
             at = RobotOnMap(own.name, refuge, own.radius, np.empty((0, 2)))
             is_good = all(self._duty(at, other) is Duty.NONE for other in before)
             way = RobotOnMap(
@@ -252,7 +265,12 @@ class Traffic:
             )
             is_on_way = not self._strays(time, own.pose, session.plan)
             is_free = not any(self._stops(way, other) for other in self.others.values())
-            if is_good and is_on_way and is_free:
+            if not is_free:
+                # Its path is planned past bodies that stay, and not past those that move.
+                self._stopped_at = time
+                session.hold(reason)
+                return
+            if is_good and is_on_way:
                 return
             if not is_on_way:
                 refuge = None

@@ -92,3 +92,19 @@ def test_what_a_robot_has_alone_is_refused_for_several_and_the_other_way_round()
     assert type(alone) is SimSession
     with pytest.raises(ParameterError, match='robots'):
         alone.take_robots('a1, a1')
+
+
+def test_a_robot_is_not_put_back_to_where_another_one_stands():
+    running = session('a=a1@0,0,0; b=a1@2,0,0')
+    running.reset('b')
+    running.robots['a'].simulation.start_pose = Pose2D(1.9, 0.0, 0.0)
+    before = running.simulation.standing['a'][1]
+    with pytest.raises(PlaceTaken):
+        running.reset('a')
+    assert running.simulation.standing['a'][1] == before
+
+
+def test_a_prefix_of_frames_goes_before_the_names_of_robots():
+    running = session('a=a1@0,0,0; b=a1@2,0,0', frame_prefix='x_')
+    frames = [robot.parameters.odom_frame for robot in running.robots.values()]
+    assert frames == ['x_a/odom', 'x_b/odom']

@@ -25,7 +25,7 @@ def robot(name, *path, radius=0.3, goes_first=False):
 
 
 def test_of_any_two_robots_just_one_has_the_right_of_way():
-    names = ('a', 'b', 'robot1', 'robot2', 'robot10', 'robot2b')
+    names = ('a', 'b', 'robot1', 'robot2', 'robot10', 'robot2b', 'robot02', '1²')
     robots = [robot(name, (0, 0), goes_first=first) for name in names for first in (True, False)]
     for a in robots:
         for b in robots:

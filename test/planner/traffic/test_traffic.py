@@ -175,3 +175,99 @@ def test_a_new_goal_is_planned_to_while_it_waits(moves):
     scene.session.give_goal('map', goal)
     assert scene.session.goal == goal
     assert scene.output.plans[-1].poses[-1] == goal
+
+
+def giving_way():
+    """A robot on its way to a place off the path of another one."""
+    scene = Scene()
+    scene.tell('a', (6.0, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.is_detour
+    return scene
+
+
+def test_without_footing_on_the_way_off_the_path_it_does_not_walk_to_its_goal():
+    scene = giving_way()
+    scene.session.take_impassable('map', Pose2D(1.0, 2.1, 0.5))
+    assert scene.output.plans[-1] is None
+    scene.go_on()
+    assert scene.session.is_detour
+
+
+def test_a_map_that_changes_ends_the_way_off_the_path():
+    scene = giving_way()
+    count = len(scene.output.plans)
+    cells = np.zeros((80, 160), np.int8)
+    cells[-20:] = OCCUPIED
+    scene.session.take_grid(OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0)), 'map')
+    assert scene.output.plans[count] is None
+    scene.go_on()
+    assert scene.session.is_detour
+    assert scene.session.plan.poses[-1].y < 2.0
+
+
+def test_a_body_on_the_way_off_the_path_is_stopped_for():
+    scene = giving_way()
+    start, place = scene.session.pose, scene.session.plan.poses[-1]
+    between = Pose2D((start.x + place.x) / 2.0, (start.y + place.y) / 2.0, 0.0)
+    scene.tell('c', (between.x, between.y), (between.x + 2.0, between.y))
+    scene.go_on()
+    assert scene.session.plan is None
+    assert scene.session.hold_reason == 'giving way to a'
+
+
+class LaterRequests(ImmediateRequest):
+    """Searches that are not answered any more once `is_late` is set."""
+
+    is_late = False
+
+    def submit(self, work, done):
+        if not self.is_late:
+            super().submit(work, done)
+
+
+def test_a_body_is_stopped_for_while_a_plan_is_searched():
+    scene = Scene()
+    scene.session._requests = requests = LaterRequests()
+    requests.is_late = True
+    scene.session.plan_again()
+    assert scene.session.pending_goal is not None
+    scene.tell('c', (1.7, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.plan is None
+    assert scene.session.hold_reason
+
+
+def test_a_corridor_that_becomes_free_again_is_walked():
+    cells = np.zeros((80, 160), np.int8)
+    cells[:29, 70:120], cells[51:, 70:120] = OCCUPIED, OCCUPIED
+    scene = Scene(cells)
+    for _ in range(14):
+        scene.tell('a', (4.5, 2.0))
+        scene.go_on()
+    assert scene.session.plan is None
+    scene.traffic.forget_robot('a')
+    scene.go_on()
+    assert scene.session.plan.poses[-1] == Pose2D(7.0, 2.0, 0.0)
+
+
+def test_after_a_goal_that_is_refused_it_goes_on_to_the_one_before():
+    scene = Scene()
+    scene.tell('a', (2.0, 0.3), (2.0, 3.7))
+    scene.go_on()
+    assert scene.session.hold_reason
+    scene.session.give_goal('map', Pose2D(70.0, 2.0, 0.0))
+    scene.tell('a', (2.0, 3.4), (2.0, 3.7))
+    scene.go_on()
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+    assert scene.session.plan is not None
+
+
+def test_when_time_goes_back_robots_from_before_are_forgotten():
+    scene = Scene()
+    scene.time = 3600.0
+    scene.tell('a', (2.0, 0.3), (2.0, 3.7))
+    scene.go_on()
+    scene.time = 0.0
+    scene.go_on()
+    assert scene.traffic.others == {}

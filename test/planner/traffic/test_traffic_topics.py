@@ -47,6 +47,10 @@ def test_another_frame_and_what_is_no_robot_are_refused():
         with pytest.raises(InvalidMessage, match='wide'):
             robot_from_message(message, 'map')
     message = told()
+    message.markers[1].points[0].x = 1e6
+    with pytest.raises(InvalidMessage, match='1000 m are most'):
+        robot_from_message(message, 'map')
+    message = told()
     message.markers[1].points[0].x = float('inf')
     with pytest.raises(InvalidPose, match='point of a path'):
         robot_from_message(message, 'map')
