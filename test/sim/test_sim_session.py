@@ -69,7 +69,7 @@ def test_a_failed_joint_is_news_until_its_status_was_told():
     status = running.status()
     assert (status.level, status.message) == (Level.WARN, f'{joint} is stuck; reset repairs it')
     assert not running.has_news
-    running.reset()
+    running.reset('')
     assert running.status().level is Level.OK
 
 
