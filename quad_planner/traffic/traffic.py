@@ -96,6 +96,7 @@ class Traffic:
         self._blocked_since = math.inf
         self._lost = 0
         self._stopped_at = -math.inf
+        self._in_way: set[str] = set()
         self.goes_first = False
         """Whether there is no place to give way at, so that others give way."""
 
@@ -168,6 +169,7 @@ class Traffic:
     def _end(self) -> None:
         """Have nothing to do with anybody: the robot wants to go nowhere."""
         self._route = self._refuge = self._goal = None
+        self._in_way = set()
         self.goes_first = False
         self._blocked_since = math.inf
 
@@ -195,6 +197,7 @@ class Traffic:
         for name, (_, other) in sorted(self._others.items()):
             is_settled = time - self._staying.get(name, time) > _SETTLED
             is_in_way = time - self._blocked_since > _BLOCKED and self._stops(own, other)
+            is_in_way = is_in_way or name in self._in_way
             at_goal = self._goal.distance_to(other.pose) < clearance + other.radius
             if (is_settled or is_in_way) and not at_goal:
                 # The robot itself stays free, however near it stands.
@@ -223,6 +226,7 @@ class Traffic:
         if worst is Duty.LEAVE and not self.goes_first:
             self._leave(time, own, before, names)
             return
+        self._in_way = set()
         if self._refuge is not None:
             # It is off the path: from here on it waits, or goes on.
             self._refuge = None
@@ -264,10 +268,10 @@ class Traffic:
                 own.name, own.pose, own.radius, remaining_plan(session.plan, own.pose).corners
             )
             is_on_way = not self._strays(time, own.pose, session.plan)
-            is_free = not any(self._stops(way, other) for other in self.others.values())
-            if not is_free:
-                # Its path is planned past bodies that stay, and not past those that move.
-                self._stopped_at = time
+            in_way = {other.name for other in self.others.values() if self._stops(way, other)}
+            if in_way:
+                # It lets them pass; if they are still there then, it goes around them.
+                self._stopped_at, self._in_way = time, in_way
                 session.hold(reason)
                 return
             if is_good and is_on_way:
