@@ -70,8 +70,6 @@ class PlanningSession(SessionMaps):
         self._own = OwnPlans()
         self._is_new = True
 
-    # Maps
-
     def plan_on_new_map(self) -> None:
         """Show the map, and plan on it to the goal in force."""
         self.problem = None
@@ -174,16 +172,7 @@ class PlanningSession(SessionMaps):
     # The robot
 
     def take_pose(self, time: float, pose: Pose2D) -> None:
-        """
-        Take the robot's pose, and look whether it has left its path.
-
-        Parameters
-        ----------
-        time : float
-            Of the odometry [s].
-        pose : Pose2D
-            base_link in the map.
-        """
+        """Take where base_link is in the map at a time [s]; look whether it has left its path."""
         is_first, was_silent = self._pose is None, bool(self.silence)
         self._pose = pose
         self._age.receive(time)
