@@ -16,44 +16,21 @@ from quad_sim.engines.bullet_ground import lay_ground
 from quad_sim.engines.bullet_obstacles import BulletObstacles, build_walls
 from quad_sim.engines.bullet_robot import BulletRobot
 from quad_sim.engines.bullet_simulator import open_client
-from quad_sim.engines.simulator import GROUND, OBSTACLE, Observation, Simulator, robot_contact
+from quad_sim.engines.simulator import GROUND, OBSTACLE, Simulator, robot_contact
+from quad_sim.fleet.world_handle import WorldHandle
 from quad_sim.world.world import OF_WORLD, Obstacle, World
 
 Array = NDArray[np.float64]
 
 
-class _Handle(BulletRobot):
+class _Handle(BulletRobot, WorldHandle):
     """A robot whose commands wait for the world's step."""
 
     def __init__(self, shared: BulletWorld, robot: Robot) -> None:
-        super().__init__(shared.client, robot, shared.world, shared.time_step, shared.name_of)
-        self._shared = shared
-
-    @property
-    def time(self) -> float:
-        """Simulated time since the world was made [s]."""
-        return self._shared.time
-
-    def step(self, joint_positions: Array, joint_velocities: Array) -> None:
-        """Have the robot commanded so in the next step of the world."""
-        self._drive(joint_positions, joint_velocities)
-
-    def observe(self) -> Observation:
-        """Return the robot's state."""
-        return self._observe(self.time)
-
-    @property
-    def obstacles(self) -> Mapping[Hashable, Obstacle]:
-        """Those that stand there now, besides the walls."""
-        return self._shared.obstacles
-
-    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
-        """Put an obstacle into the world."""
-        self._shared.put_obstacle(name, obstacle)
-
-    def remove_obstacle(self, name: Hashable) -> None:
-        """Take an obstacle out of the world."""
-        self._shared.remove_obstacle(name)
+        BulletRobot.__init__(
+            self, shared.client, robot, shared.world, shared.time_step, shared.name_of
+        )
+        WorldHandle.__init__(self, shared)
 
     def close(self) -> None:
         """Do nothing: the world is released as a whole."""

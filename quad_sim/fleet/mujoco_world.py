@@ -16,7 +16,8 @@ from quad_common.errors import MissingOptionalDependency
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_sim.engines.mujoco_drives import MujocoDrives
-from quad_sim.engines.simulator import Observation, Simulator
+from quad_sim.engines.simulator import Simulator
+from quad_sim.fleet.world_handle import WorldHandle
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.world import Obstacle, World
 
@@ -31,18 +32,14 @@ except ImportError as error:
 Array = NDArray[np.float64]
 
 
-class _Handle(MujocoRobot):
+class _Handle(MujocoRobot, WorldHandle):
     """A robot whose commands wait for the world's step."""
 
     def __init__(self, shared: MujocoWorld, robot: Robot, name: str) -> None:
-        super().__init__(robot, shared.world, shared.time_step, name)
+        MujocoRobot.__init__(self, robot, shared.world, shared.time_step, name)
+        WorldHandle.__init__(self, shared)
         self.robot = robot
-        self._shared = shared
-
-    @property
-    def time(self) -> float:
-        """Simulated time since the world was made [s]."""
-        return self._shared.time
+        self._owner = shared
 
     def bind(self, model: Any, data: Any, number: int) -> None:
         """Go on in a model, as the robot of a number."""
@@ -55,17 +52,9 @@ class _Handle(MujocoRobot):
     def reset(self, pose: Pose2D) -> None:
         """Stand the robot at a pose; see :meth:`Simulator.reset`."""
         self.motors.reset()
-        self._shared.drives.let_go()
+        self._owner.drives.let_go()
         self.push(np.zeros(3))
         self._stand(pose)
-
-    def step(self, joint_positions: Array, joint_velocities: Array) -> None:
-        """Have the robot commanded so in the next step of the world."""
-        self._drive(joint_positions, joint_velocities)
-
-    def observe(self) -> Observation:
-        """Return the robot's state."""
-        return self._observe(self.time)
 
     @property
     def state(self) -> tuple[Array, ...]:
@@ -88,21 +77,8 @@ class _Handle(MujocoRobot):
             data.qacc_warmstart[first : speeds.stop],
         )
 
-    @property
-    def obstacles(self) -> Mapping[Hashable, Obstacle]:
-        """Those that stand there now, besides the walls."""
-        return self._shared.obstacles
-
-    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
-        """Put an obstacle into the world."""
-        self._shared.put_obstacle(name, obstacle)
-
-    def remove_obstacle(self, name: Hashable) -> None:
-        """Take an obstacle out of the world."""
-        self._shared.remove_obstacle(name)
-
     def close(self) -> None:
-        """Do nothing: memory goes with the world."""
+        """Do nothing: the world is released as a whole."""
 
 
 class MujocoWorld:
