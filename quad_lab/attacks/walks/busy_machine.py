@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import count, islice
 from typing import Any
 
@@ -40,6 +40,9 @@ HOURS, QUICK_WALKS = 10.0, 4
 
 WALK, QUICK_WALK = 60.0, 12.0
 """Simulated time of one walk [s]."""
+
+_LINE_EVERY = 40
+"""Number of walks between two lines of progress."""
 
 _GAITS = ('crawl', 'crab', 'wave', 'trot')
 _TURNINGS = ('in_place', 'crab', 'arc')
@@ -96,26 +99,46 @@ class WatchedOutcome:
     """Number of trajectories that did not come, or too late to be of use."""
 
 
-def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Criterion]:
+def attack_by_load(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
     """
-    Walk sound robots, and count false alarms.
+    Walk sound robots on a busy machine, and count false alarms.
 
     Parameters
     ----------
+    console : Console
+        Where progress goes.
     quick : bool
         A few short walks, in place of ten simulated hours.
     seed : int
         Of everything that is drawn.
-    processes : int
-        Number of walks at one time.
 
     Returns
     -------
-    list of Criterion
+    tuple
+        The bars, and details for JSON: the walks with a false alarm.
     """
+    console.print('sound robots walk without topics, on a machine that is busy')
+    number, simulated = 0, 0.0
+
+    def say(outcome: WatchedOutcome) -> None:
+        nonlocal number, simulated
+        number, simulated = number + 1, simulated + outcome.duration
+        if outcome.false_alarm:
+            console.print(f'false alarm: {outcome}', highlight=False)
+        if not number % _LINE_EVERY:
+            console.print(f'{number} walks, {simulated / 3600.0:.2f} h simulated', highlight=False)
+
     hours = math.inf if quick else HOURS
     walks = islice(drawn_walks(seed, QUICK_WALK if quick else WALK), QUICK_WALKS if quick else None)
-    outcomes = campaign(walks, hours, processes)
+    outcomes = campaign(walks, hours, say)
+    bars = _bars_of(outcomes)
+    return bars, {'false_alarms': [asdict(o) for o in outcomes if o.false_alarm]}
+
+
+def _bars_of(outcomes: list[WatchedOutcome]) -> list[Criterion]:
+    """Work out the bars."""
     simulated = sum(outcome.duration for outcome in outcomes) / 3600.0
     alarms = sum(bool(outcome.false_alarm) for outcome in outcomes)
     quiet = [outcome for outcome in outcomes if not outcome.walk.is_disturbed]
@@ -133,19 +156,11 @@ def watch_bars(quick: bool, seed: int, processes: int = 2) -> list[Criterion]:
     ]
 
 
-def attack_by_load(
-    console: Console, quick: bool, seed: int
-) -> tuple[list[Criterion], dict[str, object]]:
-    """Walk sound robots on a busy machine, as a part of ``quadwalk bench faults``."""
-    console.print('sound robots walk without topics, on a machine that is busy')
-    return watch_bars(quick, seed), {}
-
-
 def campaign(
     walks: Iterator[WatchedWalk],
     hours: float,
-    processes: int,
     on_outcome: Callable[[WatchedOutcome], None] = lambda outcome: None,
+    processes: int = 2,
 ) -> list[WatchedOutcome]:
     """
     Walk until so much time has been simulated.
@@ -156,10 +171,10 @@ def campaign(
         What to walk.
     hours : float
         Simulated time [h]; the walks may end before.
-    processes : int
-        Number of walks at one time.
     on_outcome : callable
         Called after each walk.
+    processes : int
+        Number of walks at one time.
 
     Returns
     -------
