@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from quad_common.errors import ParameterError
+from quad_common.errors import FileUnusable, ParameterError
+from quad_common.files.bounded_file import is_file, user_path
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
@@ -217,6 +218,9 @@ def _outline_from_parameters(
 ) -> OutlineOptions | None:
     p = parameters
     if p.footprint == 'circle':
+        if p.outline.strip():
+            # It is not used, but would be kept until it is.
+            outline_from_text(p.outline)
         return None
     return outline_for(
         robot,
@@ -307,7 +311,20 @@ def pace_from_parameters(parameters: PlannerParameters) -> WalkingTimeModel | No
     except ParameterError:
         if parameters.method == 'quickest':
             raise
+        _check_gait(parameters)
         return None
+
+
+def _check_gait(parameters: PlannerParameters) -> None:
+    """Refuse what is neither the name of a gait nor a file."""
+    known = {*load_robot(parameters.robot).gaits, PlannerParameters().gait}
+    valid = f'one of {", ".join(sorted(known))}, or the path of a gait file'
+    try:
+        if parameters.gait in known or is_file(user_path(parameters.gait)):
+            return
+    except FileUnusable as error:
+        raise ParameterError('gait', parameters.gait, f'{valid} ({error.reason})') from error
+    raise ParameterError('gait', parameters.gait, valid)
 
 
 def _costs(parameters: PlannerParameters) -> tuple[CostLayer, ...]:

@@ -21,6 +21,9 @@ _SIDES = 16
 _LARGEST = 10.0
 """Farthest corner of an outline from base_link [m]."""
 
+_LONGEST_TEXT = 10_000
+"""Number of letters of an outline, at most: Python's parser bears no text of any length."""
+
 _VALID = (
     'a list of at least three corners in metres, within 10 m of base_link and around it, as '
     '[[0.3, 0.2], [-0.5, 0.2], [-0.5, -0.2], [0.3, -0.2]]; or empty'
@@ -103,6 +106,8 @@ def outline_from_text(text: str) -> Array:
         If the text is no such list, a corner is too far off, or base_link is not inside.
     """
     try:
+        if len(text) > _LONGEST_TEXT:
+            raise ValueError
         corners = np.array(ast.literal_eval(text.strip()), dtype=float)
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
         raise ParameterError('outline', text, _VALID) from None

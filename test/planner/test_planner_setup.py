@@ -145,3 +145,29 @@ def test_the_conditions_of_planning_again_may_change_on_the_way():
     change_planner(session, patient, before, requests, time.monotonic)
     session.take_pose(2.0, Pose2D(1.8, 2.6, 0.0))
     assert len(output.plans) == 2
+
+
+@pytest.mark.parametrize(
+    'nonsense',
+    [
+        {'gait': 'gallop'},
+        {'gait': 'x' * 1_000_000},
+        {'gait': '~nobody_of_that_name/gait.yaml'},
+        {'gait': '/nowhere/my_gait.yaml', 'method': 'shortest'},
+        {'outline': 'round'},
+        {'outline': '[' * 1_000_000},
+        {'outline': '[[0.3, 0.2], [-0.5, 0.2]]', 'footprint': 'outline'},
+    ],
+)
+def test_a_gait_or_outline_that_does_not_exist_is_refused(nonsense):
+    values = PlannerParameters()
+    robot = load_robot(values.robot)
+    with pytest.raises(ParameterError, match=next(iter(nonsense))):
+        planner_from_parameters(replace(values, **nonsense), robot)
+
+
+def test_a_gait_of_a_file_whose_pace_is_not_known_is_taken(tmp_path):
+    path = tmp_path / 'my_gait.yaml'
+    path.write_text('cycle_period: 4.0')
+    _, planner = planner_with(gait=str(path))
+    assert planner.plan(Pose2D(1.0, 2.0, 0.0), GOAL).length == pytest.approx(1.0)

@@ -52,6 +52,9 @@ _BETWEEN = 0.1
 _SET_OUT = 2.0
 """Time in which a robot that was given a goal is to set out [s]."""
 
+_LONGEST_LINE = 1000
+"""Number of letters of a finding that are printed."""
+
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -151,7 +154,7 @@ def attack_scene(
     MessageOutcome
         What came of it.
     """
-    before = Findings.of(stage)
+    before = said = Findings.of(stage)
     reports = []
     for state, node in itertools.product(scene.states, scene.targets):
         attack = MessageAttack(stage, Report(node, state), seed, scene.clearance, effort)
@@ -160,7 +163,9 @@ def attack_scene(
         attack.run(effort.messages)
         attack.walk_on()
         reports.append(attack.report)
-        _say(console, attack.report, stage)
+        now = Findings.of(stage)
+        _say(console, attack.report, stage, now.since(said).examples)
+        said = now
     return MessageOutcome(reports, Findings.of(stage).since(before))
 
 
@@ -327,7 +332,8 @@ class MessageAttack:
                 report.deaths.append(f'{error}\nafter the attack, on the way to a good goal')
 
 
-def _say(console: Console, report: Report, stage: Stage) -> None:
+def _say(console: Console, report: Report, stage: Stage, seen: dict[str, list[str]]) -> None:
+    """Print what came of an attack, and each violation that was seen in it."""
     console.print(
         f'{report.node}, {report.state}: {report.messages} messages, {len(report.deaths)} deaths, '
         f'{len(report.slow)} slow, {len(report.accepted)} of {report.nonsense} accepted, '
@@ -335,3 +341,5 @@ def _say(console: Console, report: Report, stage: Stage) -> None:
         f'goal {"reached" if report.has_reached_goal else "NOT reached: " + report.problem}',
         highlight=False,
     )
+    for text in (*report.accepted, *report.deaths, *report.slow, *itertools.chain(*seen.values())):
+        console.print(f'  {text[:_LONGEST_LINE]}', highlight=False, markup=False)
