@@ -29,8 +29,25 @@ class Candidate:
     """Largest delay by where the joints have been since [s]."""
     matched: float = -np.inf
     """Time at which all joints were on it last [s]."""
+    matched_since: float = np.inf
+    """Time from which on they have been at every measurement [s]."""
     is_outdated: bool = False
     """Whether a later one was never followed and has ended."""
+
+    def match(self, time: float, before: float) -> None:
+        """
+        Note that all joints are on it.
+
+        Parameters
+        ----------
+        time : float
+            Time at which they were measured [s].
+        before : float
+            Time of the measurement before [s].
+        """
+        if self.matched < before or np.isinf(self.matched):
+            self.matched_since = time
+        self.matched = time
 
     def rows(self, time: float, age: float) -> tuple[Array, Array, Array]:
         """

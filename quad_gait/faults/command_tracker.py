@@ -10,7 +10,7 @@ where they are, all at once, must be
 - or in transition from one of them into a later one: to its first point if that lies ahead, or
   else with the offset between the two at the arrival, which decays within ``joining``.
 
-A trajectory is void once the joints follow a later one and no longer that one.
+A trajectory is void once the joints have followed a later one for a while and no longer that one.
 """
 
 from __future__ import annotations
@@ -46,6 +46,10 @@ _INSTANT = 0.02
 
 _ALIKE = 0.02
 """Fraction of what joints may be off by which one command fits no worse than another."""
+
+_CONFIRMATION = 0.1
+"""Time for which joints must have been on a trajectory without a break before earlier ones are void
+[s]: in transition into one that came late they pass by others, for a few instants."""
 
 _EXPIRY = 0.5
 """Time past its end after which a trajectory that was not followed is void [s]."""
@@ -109,6 +113,7 @@ class CommandTracker:
         """Know no trajectory."""
         self._candidates: list[Candidate] = []
         self._followed: Candidate | None = None
+        self._time = self._time_before = -np.inf
 
     def hold(self, time: float, positions: Array) -> None:
         """Take notice of joints that hold a posture, shape (n,) [rad], before all else."""
@@ -161,6 +166,8 @@ class CommandTracker:
         Explanation or None
             One that fits all joints, or all but one; None if none does.
         """
+        if time > self._time:
+            self._time_before, self._time = self._time, time
         if self.is_exact and strictness is not None and strictness.any():
             found = self._explain(time, positions, strictness)
             if found is not None:
@@ -176,8 +183,8 @@ class CommandTracker:
             posture, allowed = candidate.path.at(time - candidate.delay)
             off = np.abs(positions - posture) > allowed - strictness
             if not off.any():
+                candidate.match(time, self._time_before)
                 goes_on = len(begun) > 1 and self._settle_for(candidate, begun, time, positions)
-                candidate.matched = time
                 self._followed = candidate
                 if candidate.path.starts_on_arrival:
                     self._bound_delay(candidate, time, positions)
@@ -216,6 +223,7 @@ class CommandTracker:
         """
         goes_on = False
         place = begun.index(followed)
+        is_confirmed = time - followed.matched_since >= _CONFIRMATION
         for candidate in begun[:place]:
             posture, allowed = candidate.path.at(time - candidate.delay)
             fits = bool((np.abs(positions - posture) <= allowed).all())
@@ -223,8 +231,10 @@ class CommandTracker:
                 postures, allowed, _ = candidate.rows(time, self._options.age)
                 fits = bool((np.abs(positions - postures) <= allowed).all(axis=1).any())
             if fits:
-                candidate.matched = time
-            else:
+                candidate.match(time, self._time_before)
+                # They may be on this one, and on each in between next.
+                is_confirmed = False
+            elif is_confirmed:
                 self._candidates.remove(candidate)
                 goes_on = True
         for candidate in begun[place + 1 :]:
@@ -270,7 +280,7 @@ class CommandTracker:
             owner.delay = float(delays[row]) if owner.path.starts_on_arrival else 0.0
             self._followed = owner
             if least == 0:
-                owner.matched = time
+                owner.match(time, self._time_before)
                 if owner.path.starts_on_arrival:
                     self._bound_delay(owner, time, positions)
                 if owner in begun:

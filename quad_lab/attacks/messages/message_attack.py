@@ -341,5 +341,7 @@ def _say(console: Console, report: Report, stage: Stage, seen: dict[str, list[st
         f'goal {"reached" if report.has_reached_goal else "NOT reached: " + report.problem}',
         highlight=False,
     )
+    grown = ', '.join(f'{name} {g:+.1%}' for name, g in report.memory_growth.items())
+    console.print(f'  memory in the second half: {grown}', highlight=False)
     for text in (*report.accepted, *report.deaths, *report.slow, *itertools.chain(*seen.values())):
         console.print(f'  {text[:_LONGEST_LINE]}', highlight=False, markup=False)
