@@ -205,18 +205,28 @@ def accepted_nonsense(
 
 def _is_refused(stage: Stage, attacker: Attacker, target: Interface, case: Nonsense) -> bool:
     """Return whether the node says so, in a sentence that it did not say just before."""
-    if _says_it(stage, attacker, target, case):
+    known = _known(stage, case)
+    if _says_it(stage, attacker, target, case, known):
         return True
-    # It may have used the same words for the case before: once they are over, again.
+    # On a busy machine the sentence may come later; or it is that of the case before: once that
+    # is over, again.
     stage.spin(_WORDS_LAST)
-    stage.listener.refusals[case.node] = []
-    return _says_it(stage, attacker, target, case)
+    if _has_said_it(stage, case, known):
+        return True
+    return _says_it(stage, attacker, target, case, _known(stage, case))
 
 
-def _says_it(stage: Stage, attacker: Attacker, target: Interface, case: Nonsense) -> bool:
-    listener = stage.listener
-    known = {*listener.refusals.get(case.node, [])[-_RECENT:], stage.said(case.node)}
-    listener.refusals[case.node] = []
+def _known(stage: Stage, case: Nonsense) -> set[str]:
+    """Return what the node says already; what it says from now on is collected."""
+    refusals = stage.listener.refusals
+    known = {*refusals.get(case.node, [])[-_RECENT:], stage.said(case.node)}
+    refusals[case.node] = []
+    return known
+
+
+def _says_it(
+    stage: Stage, attacker: Attacker, target: Interface, case: Nonsense, known: set[str]
+) -> bool:
     for _ in range(_TRIES):
         message = replaced(attacker.example(target), case.path, case.value)
         attacker.send(target, message, str(case))
@@ -224,7 +234,11 @@ def _says_it(stage: Stage, attacker: Attacker, target: Interface, case: Nonsense
         # holds on a busy machine as well, where no fixed time is enough.
         stage.ping(case.node)
         stage.spin(_AGAIN)
-        new = set(listener.refusals[case.node]) - known
-        if any(word in sentence for sentence in new for word in _WORDS[case.topic]):
+        if _has_said_it(stage, case, known):
             return True
     return False
+
+
+def _has_said_it(stage: Stage, case: Nonsense, known: set[str]) -> bool:
+    new = set(stage.listener.refusals[case.node]) - known
+    return any(word in sentence for sentence in new for word in _WORDS[case.topic])
