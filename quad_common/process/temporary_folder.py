@@ -42,7 +42,12 @@ def temporary_folder() -> Iterator[Path]:
             fcntl.flock(owner, fcntl.LOCK_EX)
             os.write(owner, str(os.getpid()).encode())
             stack.enter_context(released_at_last(lambda: shutil.rmtree(folder, ignore_errors=True)))
-        yield folder
+        try:
+            yield folder
+        finally:
+            # A signal that came while the folder is removed would leave a part of it.
+            with shielded():
+                stack.close()
 
 
 def ownerless_folders() -> list[Path]:

@@ -68,3 +68,29 @@ def test_what_was_made_by_others_stays(place):
     (place / 'quadwalk_file').write_text('words')
     remove_ownerless()
     assert len(list(place.iterdir())) == 4
+
+
+INTERRUPTED = """
+import os, signal
+from quad_common.process.end_signals import EndSignals, Interrupted, Raises
+from quad_common.process.temporary_folder import temporary_folder
+EndSignals(Raises(), lambda number: 128 + number, 10.0).install()
+unlink = os.unlink
+def interrupted_unlink(*args, **kwargs):
+    os.kill(os.getpid(), signal.SIGTERM)
+    unlink(*args, **kwargs)
+os.unlink = interrupted_unlink
+try:
+    with temporary_folder() as folder:
+        (folder / 'node.log').write_text('words')
+except Interrupted as signal_:
+    print(signal_.number)
+"""
+
+
+def test_a_signal_while_a_folder_is_removed_leaves_nothing(place):
+    ended = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED], capture_output=True, text=True, cwd=ROOT, timeout=30
+    )
+    assert (ended.stdout, ended.stderr) == (f'{int(signal.SIGTERM)}\n', '')
+    assert list(place.iterdir()) == []
