@@ -71,10 +71,11 @@ def test_what_was_made_by_others_stays(place):
 
 
 INTERRUPTED = """
-import os, signal
+import os, signal, tempfile
 from quad_common.process.end_signals import EndSignals, Interrupted, Raises
 from quad_common.process.temporary_folder import temporary_folder
 EndSignals(Raises(), lambda number: 128 + number, 10.0).install()
+tempfile.gettempdir()
 unlink = os.unlink
 def interrupted_unlink(*args, **kwargs):
     os.kill(os.getpid(), signal.SIGTERM)
