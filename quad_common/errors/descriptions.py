@@ -96,12 +96,15 @@ class JointFiguresMissing(DescriptionError):
     """Unit of the figure."""
     joints: tuple[str, ...]
     """Names of the joints."""
+    stated: float | None = None
+    """Figure that the description has in its place, which no joint can have; None without one."""
 
     def sentence(self) -> str:
         """Say which figure must be given, and how."""
         names = ', '.join(self.joints[:3]) + (' ...' if len(self.joints) > 3 else '')
+        instead = '' if self.stated is None else f', but {self.stated:g} {self.unit}'
         return (
-            f'{self.path} has no largest {self.figure} of the joints {names}; give it to '
+            f'{self.path} has no largest {self.figure} of the joints {names}{instead}; give it to '
             f'quadwalk robot import with --{self.figure} (one number, or three from the body '
             f'outward) [{self.unit}]'
         )

@@ -33,6 +33,10 @@ Array = NDArray[np.float64]
 _SHORTEST = 0.005
 """Length of a link that is too short to walk with [m]."""
 
+_SPEEDS, _EFFORTS = (0.01, 200.0), (1e-3, 1e5)
+"""Least and largest speeds [rad/s] and torques [N m]; what is outside stands for none: exporters
+write 1000 where nobody said anything."""
+
 _NO_NAMES = ('robot', 'urdf', 'xacro', 'main', 'model', 'description', 'scene')
 """Names of files that name no robot."""
 
@@ -220,10 +224,15 @@ def _figures(
     if given:
         return np.tile(np.broadcast_to(np.array(given, dtype=float), JOINTS_PER_LEG), (4, 1))
     field, unit = ('velocity', 'rad/s') if figure == 'speed' else ('effort', 'N m')
-    stated = [[getattr(joint, field) for joint in chain.joints] for chain in chains]
+    least, most = _SPEEDS if figure == 'speed' else _EFFORTS
+    joints = [joint for chain in chains for joint in chain.joints]
+    stated = [getattr(joint, field) for joint in joints]
     missing = [
-        joint.name for chain in chains for joint in chain.joints if getattr(joint, field) is None
+        (joint.name, own)
+        for joint, own in zip(joints, stated)
+        if own is None or not least <= own <= most
     ]
     if missing:
-        raise JointFiguresMissing(tree.path, figure, unit, tuple(missing))
-    return np.array(stated, dtype=float)
+        names = tuple(name for name, _ in missing)
+        raise JointFiguresMissing(tree.path, figure, unit, names, missing[0][1])
+    return np.array(stated, dtype=float).reshape(len(chains), JOINTS_PER_LEG)
