@@ -108,3 +108,20 @@ class JointFiguresMissing(DescriptionError):
             f'quadwalk robot import with --{self.figure} (one number, or three from the body '
             f'outward) [{self.unit}]'
         )
+
+
+@dataclass(eq=False, repr=False)
+class DescriptionNotCached(QuadError):
+    """A description that the package ``robot_descriptions`` knows is not in its cache."""
+
+    name: str
+    """Name of the description."""
+    folder: str
+    """Folder of the cache."""
+
+    def sentence(self) -> str:
+        """Say how the description can be fetched."""
+        return (
+            f'the description {quoted(self.name)} is not in {self.folder}; fetch it with: '
+            f'python -m robot_descriptions pull {clipped(self.name)}'
+        )

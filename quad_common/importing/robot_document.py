@@ -41,7 +41,7 @@ _SWING_FRACTION = 0.46
 _OF_SPEED_TO_LIFT, _OF_SPEED_AT_MOST = 0.35, 0.5
 """Parts of a knee's speed that a trot in place may take: wanted, and with a longer period."""
 
-_STATIC_SWING, _LONGEST_STATIC = 0.15, 5.0
+_STATIC_SWING, _LONGEST_STATIC = 0.15, 8.0
 """Part of a static gait's period in which a foot is in the air, and its largest period over that
 of quick knees."""
 

@@ -41,7 +41,11 @@ _WIDTH = 0.5
 """Distance of the feet from the middle line that is enough, as a fraction of the hips' height
 above them: narrow robots rock when they trot sideways."""
 
-_ALL = 2.0
+_EACH = 0.01
+"""Weight of the parts' mean room beside the least: where covers overlap in all stances, the other
+parts still get theirs."""
+
+_ALL = 2.0 + _EACH
 """Score of a stance with enough room and width."""
 
 _SPRAWL = (0.0, -0.3, 0.3, -0.6)
@@ -98,10 +102,10 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
                 if -float(spare.min()) < least:
                     least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
                 continue
-            score = _score(_room(shape, angles) / (_ROOM * length), feet)
+            score = _score(_rooms(shape, angles) / (_ROOM * length), feet)
             if score > most:
                 best, most = angles, score
-            if score == _ALL:
+            if score >= _ALL - 1e-9:
                 break
         if best is not None:
             return best
@@ -109,10 +113,11 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
     raise LegNotFeasible(path, str(legs[worst].leg.name), problem)
 
 
-def _score(room: float, feet: Array) -> float:
-    """Judge a stance by its room, as a fraction of what is enough, and by its width."""
+def _score(rooms: Array, feet: Array) -> float:
+    """Judge a stance by its rooms, as fractions of what is enough, and by its width."""
     wide = float(np.abs(feet[:, 1]).min() / np.abs(feet[:, 2]).max())
-    return min(max(room, 0.0), 1.0) + min(wide / _WIDTH, 1.0)
+    rooms = np.clip(rooms, 0.0, 1.0)
+    return float(rooms.min()) + min(wide / _WIDTH, 1.0) + _EACH * float(rooms.mean())
 
 
 def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Array:
@@ -147,11 +152,11 @@ def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Arra
     return shifted if spare >= _SPARE / 2.0 else angles
 
 
-def _room(shape: RobotShape, angles: Array) -> float:
-    """Return the least distance between the body and thighs or calves [m]."""
+def _rooms(shape: RobotShape, angles: Array) -> Array:
+    """Return the distances between the body and thighs and calves, negative in it, (n,) [m]."""
     segments = shape.segments(shape.legs.chain(angles))
     with_body = [group for group in shape.groups if group.with_body]
-    return min(float(shape.group_clearances(group, segments).min()) for group in with_body)
+    return np.concatenate([np.ravel(shape.group_clearances(g, segments)) for g in with_body])
 
 
 def _candidates(legs: list[Leg]) -> Iterator[list[Array]]:

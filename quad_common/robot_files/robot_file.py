@@ -29,8 +29,8 @@ from quad_common.errors import (
 )
 from quad_common.files.bounded_file import is_file, user_path
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
-from quad_common.importing.known_robots import known_names
-from quad_common.importing.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
+from quad_common.named_robots.known_robots import known_names
+from quad_common.named_robots.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
 from quad_common.robot.leg_builds import (
     LegLengths,
     LegPlace,

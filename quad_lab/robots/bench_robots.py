@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.errors import NotAQuadruped
-from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
 from quad_common.importing.robot_import import import_robot
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS, known_names
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
 from quad_lab.robots.import_check import (

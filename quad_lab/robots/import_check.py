@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from quad_common.description.poses import moved
 from quad_common.errors import QuadError
-from quad_common.importing.known_robots import KNOWN_ROBOTS, KnownRobot
 from quad_common.importing.robot_import import ImportedRobot, import_robot
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS, KnownRobot
 from quad_common.robot.leg_kinematics import stack_legs
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.importing.known_robots import KNOWN_ROBOTS
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
