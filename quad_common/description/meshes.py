@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 _FILE = 'file://'
 
 _LEVELS = 4
-"""Number of folders around a description in which meshes are looked for by the end of their path."""
+"""Number of folders around a description in which meshes are looked for by their paths' ends."""
 
 
 def mesh_path(name: str, description: Path) -> Path:

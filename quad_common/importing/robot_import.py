@@ -15,6 +15,7 @@ from quad_common.description.poses import inverse, moved
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import JointFiguresMissing, LegNotFeasible
+from quad_common.importing.any_axes import serial_leg_of
 from quad_common.importing.body_frame import body_frame, corners
 from quad_common.importing.chains import LegChain, find_legs
 from quad_common.importing.feet import Foot, find_foot
@@ -163,6 +164,8 @@ def _ranged_leg(
     at_zero: LegAtZero, chain: LegChain, leg_type: str, knees: str, notes: Notes, path: Path
 ) -> RangedLeg:
     """Find a leg's geometry and ranges; refuse one whose links have no length."""
+    if leg_type == 'serial':
+        return serial_leg_of(at_zero, chain, knees, notes, path)
     leg = leg_geometry(at_zero, leg_type == 'yaw_pitch_pitch')
     if min(float(leg.thigh_length), float(leg.calf_length)) < _SHORTEST:
         problem = f'has links without length between {chain.joints[1].name} and its foot'

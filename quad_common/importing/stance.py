@@ -17,6 +17,7 @@ from quad_common.importing.sizes import Sizes
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.robot_shape import RobotShape
+from quad_common.serial_legs.serial_leg import SerialLeg
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,9 @@ _SPARE = 0.1
 
 _SPREADS = (0.0, 0.03, 0.06, 0.09, 0.12)
 """Distances by which feet stand farther out than hips, as fractions of the leg's length."""
+
+_WIDER = (0.2, 0.3, 0.4)
+"""The same of legs that closed formulas do not hold for, in addition: they may sprawl."""
 
 _ROOM = 0.035
 """Distance between parts that is enough in the stance, as a fraction of the leg's length: in the
@@ -161,12 +165,14 @@ def _rooms(shape: RobotShape, angles: Array) -> Array:
 
 def _candidates(legs: list[Leg]) -> Iterator[list[Array]]:
     """Yield places of the four feet in base_link, (4, 3) [m]: by height, then by spread."""
-    if abs(float(legs[0].first_axis[2])) > 0.7:
+    is_serial = isinstance(legs[0], SerialLeg)
+    if not is_serial and abs(float(legs[0].first_axis[2])) > 0.7:
         for pitch in _SPRAWL:
             yield [_level([_sprawled(leg, pitch) for leg in legs])]
         return
     for fraction in (_HEIGHT, *_OTHERS):
-        yield [_level([_upright(leg, fraction, spread) for leg in legs]) for spread in _SPREADS]
+        spreads = (*_SPREADS, *_WIDER) if is_serial else _SPREADS
+        yield [_level([_upright(leg, fraction, spread) for leg in legs]) for spread in spreads]
 
 
 def _upright(leg: Leg, fraction: float, spread: float) -> Array:
@@ -174,6 +180,10 @@ def _upright(leg: Leg, fraction: float, spread: float) -> Array:
     length = float(leg.thigh_length + leg.calf_length)
     down = float(leg.radial_offset) + math.sqrt(fraction**2 - spread**2) * length
     side = math.copysign(1.0, float(leg.hip[1]))
+    if isinstance(leg, SerialLeg):
+        depth = math.sqrt(fraction**2 - spread**2) * length
+        below: Array = leg.points[1] + np.array([0.0, side * spread * length, -depth])
+        return below
     foot: Array = (
         leg.hip
         + leg.first_axis * float(leg.axial_offset)

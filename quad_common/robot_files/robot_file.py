@@ -146,7 +146,7 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     kinds = LEG_TYPES[leg_type]
     name = _name(document, path)
     # Asked for first: what either format misspells is told from what it leaves out.
-    is_imported = number.has('legs')
+    is_imported = number.has('legs') or leg_type == 'serial'
     joints = imported_joints(number, kinds, path) if is_imported else _joints(number, kinds, path)
     names = part_names(document, path) if is_imported else PartNames.of_kinds(kinds)
     robot = Robot(
