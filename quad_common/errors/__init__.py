@@ -27,8 +27,8 @@ from quad_common.errors.gaits import CannotFollow as CannotFollow
 from quad_common.errors.gaits import CyclePeriodsDiffer as CyclePeriodsDiffer
 from quad_common.errors.gaits import EmergencyStopOn as EmergencyStopOn
 from quad_common.errors.gaits import FootholdNotFound as FootholdNotFound
-from quad_common.errors.gaits import FootstepsNotFound as FootstepsNotFound
 from quad_common.errors.gaits import FootOutsideWorkspace as FootOutsideWorkspace
+from quad_common.errors.gaits import FootstepsNotFound as FootstepsNotFound
 from quad_common.errors.gaits import FootTargetUnreachable as FootTargetUnreachable
 from quad_common.errors.gaits import GaitError as GaitError
 from quad_common.errors.gaits import GoalNotReached as GoalNotReached

@@ -171,11 +171,12 @@ def _ahead_of_serial(up: Array, legs: list[LegChain], axes: LegAxes) -> Array:
     It is across the knees' axes; along them if the names of the legs say so.
     """
     across = _level(_common(axes.directions[:, 2]), up, _common(axes.directions[:, 1]))
-    ahead: Array = np.cross(across, up)
+    ahead = np.asarray(np.cross(across, up), dtype=np.float64)
     named = np.array(_named_ends(legs)) @ axes.points[:, 1]
     if abs(float(named @ across)) > abs(float(named @ ahead)):
         ahead = across
-    return ahead * np.sign(ahead[int(np.argmax(np.abs(ahead)))])
+    signed: Array = ahead * np.sign(ahead[int(np.argmax(np.abs(ahead)))])
+    return signed
 
 
 def _axis_text(direction: Array) -> str:

@@ -137,7 +137,9 @@ class Leg:
         rho: Array = cos * self.radial_direction + sin * self.lateral_direction
         nu: Array = cos * self.lateral_direction - sin * self.radial_direction
         zeta = np.broadcast_to(self.first_axis, rho.shape)
-        frames = [(np.broadcast_to(self.hip, rho.shape), (rho, nu, zeta))]
+        frames: list[tuple[Array, tuple[Array, ...]]] = [
+            (np.broadcast_to(self.hip, rho.shape), (rho, nu, zeta))
+        ]
         for start, end, length in (
             (pitch_axis, knee, self.thigh_length),
             (knee, foot, self.calf_length),

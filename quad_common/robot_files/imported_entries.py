@@ -82,7 +82,7 @@ def imported_joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) ->
                 raise JointRangeEmpty(path, f'{leg} {kind}', float(low), float(high))
     if kinds == LEG_TYPES['serial']:
         bounds = zip(rows['lower'], rows['upper'], rows['initial_posture'])
-        legs = tuple(
+        legs: tuple[Leg, ...] = tuple(
             serial_leg(leg, _axes(number, leg, path), *own) for leg, own in zip(LEGS, bounds)
         )
     else:

@@ -26,7 +26,7 @@ _BEYOND = 0.3
 have to pass its limit is named [rad]."""
 
 _NEAR = 1e-12
-"""Distance between a foot and where it is wanted that is none, as a fraction of the leg's length."""
+"""Distance of a foot from where it is wanted that is none, as a fraction of the leg's length."""
 
 _FOUND = 1e-9
 """The same of a foot that is found: in places singular to rounding it gets no nearer."""
@@ -111,8 +111,7 @@ class SerialLeg(Leg):
         second, third, foot = self.chain(joint_angles)
         thigh, calf = third - second, foot - third
         across = np.linalg.norm(np.cross(thigh, calf), axis=-1)
-        bends: Array = np.arctan2(across, np.sum(thigh * calf, axis=-1))
-        return bends
+        return np.asarray(np.arctan2(across, np.sum(thigh * calf, axis=-1)), dtype=np.float64)
 
     def forward(self, joint_angles: Array) -> Array:
         """Place the foot: (..., 3) in the body frame [m] of joint angles (..., 3) [rad]."""
@@ -176,12 +175,12 @@ class SerialLeg(Leg):
             If the joints cannot move the foot in every direction.
         """
         matrices = self.jacobian(joint_angles)
-        singular = np.abs(np.linalg.det(matrices)) <= _SINGULAR * self._length**3
+        singular = np.asarray(np.abs(np.linalg.det(matrices)) <= _SINGULAR * self._length**3)
         if singular.any():
             leg = int(np.argmax(singular.reshape(-1, len(self._single)).any(axis=0)))
             raise SingularPosture(str(self._single[leg].name), 'its joints work in one plane')
-        speeds: Array = np.linalg.solve(matrices, foot_velocity[..., None])[..., 0]
-        return speeds
+        speeds = np.linalg.solve(matrices, foot_velocity[..., None])[..., 0]
+        return np.asarray(speeds, dtype=np.float64)
 
     def angular_velocity(self, joint_angles: Array, joint_velocities: Array) -> Array:
         """Find how fast the calf turns relative to the body, (..., 3) [rad/s]."""
@@ -244,7 +243,8 @@ class SerialLeg(Leg):
     @cached_property
     def _skew(self) -> Array:
         """Matrices of the cross products with the axes, shape (3, 3, 3), stacked (n, 3, 3, 3)."""
-        return np.cross(np.eye(3), self.axes[..., None, :], axisa=-1).swapaxes(-1, -2) * -1.0
+        crossed = np.cross(self.axes[..., None, :], np.eye(3))
+        return np.asarray(crossed.swapaxes(-1, -2), dtype=np.float64)
 
     @cached_property
     def _squared_skew(self) -> Array:
@@ -273,7 +273,8 @@ class SerialLeg(Leg):
         iterate(self.axes, self._arms, safe - self.hip, angles, left, _NEAR * self._length)
         # What ran off into another aspect, or around, is not found.
         is_kept = (angles >= self.lower - 2.0 * _BEYOND) & (angles <= self.upper + 2.0 * _BEYOND)
-        is_kept &= (np.sign(np.linalg.det(self.jacobian(angles))) == self._aspect.sign)[:, None]
+        signs = np.sign(np.linalg.det(self.jacobian(angles)))
+        is_kept &= np.reshape(signs == self._aspect.sign, (-1, 1))
         return angles, np.where(is_finite & is_kept.all(axis=-1), left, np.inf)
 
 

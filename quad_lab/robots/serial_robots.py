@@ -31,9 +31,9 @@ _JOINT = """  <joint name="{name}" type="{kind}">
 """
 
 
-def serial_urdf(build: str, axes=None) -> str:
+def serial_urdf(build: str) -> str:
     """Write the URDF of a robot of 13 kg; legs hang straight down at 0, right ones are mirrored."""
-    own = np.array(axes or BUILDS[build])
+    own = np.array(BUILDS[build])
     own /= np.linalg.norm(own, axis=1, keepdims=True)
     box = '<box size="0.4 0.14 0.1"/>'
     text = [f'<robot name="{build}">\n', _link('body', (0.0, 0.0, 0.0), 7.0, 0.1, box)]
@@ -61,7 +61,9 @@ def serial_urdf(build: str, axes=None) -> str:
                 )
             )  # fmt: skip
         rod = '<cylinder radius="0.02" length="0.2"/>'
-        text.append(_link(children[0], (0.0, 0.04 * side, 0.0), 0.5, 1e-3, '<sphere radius="0.04"/>'))
+        text.append(
+            _link(children[0], (0.0, 0.04 * side, 0.0), 0.5, 1e-3, '<sphere radius="0.04"/>')
+        )
         text.append(_link(children[1], (0.0, 0.0, -0.11), 0.8, 4e-3, rod))
         text.append(_link(children[2], (0.0, 0.0, -0.11), 0.2, 1e-3, rod))
         text.append(_link(f'{leg}_foot', (0.0, 0.0, 0.0), 0.03, 1e-5, '<sphere radius="0.02"/>'))
@@ -74,6 +76,8 @@ def serial_urdf(build: str, axes=None) -> str:
     return ''.join([*text, '</robot>\n'])
 
 
-def _link(name, place, mass, inertia, shape):
+def _link(
+    name: str, place: tuple[float, float, float], mass: float, inertia: float, shape: str
+) -> str:
     x, y, z = place
     return _LINK.format(name=name, x=x, y=y, z=z, mass=mass, i=inertia, shape=shape)
