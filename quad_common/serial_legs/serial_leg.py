@@ -266,7 +266,7 @@ class SerialLeg(Leg):
         # Compiled loops take time to load, and most robots have none of these legs.
         from quad_common.serial_legs.iteration import iterate
 
-        is_finite = np.isfinite(feet).all(axis=-1)
+        is_finite = np.asarray(np.isfinite(feet).all(axis=-1))
         safe = np.where(is_finite[:, None], feet, self.hip)
         angles = self._aspect.seeds(safe)
         left = np.empty(len(feet))
