@@ -380,7 +380,7 @@ def test_meshes_of_copied_descriptions_are_found_by_the_end_of_their_path(tmp_pa
     variant = Variant(SHIPPED['genibo'])
     geometry = variant.root.find('link/visual/geometry')
     geometry.clear()
-    away = 'file:///home/maker/ws/install/share/robot/meshes/trunk.stl'
+    away = 'file:///opt/maker/ws/install/share/robot/meshes/trunk.stl'
     ElementTree.SubElement(geometry, 'mesh', filename=away)
     imported = import_robot(variant.write(tmp_path / 'mine' / 'urdf'))
     _, urdf = write_robot(imported, tmp_path / 'out' / 'mine.yaml')
