@@ -96,13 +96,13 @@ class JointFiguresMissing(DescriptionError):
     """Unit of the figure."""
     joints: tuple[str, ...]
     """Names of the joints."""
-    stated: float | None = None
-    """Figure that the description has in its place, which no joint can have; None without one."""
+    stated: float = 0.0
+    """Figure that the description has in its place, which no joint can have; 0 without one."""
 
     def sentence(self) -> str:
         """Say which figure must be given, and how."""
         names = ', '.join(self.joints[:3]) + (' ...' if len(self.joints) > 3 else '')
-        instead = '' if self.stated is None else f', but {self.stated:g} {self.unit}'
+        instead = '' if self.stated == 0.0 else f', but {self.stated:g} {self.unit}'
         return (
             f'{self.path} has no largest {self.figure} of the joints {names}{instead}; give it to '
             f'quadwalk robot import with --{self.figure} (one number, or three from the body '

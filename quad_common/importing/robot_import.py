@@ -237,5 +237,5 @@ def _figures(
     ]
     if missing:
         names = tuple(name for name, _ in missing)
-        raise JointFiguresMissing(tree.path, figure, unit, names, missing[0][1])
+        raise JointFiguresMissing(tree.path, figure, unit, names, missing[0][1] or 0.0)
     return np.array(stated, dtype=float).reshape(len(chains), JOINTS_PER_LEG)
