@@ -31,7 +31,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.leg_arrays import EDGE, LegArrays, arrays_of
+from quad_common.robot.leg_arrays import (
+    EDGE,
+    LegArrays,
+    arrays_of,
+    is_in_reach,
+    part_frames,
+)
 
 Array = NDArray[np.float64]
 
@@ -130,23 +136,7 @@ class Leg:
         list of tuple
             Where each begins, (..., 3) [m], and its three axes in the body frame, (..., 3) each.
         """
-        pitch_axis, knee, foot = chain
-        zeros, signs = np.asarray(self.zeros)[..., 0], np.asarray(self.signs)[..., 0]
-        q1 = (zeros + signs * joint_angles[..., 0])[..., None]
-        cos, sin = np.cos(q1), np.sin(q1)
-        rho: Array = cos * self.radial_direction + sin * self.lateral_direction
-        nu: Array = cos * self.lateral_direction - sin * self.radial_direction
-        zeta = np.broadcast_to(self.first_axis, rho.shape)
-        frames: list[tuple[Array, tuple[Array, ...]]] = [
-            (np.broadcast_to(self.hip, rho.shape), (rho, nu, zeta))
-        ]
-        for start, end, length in (
-            (pitch_axis, knee, self.thigh_length),
-            (knee, foot, self.calf_length),
-        ):
-            along = (end - start) / np.asarray(length)[..., None]
-            frames.append((start, (along, nu, np.cross(along, nu))))
-        return frames
+        return part_frames(self, joint_angles, chain)
 
     def bends(self, joint_angles: Array) -> Array:
         """Return how far knees are bent, 0 if straight, (...) of joint angles (..., 3) [rad]."""
@@ -237,17 +227,7 @@ class Leg:
 
     def reaches(self, feet: Array) -> NDArray[np.bool_]:
         """Return which feet (..., 3) in the body frame [m] :meth:`inverse` of one leg solves."""
-        arms = feet - self.hip
-        x, y, z = (
-            arms @ np.asarray(axis)
-            for axis in (self.radial_direction, self.lateral_direction, self.first_axis)
-        )
-        squared = x * x + y * y - np.square(self.lateral_offset)
-        out = np.sqrt(np.maximum(squared, 0.0)) - self.radial_offset
-        distance = np.hypot(out, self.axial_offset - z)
-        least, largest = self.reach()
-        found: NDArray[np.bool_] = (squared >= 0.0) & (distance >= least) & (distance <= largest)
-        return found
+        return is_in_reach(self, feet)
 
     def jacobian(self, joint_angles: Array) -> Array:
         """
