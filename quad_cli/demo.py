@@ -29,10 +29,11 @@ from quad_cli.view import add_page_arguments, page_place
 from quad_common.errors import GoalOutsideMap, StartOutsideMap
 from quad_common.files.bounded_file import make_folder
 from quad_common.maps.map_file import load_map
+from quad_common.named_robots.robot_cache import is_kept
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
 from quad_common.resources import sample_map
-from quad_common.robot_files.robot_file import load_robot
+from quad_common.robot_files.robot_file import load_robot, robot_file
 from quad_gait.cycle.gait import load_gait
 from quad_gait.following.follower_options import TURNINGS
 from quad_lab.topic_walk.viewer_process import invitation
@@ -198,6 +199,8 @@ def _walk(arguments: argparse.Namespace) -> int:
         page=page_place(arguments) if arguments.view else None,
     )
     name = options.map_file.stem
+    if is_kept(file := robot_file(options.robot)):
+        console.print(f'{options.robot} is imported, and kept as {file}', highlight=False)
     console.print(f'{options.robot} on {name}: starting planner, gait and simulator ...')
     with contextlib.ExitStack() as bar:
         show = bar.enter_context(walk_progress(console))

@@ -14,8 +14,9 @@ from quad_cli.arguments import folder_argument, output_argument, quantity_argume
 from quad_common.errors import ParameterError
 from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import check_target, is_file, user_path
-from quad_common.importing.known_robots import known_names
 from quad_common.importing.options import DIRECTIONS, KNEES, ImportOptions
+from quad_common.named_robots.description_cache import cached_names, is_installed
+from quad_common.named_robots.known_robots import known_names
 from quad_common.quantity import Quantity
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
@@ -154,12 +155,19 @@ def _export(robot: Robot, arguments: argparse.Namespace) -> int:
 
 
 def _list(as_json: bool) -> int:
-    names = {'shipped': available_robots(), 'installed': known_names()}
+    names = {
+        'shipped': available_robots(),
+        'installed': known_names(),
+        'robot_descriptions': cached_names(),
+    }
     if as_json:
         print(json.dumps(names))
         return 0
     print(f'ship with quadwalk: {", ".join(names["shipped"])}')
     print(f'from descriptions that are installed: {", ".join(names["installed"]) or "none"}')
+    if is_installed():
+        cached = ', '.join(names['robot_descriptions']) or 'none yet'
+        print(f'in the cache of robot_descriptions: {cached}')
     return 0
 
 

@@ -90,7 +90,7 @@ def _draw_workspace(axes: Axes, robot: Robot) -> None:
     )
     angles = np.stack([np.full_like(pitch, robot.initial_joint_angles[0, 0]), pitch, knee], -1)
     feet = leg.forward(angles.reshape(-1, 3))
-    across = 0 if robot.leg_type == 'roll_pitch_pitch' else 1
+    across = 1 if robot.leg_type == 'yaw_pitch_pitch' else 0
     axes.plot(feet[:, across], feet[:, 2], '.', ms=1, color=_COLORS[0], alpha=0.5)
     foot = robot.neutral_feet[0]
     axes.plot(foot[across], foot[2], 'ko', ms=5, label='initial posture')

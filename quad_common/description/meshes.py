@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 
 _FILE = 'file://'
 
+_LEVELS = 4
+"""Number of folders around a description in which meshes are looked for by their paths' ends."""
+
 
 def mesh_path(name: str, description: Path) -> Path:
     """
@@ -33,6 +36,9 @@ def mesh_path(name: str, description: Path) -> Path:
         The description. A package is looked for among the folders around it, in
         ``ROS_PACKAGE_PATH`` and under ``share`` of ``AMENT_PREFIX_PATH``.
 
+        Descriptions that were copied name meshes of where they were written: as a last resort
+        the end of the path, two names at least, is looked for in the folders around.
+
     Returns
     -------
     Path
@@ -43,10 +49,33 @@ def mesh_path(name: str, description: Path) -> Path:
     MeshNotFound
         If it is nowhere.
     """
-    for path in _candidates(name, description.resolve().parent):
-        if path.is_file():
+    folder = description.resolve().parent
+    for path in (*_candidates(name, folder), *_by_end(name, folder)):
+        if _is_file(path):
             return path.resolve()
     raise MeshNotFound(description, name)
+
+
+def is_elsewhere(name: str, description: Path) -> bool:
+    """Return whether a mesh is not where its name says (:func:`mesh_path` finds it or not)."""
+    return not any(_is_file(path) for path in _candidates(name, description.resolve().parent))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    # Names too long for any file, or of folders that may not be read.
+    except OSError:
+        return False
+
+
+def _by_end(name: str, folder: Path) -> list[Path]:
+    """List where files around a description would end as a name does, the longest ends first."""
+    path = name.partition('://')[2] or name
+    parts = [part for part in unquote(path).split('/') if part]
+    around = [folder, *folder.parents][:_LEVELS]
+    ends = ['/'.join(parts[k:]) for k in range(len(parts) - 1)]
+    return [above / end for end in ends if '..' not in end for above in around]
 
 
 def _candidates(name: str, folder: Path) -> list[Path]:

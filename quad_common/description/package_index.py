@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from quad_common.files.package_path import package_name
+
 _INDEX = 'AMENT_PREFIX_PATH'
 
 _LEVELS = 6
@@ -27,8 +29,8 @@ def packages_around(description: Path) -> Iterator[dict[str, str]]:
     Parameters
     ----------
     description : Path
-        The description. Folders above it with a ``package.xml`` are packages, and so are the
-        folders beside those.
+        The description. Folders above it with a ``package.xml`` are packages of the name that
+        this says, and of the folder's own, and so are the folders beside those.
 
     Yields
     ------
@@ -42,11 +44,13 @@ def packages_around(description: Path) -> Iterator[dict[str, str]]:
         names.mkdir(parents=True)
         folders: dict[str, str] = {}
         for package in _packages(description.resolve()):
-            linked = share / package.name
-            if str(linked) not in folders:
-                (names / package.name).touch()
-                linked.symlink_to(package)
-                folders[str(linked)] = str(package)
+            for name in dict.fromkeys((package_name(package), package.name)):
+                linked = share / name
+                # Names of files only: what package.xml says may be anything.
+                if str(linked) not in folders and linked.parent == share and name != '..':
+                    (names / name).touch()
+                    linked.symlink_to(package)
+                    folders[str(linked)] = str(package)
         os.environ[_INDEX] = os.pathsep.join(filter(None, (before, folder)))
         try:
             yield folders

@@ -13,6 +13,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape
 
 from quad_common.description.package_index import packages_around
 from quad_common.errors import (
@@ -21,6 +22,7 @@ from quad_common.errors import (
     FileUnusable,
     MissingOptionalDependency,
 )
+from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import read_bytes, user_path
 
 LARGEST_DESCRIPTION = 2**24
@@ -109,22 +111,44 @@ def _expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
         import xacro
     except ImportError as error:
         raise MissingOptionalDependency('xacro', "pip install 'quadwalk[robots]'") from error
+    folders: dict[str, str] = {}
     try:
         with packages_around(path) as folders:
             text: str = xacro.process_file(str(path), mappings=dict(arguments)).toxml()
         for found, folder in folders.items():
-            text = text.replace(found, folder)
+            # Folders may have any name, and this is XML.
+            text = text.replace(found, escape(folder))
     # xacro evaluates what the file says, and lets pass whatever that raises.
     except (Exception, SystemExit) as error:
-        # xacro repeats itself, beginning with a class.
-        reason = str(error).rpartition('> ')[2] or type(error).__name__
-        missing = 'Undefined substitution argument' in reason
-        advice = '; give it with --argument NAME=VALUE' if missing else ''
-        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}{advice}') from error
+        reason = _xacro_reason(error, folders)
+        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}') from error
     return text.encode()
 
 
+def _xacro_reason(error: BaseException, folders: Mapping[str, str]) -> str:
+    """Say once why xacro gave up, with the real folders and what can be done."""
+    # xacro repeats itself, with classes and numbers of errors between.
+    reason = str(error).rpartition('> ')[2].partition(' [Errno')[0] or type(error).__name__
+    for found, folder in folders.items():
+        reason = reason.replace(found, folder)
+    if lacking := re.search(r"package '([^']*)' not found", str(error)):
+        return (
+            f'the package {quoted(lacking.group(1))} that it uses is not installed, and not around '
+            'the file'
+        )
+    if 'Undefined substitution argument' in reason:
+        reason += '; give it with --argument NAME=VALUE'
+    return reason
+
+
 def _robot_from_urdf(root: Any, path: Path) -> Any:
+    if root.find('link') is None:
+        raise DescriptionUnusable(
+            path, 'describes no links; is it a part that the description of a robot includes?'
+        )
+    if not root.get('name'):
+        # The reader wants one; xacro files are often without.
+        root.set('name', path.name.partition('.')[0] or 'robot')
     _check_elements(root, path)
     try:
         model = yourdfpy.URDF.load(
@@ -132,7 +156,8 @@ def _robot_from_urdf(root: Any, path: Path) -> Any:
         )
     # The reader raises what its parts raise, mostly of a number that is none.
     except Exception as error:
-        raise DescriptionUnusable(path, f'the URDF cannot be read: {error}') from error
+        detail = f'{type(error).__name__}: {error}'
+        raise DescriptionUnusable(path, f'the URDF cannot be read: {detail}') from error
     return model.robot
 
 

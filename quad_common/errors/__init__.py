@@ -15,6 +15,7 @@ from quad_common.errors.base import QuadError as QuadError
 from quad_common.errors.base import without_frames as without_frames
 from quad_common.errors.descriptions import DescriptionEntryInvalid as DescriptionEntryInvalid
 from quad_common.errors.descriptions import DescriptionError as DescriptionError
+from quad_common.errors.descriptions import DescriptionNotCached as DescriptionNotCached
 from quad_common.errors.descriptions import DescriptionUnusable as DescriptionUnusable
 from quad_common.errors.descriptions import JointFiguresMissing as JointFiguresMissing
 from quad_common.errors.descriptions import LegNotFeasible as LegNotFeasible
@@ -26,6 +27,7 @@ from quad_common.errors.gaits import CannotFollow as CannotFollow
 from quad_common.errors.gaits import CyclePeriodsDiffer as CyclePeriodsDiffer
 from quad_common.errors.gaits import EmergencyStopOn as EmergencyStopOn
 from quad_common.errors.gaits import FootholdNotFound as FootholdNotFound
+from quad_common.errors.gaits import FootOutsideWorkspace as FootOutsideWorkspace
 from quad_common.errors.gaits import FootstepsNotFound as FootstepsNotFound
 from quad_common.errors.gaits import FootTargetUnreachable as FootTargetUnreachable
 from quad_common.errors.gaits import GaitError as GaitError

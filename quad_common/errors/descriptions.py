@@ -96,12 +96,32 @@ class JointFiguresMissing(DescriptionError):
     """Unit of the figure."""
     joints: tuple[str, ...]
     """Names of the joints."""
+    stated: float = 0.0
+    """Figure that the description has in its place, which no joint can have; 0 without one."""
 
     def sentence(self) -> str:
         """Say which figure must be given, and how."""
         names = ', '.join(self.joints[:3]) + (' ...' if len(self.joints) > 3 else '')
+        instead = '' if self.stated == 0.0 else f', but {self.stated:g} {self.unit}'
         return (
-            f'{self.path} has no largest {self.figure} of the joints {names}; give it to '
+            f'{self.path} has no largest {self.figure} of the joints {names}{instead}; give it to '
             f'quadwalk robot import with --{self.figure} (one number, or three from the body '
             f'outward) [{self.unit}]'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class DescriptionNotCached(QuadError):
+    """A description that the package ``robot_descriptions`` knows is not in its cache."""
+
+    name: str
+    """Name of the description."""
+    folder: str
+    """Folder of the cache."""
+
+    def sentence(self) -> str:
+        """Say how the description can be fetched."""
+        return (
+            f'the description {quoted(self.name)} is not in {self.folder}; fetch it with: '
+            f'python -m robot_descriptions pull {clipped(self.name)}'
         )

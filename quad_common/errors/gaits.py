@@ -36,6 +36,22 @@ class FootTargetUnreachable(GaitError):
 
 
 @dataclass(eq=False, repr=False)
+class FootOutsideWorkspace(FootTargetUnreachable):
+    """A foot was asked to go where the three joints of its leg do not take it."""
+
+    short: float = 0.0
+    """Distance from the wanted foot to the nearest that was found; infinite if none was [m]."""
+
+    def sentence(self) -> str:
+        """Say how far the leg is short of it."""
+        short = f', {1e3 * self.short:.0f} mm short of it' if self.short < 1e3 else ''
+        return (
+            f'foot {self.foot} would have to be {self.distance:.3f} m from its {self.axis}, where '
+            f'the joints of its leg do not take it{short}'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class SingularPosture(GaitError):
     """A leg stands so that its joints cannot move its foot in every direction."""
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from quad_common.errors import LegNotFeasible
 from quad_common.importing.chains import LegChain
-from quad_common.importing.leg_axes import LegAxes
+from quad_common.importing.leg_axes import LegAxes, unlike_formulas
 from quad_common.importing.options import DIRECTIONS, Notes
 from quad_common.robot.robot_build import LEGS
 
@@ -55,13 +55,17 @@ def body_frame(
     pose : ndarray, shape (4, 4)
         Takes points of the root's frame to base_link's.
     leg_type : str
-        ``roll_pitch_pitch`` or ``yaw_pitch_pitch``.
+        ``roll_pitch_pitch`` or ``yaw_pitch_pitch``; ``serial`` if no closed formulas hold.
     """
     hips = axes.hips
     up = _up(hips, feet, notes)
     first = _common(axes.directions[:, 0])
     is_upright = abs(float(first @ up)) > _LEVEL
-    if is_upright:
+    reason = unlike_formulas(legs, axes)
+    if reason:
+        notes.found.append(f'no closed formulas hold for the legs ({reason}): they are iterated')
+        ahead = _ahead_of_serial(up, legs, axes)
+    elif is_upright:
         up = first * np.sign(first @ up)
         ahead = _level(np.eye(3)[0], up, np.eye(3)[2])
     else:
@@ -72,6 +76,8 @@ def body_frame(
     pose = np.eye(4)
     pose[:3, :3] = rotation
     pose[:3, 3] = -rotation @ hips.mean(axis=0)
+    if reason:
+        return pose, 'serial'
     if not is_upright and abs(float(first @ ahead)) < _LEVEL:
         problem = (
             'turns about an axis across the body first; of level axes only one along it can be used'
@@ -133,14 +139,11 @@ def _forward(
         # Along the legs' axes exactly, where they lie that way.
         along = float(chosen @ ahead)
         return ahead * np.sign(along) if abs(along) > _LEVEL else chosen
-    votes = 0.0
     middle = axes.points[:, 1].mean(axis=0)
-    for leg, point in zip(legs, axes.points[:, 1]):
-        name = ' '.join([joint.name for joint in leg.joints[:2]] + list(leg.links[:2])).lower()
-        name = re.sub(r'_to_\S*|_2_\S*', ' ', name)
-        is_front, is_hind = bool(_FRONT.search(name)), bool(_HIND.search(name))
-        if is_front != is_hind:
-            votes += np.sign((point - middle) @ ahead) * (1.0 if is_front else -1.0)
+    votes = sum(
+        np.sign((point - middle) @ ahead) * end
+        for end, point in zip(_named_ends(legs), axes.points[:, 1])
+    )
     named = ahead if votes >= 0.0 else -ahead
     text = _axis_text(named)
     if votes:
@@ -148,6 +151,32 @@ def _forward(
     else:
         notes.assume(f"forward is the root link's {text}; choose otherwise with --forward")
     return named
+
+
+def _named_ends(legs: list[LegChain]) -> list[float]:
+    """Return 1 for legs whose names say that they are in front, -1 for hind ones, otherwise 0."""
+    ends = []
+    for leg in legs:
+        name = ' '.join([joint.name for joint in leg.joints[:2]] + list(leg.links[:2])).lower()
+        name = re.sub(r'_to_\S*|_2_\S*', ' ', name)
+        is_front, is_hind = bool(_FRONT.search(name)), bool(_HIND.search(name))
+        ends.append(float(is_front) - float(is_hind))
+    return ends
+
+
+def _ahead_of_serial(up: Array, legs: list[LegChain], axes: LegAxes) -> Array:
+    """
+    Find the line along which a robot with legs of any axes walks.
+
+    It is across the knees' axes; along them if the names of the legs say so.
+    """
+    across = _level(_common(axes.directions[:, 2]), up, _common(axes.directions[:, 1]))
+    ahead = np.asarray(np.cross(across, up), dtype=np.float64)
+    named = np.array(_named_ends(legs)) @ axes.points[:, 1]
+    if abs(float(named @ across)) > abs(float(named @ ahead)):
+        ahead = across
+    signed: Array = ahead * np.sign(ahead[int(np.argmax(np.abs(ahead)))])
+    return signed
 
 
 def _axis_text(direction: Array) -> str:

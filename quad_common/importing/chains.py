@@ -7,10 +7,15 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
+import numpy as np
+
 from quad_common.description.tree import TURNING, KinematicTree, TreeJoint
 from quad_common.errors import LegNotFeasible, NotAQuadruped
 from quad_common.importing.options import Notes
 from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
+
+_ALIKE = 0.02
+"""Part by which lengths of two legs of one build may differ: left legs are mirrored by hand."""
 
 _NUMBERS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
 
@@ -31,6 +36,8 @@ class LegChain:
 def find_legs(tree: KinematicTree, notes: Notes) -> list[LegChain]:
     """
     Find the four legs: chains of three turning joints that share none, and nothing moves after.
+
+    Of more than four such chains those count that have their like among them.
 
     Parameters
     ----------
@@ -55,6 +62,9 @@ def find_legs(tree: KinematicTree, notes: Notes) -> list[LegChain]:
     used = Counter(joint.name for chain in chains for joint in chain)
     apart = [chain for chain in chains if all(used[joint.name] == 1 for joint in chain)]
     legs = [chain for chain in apart if len(chain) == JOINTS_PER_LEG]
+    if len(legs) > len(LEGS):
+        # An arm or a mast may have three joints too, but nothing on the robot is its like.
+        legs = [chain for chain in legs if any(_are_alike(tree, chain, other) for other in legs)]
     if len(legs) != len(LEGS):
         raise NotAQuadruped(tree.path, _what_moves(chains, apart))
     for joint in (joint for leg in legs for joint in leg):
@@ -63,8 +73,6 @@ def find_legs(tree: KinematicTree, notes: Notes) -> list[LegChain]:
             raise LegNotFeasible(tree.path, joint.name, problem)
     others = [chain for chain in chains if chain not in legs]
     others_joints = {joint.name for chain in others for joint in chain}
-    if any(len(chain) == JOINTS_PER_LEG + 1 for chain in others):
-        raise NotAQuadruped(tree.path, _what_moves(chains, apart))
     if others_joints:
         names = ', '.join(sorted(others_joints)[:4]) + (' ...' if len(others_joints) > 4 else '')
         count = len(others_joints)
@@ -72,6 +80,17 @@ def find_legs(tree: KinematicTree, notes: Notes) -> list[LegChain]:
             f'{count} other {"joint is" if count == 1 else "joints are"} held at 0 ({names})'
         )
     return [LegChain(tuple(leg)) for leg in legs]
+
+
+def _are_alike(tree: KinematicTree, chain: list[TreeJoint], other: list[TreeJoint]) -> bool:
+    """Return whether two chains have joints at the same distances from one another."""
+    if chain is other:
+        return False
+    lengths, others = (
+        np.linalg.norm(np.diff([tree.pose(joint.child)[:3, 3] for joint in own], axis=0), axis=1)
+        for own in (chain, other)
+    )
+    return bool(np.allclose(lengths, others, rtol=_ALIKE, atol=_ALIKE * lengths.max()))
 
 
 def _ends(tree: KinematicTree) -> list[str]:

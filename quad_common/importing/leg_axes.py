@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import LegNotFeasible
 from quad_common.importing.chains import LegChain
 
 Array = NDArray[np.float64]
@@ -41,31 +40,25 @@ class LegAxes:
 
 
 def leg_axes(tree: KinematicTree, legs: list[LegChain]) -> LegAxes:
-    """
-    Find the legs' axes.
-
-    Raises
-    ------
-    LegNotFeasible
-        If the axes of pitch and knee are not parallel, or not at right angles to the first:
-        closed formulas do not hold then.
-    """
+    """Find the legs' axes."""
     poses = np.array([[tree.pose(joint.child) for joint in leg.joints] for leg in legs])
     axes = np.array([[joint.axis for joint in leg.joints] for leg in legs])
     directions = np.einsum('ljab,ljb->lja', poses[..., :3, :3], axes)
-    found = LegAxes(directions, poses[..., :3, 3])
-    for leg, (first, pitch, knee) in zip(legs, directions):
+    return LegAxes(directions, poses[..., :3, 3])
+
+
+def unlike_formulas(legs: list[LegChain], axes: LegAxes) -> str:
+    """
+    Say why closed formulas do not hold for the legs; empty if they do.
+
+    They want axes of pitch and knee that are parallel, and at right angles to the first.
+    """
+    for leg, (first, pitch, knee) in zip(legs, axes.directions):
         names = [joint.name for joint in leg.joints]
         if abs(pitch @ knee) < 1.0 - _PARALLEL:
             angle = np.degrees(np.arccos(min(1.0, abs(float(pitch @ knee)))))
-            problem = (
-                f'bends about two axes that are {angle:.1f} degrees apart ({names[1]}, {names[2]})'
-            )
-            raise LegNotFeasible(tree.path, names[0], problem)
+            return f'{names[1]} and {names[2]} turn about axes {angle:.1f} degrees apart'
         if abs(first @ pitch) > _SQUARE:
             angle = np.degrees(np.arccos(min(1.0, abs(float(first @ pitch)))))
-            problem = (
-                f'has its first axis at {angle:.1f} degrees to the second ({names[0]}, {names[1]})'
-            )
-            raise LegNotFeasible(tree.path, names[0], problem)
-    return found
+            return f'{names[0]} and {names[1]} turn about axes {angle:.1f} degrees apart'
+    return ''

@@ -19,6 +19,7 @@ from quad_common.importing.chains import LegChain
 from quad_common.importing.options import Notes
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg
+from quad_common.serial_legs.serial_leg import SerialLeg
 
 Array = NDArray[np.float64]
 
@@ -160,6 +161,8 @@ def exact_masses(parts: Parts, legs: list[Leg], to_base: Array) -> ExactMasses:
 
 def _frames_at_zero(leg: Leg) -> tuple[list[Array], list[Array]]:
     """Return where hip, thigh and calf begin, and the rows of their axes, with joints at 0."""
+    if isinstance(leg, SerialLeg):
+        return list(leg.points), [np.eye(3)] * 3
     first, pitch, bend = (float(zero) for zero in leg.zeros)
     zeta = leg.first_axis
     rho = math.cos(first) * leg.radial_direction + math.sin(first) * leg.lateral_direction

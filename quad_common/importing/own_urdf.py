@@ -19,7 +19,7 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from quad_common.description.mass import Mass
-from quad_common.description.meshes import convert_mesh, mesh_path
+from quad_common.description.meshes import convert_mesh, is_elsewhere, mesh_path
 from quad_common.description.poses import inverse, pose_of
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import DescriptionUnusable, MeshNotFound
@@ -206,6 +206,11 @@ class _Shapes:
                 raise
             self.robot.notes.assume('meshes that are only looked at are missing or unreadable')
             return False
+        if is_elsewhere(mesh.filename, self.robot.tree.path):
+            self.robot.notes.assume(
+                'meshes are not where the description says; those around it whose paths end alike '
+                'are taken'
+            )
         mesh.filename = str(path)
         return True
 

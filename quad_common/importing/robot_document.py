@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 from quad_common.files.bounded_file import make_folder, write_text
 from quad_common.importing.own_urdf import own_urdf
 from quad_common.importing.robot_import import ImportedRobot
+from quad_common.robot.leg_kinematics import Leg
 from quad_common.robot.robot_build import LEGS
+from quad_common.serial_legs.serial_leg import SerialLeg
 
 _ROUGHNESS = 0.04
 """Depth by which the ground may be lower than expected, as a fraction of the hips' height."""
@@ -41,7 +43,7 @@ _SWING_FRACTION = 0.46
 _OF_SPEED_TO_LIFT, _OF_SPEED_AT_MOST = 0.35, 0.5
 """Parts of a knee's speed that a trot in place may take: wanted, and with a longer period."""
 
-_STATIC_SWING, _LONGEST_STATIC = 0.15, 5.0
+_STATIC_SWING, _LONGEST_STATIC = 0.15, 8.0
 """Part of a static gait's period in which a foot is in the air, and its largest period over that
 of quick knees."""
 
@@ -142,7 +144,29 @@ def robot_document(robot: ImportedRobot, urdf: str) -> dict[str, Any]:
 def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
     ranged = robot.legs[index]
     leg, masses = ranged.leg, robot.masses
+    return {
+        **_geometry(leg, stated),
+        'lower': _number(ranged.lower, f'{stated}, or assumed'),
+        'upper': _number(ranged.upper, f'{stated}, or assumed'),
+        'velocity': _number(robot.velocity[index], f'{stated}, or given'),
+        'effort': _number(robot.effort[index], f'{stated}, or given'),
+        'initial_posture': _number(
+            robot.initial[index], 'chosen: upright, the knee bent by a right angle'
+        ),
+        'masses': _number(masses.parts[index], stated),
+        'centers_of_mass': _number(masses.centers[index].reshape(-1), stated),
+    }
+
+
+def _geometry(leg: Leg, stated: str) -> dict[str, Any]:
+    """Put a leg's geometry into the terms of its build."""
     geometry = f'{stated}: axes at 0'
+    if isinstance(leg, SerialLeg):
+        return {
+            'axes': _number(leg.axes.reshape(-1), geometry),
+            'points': _number(leg.points.reshape(-1), geometry),
+            'foot': _number(leg.foot, f'{stated}: middle of the foot at 0'),
+        }
     return {
         'hip': _number(leg.hip, geometry),
         'first_axis': _number(leg.first_axis, geometry),
@@ -155,15 +179,6 @@ def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
         'knee_sign': _number(int(float(leg.knee_sign)), f'{stated}: ranges, or assumed'),
         'axis_signs': _number([int(sign) for sign in leg.signs], geometry),
         'zeros': _number(leg.zeros, geometry),
-        'lower': _number(ranged.lower, f'{stated}, or assumed'),
-        'upper': _number(ranged.upper, f'{stated}, or assumed'),
-        'velocity': _number(robot.velocity[index], f'{stated}, or given'),
-        'effort': _number(robot.effort[index], f'{stated}, or given'),
-        'initial_posture': _number(
-            robot.initial[index], 'chosen: upright, the knee bent by a right angle'
-        ),
-        'masses': _number(masses.parts[index], stated),
-        'centers_of_mass': _number(masses.centers[index].reshape(-1), stated),
     }
 
 

@@ -15,6 +15,7 @@ from quad_common.description.poses import inverse, moved
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import JointFiguresMissing, LegNotFeasible
+from quad_common.importing.any_axes import serial_leg_of
 from quad_common.importing.body_frame import body_frame, corners
 from quad_common.importing.chains import LegChain, find_legs
 from quad_common.importing.feet import Foot, find_foot
@@ -32,6 +33,10 @@ Array = NDArray[np.float64]
 
 _SHORTEST = 0.005
 """Length of a link that is too short to walk with [m]."""
+
+_SPEEDS, _EFFORTS = (0.01, 200.0), (1e-3, 1e5)
+"""Least and largest speeds [rad/s] and torques [N m]; what is outside stands for none: exporters
+write 1000 where nobody said anything."""
 
 _NO_NAMES = ('robot', 'urdf', 'xacro', 'main', 'model', 'description', 'scene')
 """Names of files that name no robot."""
@@ -159,6 +164,8 @@ def _ranged_leg(
     at_zero: LegAtZero, chain: LegChain, leg_type: str, knees: str, notes: Notes, path: Path
 ) -> RangedLeg:
     """Find a leg's geometry and ranges; refuse one whose links have no length."""
+    if leg_type == 'serial':
+        return serial_leg_of(at_zero, chain, knees, notes, path)
     leg = leg_geometry(at_zero, leg_type == 'yaw_pitch_pitch')
     if min(float(leg.thigh_length), float(leg.calf_length)) < _SHORTEST:
         problem = f'has links without length between {chain.joints[1].name} and its foot'
@@ -220,10 +227,15 @@ def _figures(
     if given:
         return np.tile(np.broadcast_to(np.array(given, dtype=float), JOINTS_PER_LEG), (4, 1))
     field, unit = ('velocity', 'rad/s') if figure == 'speed' else ('effort', 'N m')
-    stated = [[getattr(joint, field) for joint in chain.joints] for chain in chains]
+    least, most = _SPEEDS if figure == 'speed' else _EFFORTS
+    joints = [joint for chain in chains for joint in chain.joints]
+    stated = [getattr(joint, field) for joint in joints]
     missing = [
-        joint.name for chain in chains for joint in chain.joints if getattr(joint, field) is None
+        (joint.name, own)
+        for joint, own in zip(joints, stated)
+        if own is None or not least <= own <= most
     ]
     if missing:
-        raise JointFiguresMissing(tree.path, figure, unit, tuple(missing))
-    return np.array(stated, dtype=float)
+        names = tuple(name for name, _ in missing)
+        raise JointFiguresMissing(tree.path, figure, unit, names, missing[0][1] or 0.0)
+    return np.array(stated, dtype=float).reshape(len(chains), JOINTS_PER_LEG)

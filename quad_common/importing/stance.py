@@ -17,6 +17,7 @@ from quad_common.importing.sizes import Sizes
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.robot_shape import RobotShape
+from quad_common.serial_legs.serial_leg import SerialLeg
 
 Array = NDArray[np.float64]
 
@@ -33,6 +34,9 @@ _SPARE = 0.1
 _SPREADS = (0.0, 0.03, 0.06, 0.09, 0.12)
 """Distances by which feet stand farther out than hips, as fractions of the leg's length."""
 
+_WIDER = (0.2, 0.3, 0.4)
+"""The same of legs that closed formulas do not hold for, in addition: they may sprawl."""
+
 _ROOM = 0.035
 """Distance between parts that is enough in the stance, as a fraction of the leg's length: in the
 crawl the body sways over its feet."""
@@ -41,7 +45,11 @@ _WIDTH = 0.5
 """Distance of the feet from the middle line that is enough, as a fraction of the hips' height
 above them: narrow robots rock when they trot sideways."""
 
-_ALL = 2.0
+_EACH = 0.01
+"""Weight of the parts' mean room beside the least: where covers overlap in all stances, the other
+parts still get theirs."""
+
+_ALL = 2.0 + _EACH
 """Score of a stance with enough room and width."""
 
 _SPRAWL = (0.0, -0.3, 0.3, -0.6)
@@ -98,10 +106,10 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
                 if -float(spare.min()) < least:
                     least, worst = -float(spare.min()), int(np.argmin(spare)) // 3
                 continue
-            score = _score(_room(shape, angles) / (_ROOM * length), feet)
+            score = _score(_rooms(shape, angles) / (_ROOM * length), feet)
             if score > most:
                 best, most = angles, score
-            if score == _ALL:
+            if score >= _ALL - 1e-9:
                 break
         if best is not None:
             return best
@@ -109,10 +117,11 @@ def stance(legs: list[RangedLeg], sizes: Sizes, foot_radius: float, path: Path) 
     raise LegNotFeasible(path, str(legs[worst].leg.name), problem)
 
 
-def _score(room: float, feet: Array) -> float:
-    """Judge a stance by its room, as a fraction of what is enough, and by its width."""
+def _score(rooms: Array, feet: Array) -> float:
+    """Judge a stance by its rooms, as fractions of what is enough, and by its width."""
     wide = float(np.abs(feet[:, 1]).min() / np.abs(feet[:, 2]).max())
-    return min(max(room, 0.0), 1.0) + min(wide / _WIDTH, 1.0)
+    rooms = np.clip(rooms, 0.0, 1.0)
+    return float(rooms.min()) + min(wide / _WIDTH, 1.0) + _EACH * float(rooms.mean())
 
 
 def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Array:
@@ -147,21 +156,23 @@ def over_feet(legs: list[RangedLeg], masses: ExactMasses, angles: Array) -> Arra
     return shifted if spare >= _SPARE / 2.0 else angles
 
 
-def _room(shape: RobotShape, angles: Array) -> float:
-    """Return the least distance between the body and thighs or calves [m]."""
+def _rooms(shape: RobotShape, angles: Array) -> Array:
+    """Return the distances between the body and thighs and calves, negative in it, (n,) [m]."""
     segments = shape.segments(shape.legs.chain(angles))
     with_body = [group for group in shape.groups if group.with_body]
-    return min(float(shape.group_clearances(group, segments).min()) for group in with_body)
+    return np.concatenate([np.ravel(shape.group_clearances(g, segments)) for g in with_body])
 
 
 def _candidates(legs: list[Leg]) -> Iterator[list[Array]]:
     """Yield places of the four feet in base_link, (4, 3) [m]: by height, then by spread."""
-    if abs(float(legs[0].first_axis[2])) > 0.7:
+    is_serial = isinstance(legs[0], SerialLeg)
+    if not is_serial and abs(float(legs[0].first_axis[2])) > 0.7:
         for pitch in _SPRAWL:
             yield [_level([_sprawled(leg, pitch) for leg in legs])]
         return
     for fraction in (_HEIGHT, *_OTHERS):
-        yield [_level([_upright(leg, fraction, spread) for leg in legs]) for spread in _SPREADS]
+        spreads = (*_SPREADS, *_WIDER) if is_serial else _SPREADS
+        yield [_level([_upright(leg, fraction, spread) for leg in legs]) for spread in spreads]
 
 
 def _upright(leg: Leg, fraction: float, spread: float) -> Array:
@@ -169,6 +180,10 @@ def _upright(leg: Leg, fraction: float, spread: float) -> Array:
     length = float(leg.thigh_length + leg.calf_length)
     down = float(leg.radial_offset) + math.sqrt(fraction**2 - spread**2) * length
     side = math.copysign(1.0, float(leg.hip[1]))
+    if isinstance(leg, SerialLeg):
+        depth = math.sqrt(fraction**2 - spread**2) * length
+        below: Array = leg.points[1] + np.array([0.0, side * spread * length, -depth])
+        return below
     foot: Array = (
         leg.hip
         + leg.first_axis * float(leg.axial_offset)

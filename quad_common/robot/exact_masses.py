@@ -60,17 +60,8 @@ class ExactMasses:
         ndarray, shape (..., 3)
             In the body frame [m].
         """
-        pitch_axis, knee, foot = chain
-        rho, nu = legs.plane_axes(joint_angles)
-        upright: Array = np.broadcast_to(legs.first_axis, rho.shape)
-        axes: tuple[Array, ...] = (rho, nu, upright)
-        moment: Array = self._moments(0, np.broadcast_to(legs.hip, rho.shape), axes)
-        for part, (start, end, length) in enumerate(
-            ((pitch_axis, knee, legs.thigh_length), (knee, foot, legs.calf_length)), start=1
-        ):
-            along = (end - start) / np.reshape(length, (-1, 1))
-            third: Array = np.cross(along, nu)
-            axes = (along, nu, third)
+        moment: Array = np.zeros(())
+        for part, (start, axes) in enumerate(legs.part_frames(joint_angles, chain)):
             moment = moment + self._moments(part, start, axes)
         center: Array = (moment + self.body * self.body_center) / self.total
         return center

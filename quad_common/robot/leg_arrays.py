@@ -198,3 +198,41 @@ def arrays_of(leg: Leg) -> LegArrays:
         middles=by_joint(leg.middles),
         is_turned=bool(np.any(leg.zeros) or np.any(leg.middles)),
     )
+
+
+def part_frames(
+    leg: Leg, joint_angles: Array, chain: tuple[Array, Array, Array]
+) -> list[tuple[Array, tuple[Array, ...]]]:
+    """Place the frames of hip, thigh and calf: see the leg's own method."""
+    pitch_axis, knee, foot = chain
+    zeros, signs = np.asarray(leg.zeros)[..., 0], np.asarray(leg.signs)[..., 0]
+    q1 = (zeros + signs * joint_angles[..., 0])[..., None]
+    cos, sin = np.cos(q1), np.sin(q1)
+    rho: Array = cos * leg.radial_direction + sin * leg.lateral_direction
+    nu: Array = cos * leg.lateral_direction - sin * leg.radial_direction
+    zeta = np.broadcast_to(leg.first_axis, rho.shape)
+    frames: list[tuple[Array, tuple[Array, ...]]] = [
+        (np.broadcast_to(leg.hip, rho.shape), (rho, nu, zeta))
+    ]
+    for start, end, length in (
+        (pitch_axis, knee, leg.thigh_length),
+        (knee, foot, leg.calf_length),
+    ):
+        along = (end - start) / np.asarray(length)[..., None]
+        frames.append((start, (along, nu, np.cross(along, nu))))
+    return frames
+
+
+def is_in_reach(leg: Leg, feet: Array) -> NDArray[np.bool_]:
+    """Return which feet (..., 3) in the body frame [m] one leg reaches in closed form."""
+    arms = feet - leg.hip
+    x, y, z = (
+        arms @ np.asarray(axis)
+        for axis in (leg.radial_direction, leg.lateral_direction, leg.first_axis)
+    )
+    squared = x * x + y * y - np.square(leg.lateral_offset)
+    out = np.sqrt(np.maximum(squared, 0.0)) - leg.radial_offset
+    distance = np.hypot(out, leg.axial_offset - z)
+    least, largest = leg.reach()
+    found: NDArray[np.bool_] = (squared >= 0.0) & (distance >= least) & (distance <= largest)
+    return found

@@ -25,13 +25,19 @@ Several legs may be stacked into one :class:`Leg`, which places them all at once
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.leg_arrays import EDGE, LegArrays, arrays_of
+from quad_common.robot.leg_arrays import (
+    EDGE,
+    LegArrays,
+    arrays_of,
+    is_in_reach,
+    part_frames,
+)
 
 Array = NDArray[np.float64]
 
@@ -112,14 +118,25 @@ class Leg:
             points.append(k.points(joint_angles.shape, c1, s1, length, height))
         return points[0], points[1], points[2]
 
-    def plane_axes(self, joint_angles: Array) -> tuple[Array, Array]:
-        """Return rho and nu in the body frame, each (..., 3) of joint angles (..., 3) [rad]."""
-        zeros, signs = np.asarray(self.zeros)[..., 0], np.asarray(self.signs)[..., 0]
-        q1 = (zeros + signs * joint_angles[..., 0])[..., None]
-        cos, sin = np.cos(q1), np.sin(q1)
-        rho: Array = cos * self.radial_direction + sin * self.lateral_direction
-        nu: Array = cos * self.lateral_direction - sin * self.radial_direction
-        return rho, nu
+    def part_frames(
+        self, joint_angles: Array, chain: tuple[Array, Array, Array]
+    ) -> list[tuple[Array, tuple[Array, ...]]]:
+        """
+        Place the frames of hip, thigh and calf, in which their masses are given.
+
+        Parameters
+        ----------
+        joint_angles : ndarray, shape (..., 3)
+            [rad]
+        chain : tuple of ndarray
+            As :meth:`chain` gives it for these angles [m].
+
+        Returns
+        -------
+        list of tuple
+            Where each begins, (..., 3) [m], and its three axes in the body frame, (..., 3) each.
+        """
+        return part_frames(self, joint_angles, chain)
 
     def bends(self, joint_angles: Array) -> Array:
         """Return how far knees are bent, 0 if straight, (...) of joint angles (..., 3) [rad]."""
@@ -207,6 +224,10 @@ class Leg:
         result = np.empty((x.shape[1], k.legs, 3))
         result[...] = angles.transpose(2, 1, 0)
         return result.reshape(foot.shape)
+
+    def reaches(self, feet: Array) -> NDArray[np.bool_]:
+        """Return which feet (..., 3) in the body frame [m] :meth:`inverse` of one leg solves."""
+        return is_in_reach(self, feet)
 
     def jacobian(self, joint_angles: Array) -> Array:
         """
@@ -334,18 +355,6 @@ def stack_legs(legs: Sequence[Leg]) -> Leg:
     Leg
         With a leading axis in every field.
     """
-    return Leg(
-        name=tuple(str(leg.name) for leg in legs),
-        hip=np.array([leg.hip for leg in legs]),
-        first_axis=np.array([leg.first_axis for leg in legs]),
-        radial_direction=np.array([leg.radial_direction for leg in legs]),
-        axial_offset=np.array([leg.axial_offset for leg in legs]),
-        radial_offset=np.array([leg.radial_offset for leg in legs]),
-        lateral_offset=np.array([leg.lateral_offset for leg in legs]),
-        thigh_length=np.array([leg.thigh_length for leg in legs]),
-        calf_length=np.array([leg.calf_length for leg in legs]),
-        knee_sign=np.array([leg.knee_sign for leg in legs]),
-        signs=np.array([leg.signs for leg in legs]),
-        zeros=np.array([leg.zeros for leg in legs]),
-        middles=np.array([leg.middles for leg in legs]),
-    )
+    own = [field.name for field in fields(legs[0]) if field.name != 'name']
+    values = {name: np.array([getattr(leg, name) for leg in legs]) for name in own}
+    return type(legs[0])(name=tuple(str(leg.name) for leg in legs), **values)

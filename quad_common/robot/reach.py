@@ -17,6 +17,9 @@ from quad_common.robot.leg_kinematics import Leg
 
 Array = NDArray[np.float64]
 
+_TRIED = 401
+"""Number of places that are tried of legs without formulas for their reach."""
+
 
 def largest_stretch(leg: Leg, hip_height: float, roughness: float) -> float:
     """
@@ -145,6 +148,69 @@ def lowest_at_step(leg: Leg, foot: Array, step: float) -> float:
     length = _across(leg, step + abs(fore_aft), 'out') + float(leg.radial_offset)
     squared = length**2 + float(leg.lateral_offset) ** 2 - aside**2
     return math.sqrt(max(0.0, squared)) - down
+
+
+def farthest_step(leg: Leg, foot: Array, roughness: float) -> float:
+    """
+    Largest distance that any leg carries its foot, forward and backward alike, by trying.
+
+    Parameters
+    ----------
+    leg : Leg
+        The leg, of any build.
+    foot : ndarray, shape (3,)
+        Where the foot stands, in the body frame [m].
+    roughness : float
+        How much lower the ground may be than expected [m].
+
+    Returns
+    -------
+    float
+        S_max [m], to a four-hundredth of the leg's length.
+
+    Raises
+    ------
+    RobotModelError
+        If the leg does not reach down that far at all.
+    """
+    longest = float(leg.thigh_length + leg.calf_length)
+    distances = np.linspace(0.0, longest, _TRIED)
+    ahead = distances[:, None] * np.array([1.0, 0.0, 0.0])
+    start = foot - np.array([0.0, 0.0, roughness])
+    is_reached = leg.reaches(start + ahead) & leg.reaches(start - ahead)
+    if not is_reached[0]:
+        raise LegTooShort(str(leg.name), longest, float(leg.hip[2] - start[2]), 'down')
+    return float(distances[_unbroken(is_reached)])
+
+
+def deepest_step(leg: Leg, foot: Array, step: float) -> float:
+    """
+    How much lower the ground may be for any leg to step so far: :func:`farthest_step` solved.
+
+    Parameters
+    ----------
+    leg : Leg
+        The leg, of any build.
+    foot : ndarray, shape (3,)
+        Where the foot stands, in the body frame [m].
+    step : float
+        Distance that the foot goes, forward and backward alike [m].
+
+    Returns
+    -------
+    float
+        [m]; 0 if it does not get that far on level ground.
+    """
+    depths = np.linspace(0.0, float(leg.thigh_length + leg.calf_length), _TRIED)
+    down = depths[:, None] * np.array([0.0, 0.0, -1.0])
+    ahead = np.array([step, 0.0, 0.0])
+    is_reached = leg.reaches(foot + ahead + down) & leg.reaches(foot - ahead + down)
+    return float(depths[_unbroken(is_reached)]) if is_reached[0] else 0.0
+
+
+def _unbroken(is_reached: NDArray[np.bool_]) -> int:
+    """Return the index of the last place that is reached as all before it are."""
+    return len(is_reached) - 1 if is_reached.all() else int(np.argmin(is_reached)) - 1
 
 
 STEP_FRACTION = 1.0 / 3.0

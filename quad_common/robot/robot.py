@@ -69,13 +69,18 @@ class Robot(JointedRobot):
                 reach.largest_step(leg, foot, self.roughness)
                 for leg, foot in zip(self.legs, self.neutral_feet)
             )
+        if self.leg_type == 'serial':
+            return min(
+                reach.farthest_step(leg, foot, self.roughness)
+                for leg, foot in zip(self.legs, self.neutral_feet)
+            )
         stretch = reach.largest_stretch(self.legs[0], self.hip_height, self.roughness)
         return reach.largest_stride(stretch, self.stance_reach)
 
     @cached_property
     def largest_turn(self) -> float:
         """phi_max of S0 [rad], from the legs' geometry."""
-        if self.leg_type == 'roll_pitch_pitch':
+        if self.leg_type != 'yaw_pitch_pitch':
             distance = max(math.hypot(x, y) for x, y, _ in self.neutral_feet)
         else:
             distance = float(self.neutral_feet[0, 1])
@@ -88,6 +93,11 @@ class Robot(JointedRobot):
         if self.leg_type == 'roll_pitch_pitch':
             lower = min(
                 reach.lowest_at_step(leg, foot, stride)
+                for leg, foot in zip(self.legs, self.neutral_feet)
+            )
+        elif self.leg_type == 'serial':
+            lower = min(
+                reach.deepest_step(leg, foot, stride)
                 for leg, foot in zip(self.legs, self.neutral_feet)
             )
         else:

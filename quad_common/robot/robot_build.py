@@ -26,6 +26,8 @@ JOINTS_PER_LEG = 3
 LEG_TYPES = {
     'yaw_pitch_pitch': ('hip_yaw', 'hip_pitch', 'knee_pitch'),
     'roll_pitch_pitch': ('hip_roll', 'hip_pitch', 'knee_pitch'),
+    # Any three axes, of robots that were imported.
+    'serial': ('first_joint', 'second_joint', 'third_joint'),
 }
 """The builds that a leg may have, and the kinds of their joints from the body outward."""
 

@@ -23,8 +23,15 @@ from quad_common.errors import (
 from quad_common.files.yaml_document import check_keys
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg
-from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS, LinkShape, PartNames
+from quad_common.robot.robot_build import (
+    JOINTS_PER_LEG,
+    LEG_TYPES,
+    LEGS,
+    LinkShape,
+    PartNames,
+)
 from quad_common.robot_files.robot_numbers import RobotNumbers
+from quad_common.serial_legs.serial_leg import AxesAtZero, serial_leg
 
 Array = NDArray[np.float64]
 
@@ -73,8 +80,14 @@ def imported_joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) ->
         for kind, low, high in zip(kinds, lower, upper):
             if not low < high:
                 raise JointRangeEmpty(path, f'{leg} {kind}', float(low), float(high))
-    middles = 0.5 * (rows['lower'] + rows['upper'])
-    legs = tuple(_leg(number, leg, path, middle) for leg, middle in zip(LEGS, middles))
+    if kinds == LEG_TYPES['serial']:
+        bounds = zip(rows['lower'], rows['upper'], rows['initial_posture'])
+        legs: tuple[Leg, ...] = tuple(
+            serial_leg(leg, _axes(number, leg, path), *own) for leg, own in zip(LEGS, bounds)
+        )
+    else:
+        middles = 0.5 * (rows['lower'] + rows['upper'])
+        legs = tuple(_leg(number, leg, path, middle) for leg, middle in zip(LEGS, middles))
     return LegJoints(
         legs=legs,
         lower=rows['lower'],
@@ -108,6 +121,15 @@ def _leg(number: RobotNumbers, name: str, path: Path, middles: Array) -> Leg:
         zeros=number.vector(f'legs.{name}.zeros'),
         middles=middles,
     )
+
+
+def _axes(number: RobotNumbers, name: str, path: Path) -> AxesAtZero:
+    axes = number.vector(f'legs.{name}.axes', 9).reshape(3, 3)
+    for axis in axes:
+        if abs(float(np.linalg.norm(axis)) - 1.0) > _UNIT:
+            raise AxisNotAUnitVector(path, f'legs.{name}.axes', tuple(axis.tolist()))
+    points = number.vector(f'legs.{name}.points', 9).reshape(3, 3)
+    return AxesAtZero(axes, points, number.vector(f'legs.{name}.foot'))
 
 
 def _unit_vector(number: RobotNumbers, name: str, path: Path) -> Array:

@@ -29,8 +29,8 @@ from quad_common.errors import (
 )
 from quad_common.files.bounded_file import is_file, user_path
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
-from quad_common.importing.known_robots import known_names
-from quad_common.importing.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
+from quad_common.named_robots.known_robots import known_names
+from quad_common.named_robots.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
 from quad_common.robot.leg_builds import (
     LegLengths,
     LegPlace,
@@ -146,7 +146,7 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
     kinds = LEG_TYPES[leg_type]
     name = _name(document, path)
     # Asked for first: what either format misspells is told from what it leaves out.
-    is_imported = number.has('legs')
+    is_imported = number.has('legs') or leg_type == 'serial'
     joints = imported_joints(number, kinds, path) if is_imported else _joints(number, kinds, path)
     names = part_names(document, path) if is_imported else PartNames.of_kinds(kinds)
     robot = Robot(

@@ -63,16 +63,7 @@ class LegRoom:
 
 def _reached(leg: Leg, feet: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
     """Tell which feet (..., 3) in the body frame [m] a leg reaches within its joints' limits."""
-    arms = feet - leg.hip
-    x, y, z = (
-        arms @ np.asarray(axis)
-        for axis in (leg.radial_direction, leg.lateral_direction, leg.first_axis)
-    )
-    squared = x * x + y * y - np.square(leg.lateral_offset)
-    out = np.sqrt(np.maximum(squared, 0.0)) - leg.radial_offset
-    distance = np.hypot(out, leg.axial_offset - z)
-    least, largest = leg.reach()
-    is_reached: NDArray[np.bool_] = (squared >= 0.0) & (distance >= least) & (distance <= largest)
+    is_reached = leg.reaches(feet)
     angles = leg.inverse(feet[is_reached])
     is_reached[is_reached] = np.all((angles >= lower) & (angles <= upper), axis=-1)
     return is_reached

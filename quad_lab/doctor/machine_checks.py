@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from quad_common.importing.robot_cache import cache_folder
+from quad_common.named_robots.robot_cache import cache_folder
 from quad_lab.doctor.finding import Finding, good, missing, wrong
 from quad_view.parameters import ViewerParameters
 

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 from quad_common.errors import NotAQuadruped
-from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
 from quad_common.importing.robot_import import import_robot
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS, known_names
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
 from quad_lab.robots.import_check import (
@@ -25,11 +25,12 @@ from quad_lab.robots.import_check import (
 )
 from quad_lab.robots.imported_walks import DIRECTIONS, ImportedWalk, walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
+from quad_lab.robots.serial_bars import serial_bars
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_sim.engines.registry import ENGINES
 
-PARTS = ('imports', 'broken', 'kinematics', 'walks', 'fast', 'topics')
+PARTS = ('imports', 'broken', 'kinematics', 'serial', 'walks', 'fast', 'topics')
 """Parts for ``--only``."""
 
 _GAITS = ('crawl', 'wave', 'trot')
@@ -84,6 +85,9 @@ def measure(
         bars += _broken_bars(console)
     if 'kinematics' in parts and chosen:
         bars += _kinematics_bars(chosen[0], seed)
+    if 'serial' in parts:
+        found, details['serial'] = serial_bars(console, quick, seed)
+        bars += found
     for part, fraction in _FRACTIONS.items():
         if part in parts:
             walks = _walks(console, chosen, fraction, quick)

@@ -92,7 +92,9 @@ _OF_PLACES: dict[str, Change] = {
     'an axis of two numbers': _replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0"'),
     'an axis that is no number': _replaced(r'axis xyz="[^"]*"', 'axis xyz="1 0 nan"'),
     'an axis of words': _replaced(r'axis xyz="[^"]*"', 'axis xyz="up"'),
-    'an oblique axis': _replaced(r'axis xyz="0 1 0"', 'axis xyz="0.5 1 0"'),
+    'three axes that are parallel': _replaced(
+        r'(?s)(joint name="lf_hip_roll_joint".*?axis xyz=")[^"]*', r'\g<1>0 1 0'
+    ),
     'an axis across the others': _replaced(r'axis xyz="0 1 0"', 'axis xyz="1 0 0"'),
     'an origin of words': _replaced(r'origin xyz="[^"]*"', 'origin xyz="here"', 4),
     'an origin far away': _replaced(

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from quad_common.description.poses import moved
 from quad_common.errors import QuadError
-from quad_common.importing.known_robots import KNOWN_ROBOTS, KnownRobot
+from quad_common.importing.options import ImportOptions
 from quad_common.importing.robot_import import ImportedRobot, import_robot
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS, KnownRobot
 from quad_common.robot.leg_kinematics import stack_legs
 
 Array = NDArray[np.float64]
@@ -73,14 +74,21 @@ def check_import(name: str, known: KnownRobot, seed: int) -> list[ImportCheck]:
         One for each engine that is installed.
     """
     assert known.path is not None
+    return check_description(name, known.path, known.options, seed)
+
+
+def check_description(
+    name: str, path: Path, options: ImportOptions, seed: int
+) -> list[ImportCheck]:
+    """Import a robot from a file and compare it with what engines read; see check_import."""
     began = time.perf_counter()
-    robot = import_robot(known.path, known.options)
+    robot = import_robot(path, options)
     seconds = time.perf_counter() - began
     postures = _postures(robot, np.random.default_rng(seed))
     found = []
     for engine, read in (('bullet', _BulletReading), ('mujoco', _MujocoReading)):
         try:
-            reading = read(known.path, robot)
+            reading = read(path, robot)
         except ImportError:
             continue
         except (ValueError, QuadError) as error:

@@ -1,5 +1,5 @@
 """
-Inverse kinematics by iteration, to compare closed forms with.
+Inverse kinematics by iteration beside closed forms, on the same legs.
 """
 
 from __future__ import annotations
@@ -9,13 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
+from quad_common.robot.leg_kinematics import Leg, stack_legs
 from quad_common.robot.robot import Robot
+from quad_common.serial_legs.serial_leg import AxesAtZero, SerialLeg, serial_leg
 
 Array = NDArray[np.float64]
 
 _POSTURES = 200
+
+_REPEATS = 7
 
 _SPREAD = 0.3
 """Angle by which postures differ from the initial one [rad]."""
@@ -30,7 +33,34 @@ class KinematicsComparison:
     closed: float
     """Time of the closed form for four legs, in one call for all postures [s]."""
     numeric: float
-    """Time of the iteration for four legs [s]."""
+    """The same of the iteration [s]."""
+
+
+def iterated_legs(robot: Robot) -> SerialLeg:
+    """Return a robot's four legs, stacked, as ones that no closed formulas are known of."""
+    legs = stack_legs(
+        [
+            serial_leg(
+                str(leg.name),
+                _axes_at_zero(leg),
+                robot.lower[k],
+                robot.upper[k],
+                robot.initial_joint_angles[k],
+            )
+            for k, leg in enumerate(robot.legs)
+        ]
+    )
+    assert isinstance(legs, SerialLeg)
+    return legs
+
+
+def _axes_at_zero(leg: Leg) -> AxesAtZero:
+    """Take axes and points of a leg in closed form, with all joint angles at 0."""
+    at_zero = np.zeros(3)
+    chain = leg.chain(at_zero)
+    _, (_, across, along) = leg.part_frames(at_zero, chain)[0]
+    axes = np.array([along, across, across]) * np.reshape(leg.signs, (3, 1))
+    return AxesAtZero(axes, np.array([leg.hip, *chain[:2]]), chain[2])
 
 
 def compare_kinematics(robot: Robot, seed: int) -> KinematicsComparison:
@@ -40,7 +70,7 @@ def compare_kinematics(robot: Robot, seed: int) -> KinematicsComparison:
     Parameters
     ----------
     robot : Robot
-        The robot.
+        The robot, whose legs have closed formulas.
     seed : int
         Of the postures.
     """
@@ -48,30 +78,22 @@ def compare_kinematics(robot: Robot, seed: int) -> KinematicsComparison:
     spread = rng.uniform(-_SPREAD, _SPREAD, (_POSTURES, 4, 3))
     postures = np.clip(robot.initial_joint_angles + spread, robot.lower, robot.upper)
     feet = robot.foot_positions(postures)
-    began = time.perf_counter()
-    closed = robot.stacked_legs.inverse(feet)
-    between = time.perf_counter()
-    numeric = np.array([_solved(robot, wanted) for wanted in feet])
-    ended = time.perf_counter()
+    iterated = iterated_legs(robot)
+    # Compiles the loop, and finds the aspects.
+    iterated.inverse(feet[:1])
+    closed, numeric = robot.stacked_legs.inverse(feet), iterated.inverse(feet)
     return KinematicsComparison(
         difference=float(np.abs(closed - numeric).max()),
-        closed=(between - began) / _POSTURES,
-        numeric=(ended - between) / _POSTURES,
+        closed=_shortest(robot.stacked_legs, feet) / _POSTURES,
+        numeric=_shortest(iterated, feet) / _POSTURES,
     )
 
 
-def _solved(robot: Robot, feet: Array) -> Array:
-    """Find the joint angles (4, 3) that put the feet (4, 3) [m] where they are wanted."""
-    found = np.empty((4, 3))
-    for leg in range(4):
-        own, wanted = robot.legs[leg], feet[leg]
-        solution = least_squares(
-            lambda q, own=own, wanted=wanted: own.forward(q) - wanted,
-            robot.initial_joint_angles[leg],
-            jac=lambda q, own=own: own.jacobian(q),
-            xtol=1e-15,
-            ftol=1e-15,
-            gtol=1e-15,
-        )
-        found[leg] = solution.x
-    return found
+def _shortest(legs: Leg, feet: Array) -> float:
+    """Return the shortest of a few times that inverse kinematics take [s]."""
+    times = []
+    for _ in range(_REPEATS):
+        began = time.perf_counter()
+        legs.inverse(feet)
+        times.append(time.perf_counter() - began)
+    return min(times)

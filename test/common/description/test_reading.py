@@ -11,6 +11,7 @@ from quad_common.robot_files.robot_file import load_robot
 
 pytest.importorskip('yourdfpy')
 
+from quad_common.description.meshes import mesh_path
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import DescriptionError
@@ -76,6 +77,58 @@ def test_arguments_that_are_missing_are_asked_for(xacro_file):
     xacro_file.write_text(XACRO.replace('<xacro:arg name="mass" default="2.0"/>', ''))
     with pytest.raises(DescriptionError, match='--argument NAME=VALUE'):
         read_description(xacro_file)
+
+
+def test_packages_have_the_names_that_they_give_themselves(xacro_file, tmp_path):
+    cloned = tmp_path / 'my_parts-main'
+    (tmp_path / 'my_parts').rename(cloned)
+    (cloned / 'package.xml').write_text('<package><name> my_parts </name></package>')
+    robot = read_description(xacro_file)
+    assert robot.links[0].visuals[0].geometry.mesh.filename == f'file://{cloned}/body.stl'
+    name = 'package://my_parts/xacro/leg.xacro'
+    assert mesh_path(name, cloned / 'xacro' / 'leg.xacro') == cloned / 'xacro' / 'leg.xacro'
+
+
+@pytest.mark.parametrize('name', ['../..', '/tmp', 'a/b', '..', ''])
+def test_no_package_name_leads_out_of_the_index(name, xacro_file, tmp_path):
+    (tmp_path / 'my_robot' / 'package.xml').write_text(f'<package><name>{name}</name></package>')
+    assert read_description(xacro_file).links[0].name == 'base_link'
+
+
+def test_folders_may_have_names_that_xml_does_not_hold(xacro_file, tmp_path):
+    odd = tmp_path / 'R&D <1>'
+    odd.mkdir()
+    for package in ('my_robot', 'my_parts'):
+        (tmp_path / package).rename(odd / package)
+    robot = read_description(odd / 'my_robot' / 'xacro' / 'robot.xacro')
+    assert robot.links[0].visuals[0].geometry.mesh.filename == f'file://{odd}/my_parts/body.stl'
+
+
+def test_packages_that_are_missing_are_named_once(xacro_file, tmp_path):
+    (tmp_path / 'my_parts').rename(tmp_path / 'others')
+    with pytest.raises(DescriptionError) as error:
+        read_description(xacro_file)
+    assert str(error.value).count('my_parts') == 1
+    assert 'ament' not in str(error.value)
+
+
+def test_files_that_xacro_misses_are_named_where_they_would_be(xacro_file, tmp_path):
+    missing = tmp_path / 'my_parts' / 'xacro' / 'leg.xacro'
+    missing.unlink()
+    with pytest.raises(DescriptionError) as error:
+        read_description(xacro_file)
+    assert str(error.value).count(str(missing)) == 1
+
+
+def test_parts_of_descriptions_are_told_from_robots(xacro_file, tmp_path):
+    with pytest.raises(DescriptionError, match='describes no links; is it a part'):
+        read_description(tmp_path / 'my_parts' / 'xacro' / 'leg.xacro')
+
+
+def test_robots_need_no_name_of_their_own(tmp_path):
+    path = tmp_path / 'mine.urdf'
+    path.write_text('<robot><link name="body"/></robot>')
+    assert read_description(path).name == 'mine'
 
 
 def test_files_that_are_not_there_are_said(tmp_path):

@@ -276,6 +276,31 @@ def test_efforts_and_speeds_are_asked_for(tmp_path):
     assert robot.effort.tolist() == [[1.0, 2.0, 3.0]] * 4
 
 
+def test_figures_that_stand_for_none_are_asked_for(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    for limit in variant.root.iter('limit'):
+        limit.set('velocity', '1000')
+    path = variant.write(tmp_path)
+    with pytest.raises(JointFiguresMissing, match=r'--speed') as error:
+        import_robot(path)
+    assert error.value.stated == 1000.0
+    assert 'but 1000 rad/s' in str(error.value)
+    assert import_robot(path, ImportOptions(speed=(9.0,))).velocity.max() == 9.0
+
+
+@pytest.mark.parametrize('joints', [1, 3, 4, 7])
+def test_arms_of_any_number_of_joints_are_carried(joints, tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    parent = 'base_link'
+    for index in range(joints):
+        ElementTree.SubElement(variant.root, 'link', name=f'arm_{index}')
+        add_joint(variant.root, f'arm_joint_{index}', 'revolute', parent, f'arm_{index}')
+        parent = f'arm_{index}'
+    imported = import_robot(variant.write(tmp_path))
+    assert {joint.name for chain in imported.chains for joint in chain.joints} == set(variant.names)
+    assert any(f'{joints} other joint' in sentence for sentence in imported.notes.assumed)
+
+
 @pytest.mark.parametrize('legs', [2, 3])
 def test_other_numbers_of_legs_are_refused(legs, tmp_path):
     variant = Variant(SHIPPED['genibo'])
@@ -344,6 +369,23 @@ def test_meshes_are_found_in_their_package(tmp_path):
     mesh.unlink()
     with pytest.raises(DescriptionError, match=r'trunk\.obj'):
         import_robot(path)
+
+
+def test_meshes_of_copied_descriptions_are_found_by_the_end_of_their_path(tmp_path):
+    trimesh = pytest.importorskip('trimesh')
+    (tmp_path / 'mine' / 'meshes').mkdir(parents=True)
+    (tmp_path / 'mine' / 'urdf').mkdir()
+    mesh = tmp_path / 'mine' / 'meshes' / 'trunk.stl'
+    trimesh.creation.box(extents=(0.2, 0.1, 0.06)).export(mesh)
+    variant = Variant(SHIPPED['genibo'])
+    geometry = variant.root.find('link/visual/geometry')
+    geometry.clear()
+    away = 'file:///opt/maker/ws/install/share/robot/meshes/trunk.stl'
+    ElementTree.SubElement(geometry, 'mesh', filename=away)
+    imported = import_robot(variant.write(tmp_path / 'mine' / 'urdf'))
+    _, urdf = write_robot(imported, tmp_path / 'out' / 'mine.yaml')
+    assert f'filename="{mesh}"' in urdf.read_text()
+    assert any('paths end alike' in sentence for sentence in imported.notes.assumed)
 
 
 def test_notes_are_plain_data(tmp_path):

@@ -10,14 +10,17 @@ import pytest
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.importing.known_robots import KNOWN_ROBOTS
+from quad_common.importing.options import ImportOptions
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
-from quad_lab.robots.import_check import check_import
+from quad_lab.robots.import_check import check_description, check_import
 from quad_lab.robots.imported_walks import walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
-from quad_sim.engines.registry import ENGINES
+from quad_lab.robots.serial_bars import crawl_forward, write_serial_robot
+from quad_lab.robots.serial_robots import BUILDS
+from quad_sim.engines.registry import ENGINES, preferred
 
 ENGINES_WITH_PHYSICS = [
     name for name, engine in ENGINES.items() if engine.has_world and engine.is_installed
@@ -65,6 +68,36 @@ def test_imported_robots_walk_as_they_are_asked_to(robot, backend):
     assert abs(walk.error) < 0.02
     assert walk.drift < 0.02
     assert walk.tilt_rms < 0.026
+
+
+@pytest.fixture(scope='module', params=BUILDS)
+def serial_robot(request, tmp_path_factory):
+    return write_serial_robot(request.param, tmp_path_factory.mktemp('robots'))
+
+
+def test_engines_agree_with_legs_of_any_axes(serial_robot):
+    description = serial_robot.with_suffix('.urdf')
+    checks = check_description(serial_robot.stem, description, ImportOptions(), seed=1)
+    assert [check.engine for check in checks] == ENGINES_WITH_PHYSICS
+    for check in checks:
+        assert check.foot < 1e-5
+        assert check.mass < 1e-6
+        assert check.center < 1e-3
+
+
+def test_legs_of_any_axes_are_kept_in_the_data_file(serial_robot):
+    robot = load_robot(serial_robot)
+    assert robot.leg_type == 'serial'
+    angles = robot.joint_angles(robot.neutral_feet)
+    assert abs(angles - robot.initial_joint_angles).max() < 1e-6
+    assert 0.3 < robot.largest_stride / robot.hip_height < 1.5
+    assert 0.0 < robot.step_height < robot.hip_height
+
+
+def test_legs_of_any_axes_crawl(tmp_path):
+    robot = write_serial_robot('pitch_roll_pitch', tmp_path)
+    with preferred(ENGINES_WITH_PHYSICS[-1]):
+        assert abs(crawl_forward(robot, 22.0)) < 0.02
 
 
 def test_limits_that_allow_nothing_are_said():

@@ -16,13 +16,14 @@ from pathlib import Path
 
 from quad_common.errors import DescriptionUnusable, FileUnusable
 from quad_common.files.bounded_file import is_file, make_folder, read_bytes, user_path
-from quad_common.importing.known_robots import KNOWN_ROBOTS
 from quad_common.importing.options import ImportOptions, file_name
+from quad_common.named_robots.description_cache import cached_description
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 
 DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 """Suffixes of files that are imported where a robot is asked for."""
 
-_FORMAT = 15
+_FORMAT = 16
 """Number of the format of kept files: raised when an import finds more than it did."""
 
 _MOST_INCLUDED = 1000
@@ -50,13 +51,35 @@ def cache_folder() -> Path:
     return user_path(home) / 'quadwalk' / 'robots'
 
 
+def is_kept(data_file: Path) -> bool:
+    """Return whether a robot's data file was made of a description that was asked for."""
+    return data_file.parent == cache_folder()
+
+
 def known_robot_file(name: str) -> Path | None:
-    """Return the data file of a known robot, imported if need be; None if it is not known here."""
+    """
+    Return the data file of a robot whose description is installed; None if there is none.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`KNOWN_ROBOTS`, or of the package ``robot_descriptions``.
+
+    Raises
+    ------
+    DescriptionError
+        If it cannot be imported.
+    DescriptionNotCached, MissingOptionalDependency
+        If it is to be fetched, or the package to be installed, first.
+    """
     known = KNOWN_ROBOTS.get(name)
     path = known.path if known is not None else None
-    if known is None or path is None:
+    if known is not None and path is not None:
+        return imported_file(path, replace(known.options, name=name))
+    cached = cached_description(name)
+    if cached is None:
         return None
-    return imported_file(path, replace(known.options, name=name))
+    return imported_file(cached.path, replace(cached.options, name=name))
 
 
 def imported_file(description: Path, options: ImportOptions | None = None) -> Path:

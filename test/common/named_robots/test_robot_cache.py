@@ -16,7 +16,8 @@ from quad_common.robot_files.robot_file import load_robot, robot_file
 pytest.importorskip('yourdfpy')
 
 from quad_common.description.meshes import mesh_path
-from quad_common.importing.known_robots import KNOWN_ROBOTS, known_names
+from quad_common.named_robots.known_robots import KNOWN_ROBOTS, known_names
+from quad_common.named_robots.robot_cache import is_kept
 
 needs_descriptions = pytest.mark.skipif(
     importlib.util.find_spec('pybullet_data') is None, reason='pybullet_data is not installed'
@@ -42,6 +43,11 @@ def test_a_description_is_a_robot(cache, description):
     assert robot.name == 'mine'
     assert robot.mass == pytest.approx(load_robot('genibo').mass)
     assert [path.suffix for path in sorted(cache.iterdir())] == ['.urdf', '.yaml']
+
+
+def test_data_files_that_were_imported_are_told_from_others(cache, description):
+    assert is_kept(robot_file(description))
+    assert not is_kept(robot_file('genibo'))
 
 
 def test_it_is_imported_once(cache, description, monkeypatch):

@@ -1,0 +1,3 @@
+"""
+Legs of three joints whose axes lie in any manner: kinematics by iteration.
+"""
