@@ -279,7 +279,7 @@ def _draw(picture: Path, options: WalkOptions, record: WalkRecord) -> None:
     scene = Scene(
         load_map(options.map_file),
         robot,
-        robot.footprint_radius + safety,
+        robot.standing_radius + safety,
         options.start,
         options.goal,
         record.height_map,

@@ -168,7 +168,7 @@ def run(arguments: argparse.Namespace) -> int:
         grid = ground.added_to(of_map, steps_over_low=arguments.low_obstacles == 'step_over')
     methods = list(dict.fromkeys(arguments.method))
     pace = _pace(arguments.robot, arguments.gait, is_needed='quickest' in methods)
-    clearance = robot.footprint_radius + arguments.safety_distance
+    clearance = robot.standing_radius + arguments.safety_distance
     outline = _outline(arguments, robot, pace)
     outcomes = []
     for method in methods:

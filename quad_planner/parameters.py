@@ -77,8 +77,8 @@ class PlannerParameters:
     )
     safety_distance: float = parameter(
         0.12,
-        "Kept free around the circle that holds the robot's feet. When it changes, the way to the "
-        'goal is planned again.',
+        "Kept free around the circle that holds the robot's feet, and knees that reach far out of "
+        'it. When it changes, the way to the goal is planned again.',
         'm',
         lower=0.0,
         upper=10.0,

@@ -24,9 +24,14 @@ from quad_common.errors import PlannerError, QuadError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.map_frame_listener import MapFrameListener
-from quad_common.ros.pose_conversions import pose_from_message, seconds_from_time
+from quad_common.ros.pose_conversions import (
+    orientation_from_odometry,
+    pose_from_message,
+    seconds_from_time,
+)
 from quad_common.ros.ros_node import STALE, WARN, QuadNode
 from quad_common.ros.run_node import run_node
+from quad_common.rotations import tilt_from_quaternion
 from quad_planner import planner_setup
 from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
@@ -102,7 +107,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         stamp = seconds_from_time(message.header.stamp)
         self.clock_check.take_stamp(message.header.stamp)
         self._session.take_pose(stamp, pose)
-        self._traffic.update(stamp)
+        self._traffic.update(stamp, tilt_from_quaternion(orientation_from_odometry(message)))
 
     def _on_heartbeat(self) -> None:
         self._topics.publish_heartbeat()

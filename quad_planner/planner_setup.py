@@ -152,7 +152,7 @@ def planner_for(
     method : str
         Name of the planning method.
     safety_distance : float
-        Distance kept free around the circle that holds the robot's feet [m].
+        Distance kept free around the circle that holds the robot as it stands [m].
     outline : OutlineOptions, optional
         The robot's outline, to plan by it where that is of use.
     **options
@@ -163,7 +163,7 @@ def planner_for(
     Planner
         The planner; it has no map yet.
     """
-    radius = max(robot.footprint_radius, 0.0 if outline is None else outline.circle_radius)
+    radius = max(robot.standing_radius, 0.0 if outline is None else outline.circle_radius)
     return make_planner(
         method,
         outline,

@@ -43,6 +43,9 @@ _LONGEST = 1000.0
 _GOES_FIRST = 'goes first'
 """Text of the marker of a robot that can give way to nobody."""
 
+_FALLEN = 'fallen'
+"""Text of the marker of a robot that lies on the ground."""
+
 _BODY, _PATH = 0, 1
 """Numbers of a robot's two markers."""
 
@@ -65,7 +68,7 @@ class TrafficTopics:
         self._node, self._session = node, session
         robot = load_robot(node.parameters.robot)
         self._name = node.get_namespace().strip('/') or robot.name
-        self._traffic = Traffic(session, self._name, robot.footprint_radius)
+        self._traffic = Traffic(session, self._name, robot.standing_radius)
         self._time = self._told_at = -np.inf
         self._words: Any = None
         if node.parameters.gives_way:
@@ -74,9 +77,10 @@ class TrafficTopics:
                 MarkerArray, '/fleet/robots', self._on_robots, 10, most_bytes=_MOST_BYTES
             )
 
-    def update(self, time: float) -> None:
-        """Tell others, and look at the traffic, at a time of odometry [s]."""
+    def update(self, time: float, tilt: float = 0.0) -> None:
+        """Tell others, and look at the traffic, at a time of odometry [s], tilted so far [rad]."""
         self._time = time
+        self._traffic.take_tilt(tilt)
         if self._words is None:
             return
         if abs(time - self._told_at) >= _PERIOD:
@@ -108,7 +112,7 @@ def robot_markers(robot: RobotOnMap, frame: str, stamp: Time) -> MarkerArray:
     body.pose = pose_message(robot.pose)
     body.scale.x = body.scale.y = 2.0 * robot.radius
     body.scale.z = 0.05
-    body.text = _GOES_FIRST if robot.goes_first else ''
+    body.text = _FALLEN if robot.has_fallen else _GOES_FIRST if robot.goes_first else ''
     path = Marker(ns=robot.name, id=_PATH, type=Marker.LINE_STRIP, action=Marker.ADD)
     path.pose.orientation.w = 1.0
     path.scale.x = 0.03
@@ -166,4 +170,7 @@ def robot_from_message(message: MarkerArray, frame: str) -> RobotOnMap | str:
     length = float(np.linalg.norm(np.diff(from_here, axis=0), axis=1).sum())
     if length > _LONGEST:
         raise InvalidMessage(what, f'its path is {length:.4g} m long; {_LONGEST:.0f} m are most')
-    return RobotOnMap(name, pose, body.scale.x / 2.0, corners, body.text == _GOES_FIRST)
+    radius, has_fallen = body.scale.x / 2.0, body.text == _FALLEN
+    if has_fallen:
+        corners = np.empty((0, 2))
+    return RobotOnMap(name, pose, radius, corners, body.text == _GOES_FIRST, has_fallen)

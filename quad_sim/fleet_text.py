@@ -119,7 +119,7 @@ def check_apart(
 ) -> None:
     """Raise PlaceTaken if a robot would stand nearer to another one than a spacing [m] allows."""
     for other, (body, place) in others.items():
-        needed = robot.footprint_radius + body.footprint_radius + spacing
+        needed = robot.standing_radius + body.standing_radius + spacing
         if pose.distance_to(place) < needed:
             raise PlaceTaken(name, other, pose.distance_to(place), needed)
 

@@ -93,7 +93,7 @@ def _level_scenery(parameters: SimParameters, robot: Robot) -> Scenery:
             p.room_seed,
             None if p.room_obstacles < 0 else p.room_obstacles,
             start,
-            clearance=max(_CLEARANCE, robot.footprint_radius),
+            clearance=max(_CLEARANCE, robot.standing_radius),
             friction=p.friction,
         )
         grid = occupancy_of(room.world, _RESOLUTION, room.bounds)

@@ -58,11 +58,11 @@ def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
     # To the nearest point of each cell's square.
     apart = np.maximum(np.abs(np.column_stack([columns, rows]) + 0.5 - here) - 0.5, 0.0)
     nearest = grid.resolution * float(np.min(np.hypot(apart[:, 0], apart[:, 1])))
-    if nearest < robot.footprint_radius:
+    if nearest < robot.standing_radius:
         raise ParameterError(
             'start_pose',
             [start.x, start.y, start.yaw],
-            f'at least {robot.footprint_radius:.2f} m from every obstacle of the map, '
+            f'at least {robot.standing_radius:.2f} m from every obstacle of the map, '
             f'and the nearest is {nearest:.2f} m away',
         )
 
@@ -107,7 +107,7 @@ class Simulation:
     def __init__(self, simulator: Simulator, robot: Robot, start_pose: Pose2D) -> None:
         self._simulator = simulator
         self._robot = robot
-        self._footprint_radius = robot.footprint_radius
+        self._footprint_radius = robot.standing_radius
         self._initial_joints = robot.initial_joint_angles.reshape(-1)
         self._limits = JointLimits.of(robot)
         self._executor = TrajectoryExecutor(

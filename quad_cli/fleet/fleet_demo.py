@@ -91,7 +91,7 @@ def _options(arguments: argparse.Namespace, page: PagePlace | None, pace: float)
     robots = [load_robot(kind) for kind in kinds]
     for robot in robots:
         load_gait(arguments.gait, robot)
-    widest = max(robot.footprint_radius for robot in robots)
+    widest = max(robot.standing_radius for robot in robots)
     clearance = widest + PlannerParameters().safety_distance + _SPARE
     places = spread_places(load_map(map_file), clearance, len(kinds))
     fleet = {
@@ -142,6 +142,6 @@ def _draw(picture: Path, options: FleetOptions, notes: FleetNotes) -> None:
 
     first = next(iter(options.robots.values()))
     robot = load_robot(first.kind)
-    radius = robot.footprint_radius + PlannerParameters().safety_distance
+    radius = robot.standing_radius + PlannerParameters().safety_distance
     scene = Scene(load_map(options.map_file), robot, radius, first.start, first.goal)
     draw_plans(picture, scene, {name: Plan(tuple(n.track)) for name, n in notes.robots.items()})

@@ -100,6 +100,7 @@ from quad_common.errors.planning import NoRobotPose as NoRobotPose
 from quad_common.errors.planning import PlannerError as PlannerError
 from quad_common.errors.planning import PlannerTimedOut as PlannerTimedOut
 from quad_common.errors.planning import PlanSuperseded as PlanSuperseded
+from quad_common.errors.planning import RobotsInTheWay as RobotsInTheWay
 from quad_common.errors.planning import StartOccupied as StartOccupied
 from quad_common.errors.planning import StartOutsideMap as StartOutsideMap
 from quad_common.errors.planning import WrongFrame as WrongFrame

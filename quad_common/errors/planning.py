@@ -223,6 +223,25 @@ class NoPathFound(PlannerError):
 
 
 @dataclass(eq=False, repr=False)
+class RobotsInTheWay(PlannerError):
+    """Other robots that stay where they are leave no path to the goal."""
+
+    code = 208
+
+    names: Sequence[str]
+    """Names of the robots."""
+    waited: float
+    """Time for which they were waited for [s]."""
+
+    def sentence(self) -> str:
+        """Say who blocks the robot."""
+        return (
+            f'blocked by {listed(self.names)}, and no path leads around: nothing has changed for '
+            f'{self.waited:.0f} s, and the goal is given up'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class DescentStuck(NoPathFound):
     """The descent of a potential came to rest elsewhere than at the goal."""
 

@@ -23,6 +23,9 @@ from quad_common.robot.robot_shape import RobotShape
 
 Array = NDArray[np.float64]
 
+_REACHING_OUT = 1.1
+"""Footprints that the standing robot may reach to before its footprint does not stand for it."""
+
 _HIP_HEIGHT_OF_TITAN_VIII = 0.243
 """S0 sec. 6 [m]."""
 
@@ -117,12 +120,29 @@ class Robot(JointedRobot):
         return max(feet, math.hypot(self.body_size[0], self.body_size[1]) / 2.0)
 
     @cached_property
+    def standing_radius(self) -> float:
+        """
+        Radius of the circle around base_link that obstacles and other robots are kept out of [m].
+
+        That of the footprint, which knees may leave by a tenth: the safety distance has room for
+        it. Where they reach out farther, as those of an a1 do, the circle that holds them too.
+        """
+        ends, radii = self.shape.part_ends(self.initial_joint_angles[None])
+        parts = float(np.max(np.hypot(ends[..., 0], ends[..., 1]) + radii))
+        footprint = self.footprint_radius
+        return parts if parts > _REACHING_OUT * footprint else footprint
+
+    @cached_property
+    def shape(self) -> RobotShape:
+        """Shapes of the body and of the links."""
+        radii = {kind: link.radius for kind, link in self.links.items()}
+        return RobotShape(self.stacked_legs, self.body_center, self.body_size, radii)
+
+    @cached_property
     def own_parts(self) -> OwnParts:
         """The robot's parts, which must keep clear of one another."""
-        radii = {kind: link.radius for kind, link in self.links.items()}
-        shape = RobotShape(self.stacked_legs, self.body_center, self.body_size, radii)
         least = LEAST_CLEARANCE * self.relative_size
-        return OwnParts(shape, self.initial_joint_angles, self.lower, self.upper, least)
+        return OwnParts(self.shape, self.initial_joint_angles, self.lower, self.upper, least)
 
     def foot_positions(self, joint_angles: Array) -> Array:
         """

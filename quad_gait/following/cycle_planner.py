@@ -16,6 +16,7 @@ from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.motion_sequence import ScheduledCycle
 from quad_gait.following.slip_compensation import SlipCompensation
+from quad_gait.following.speed_change import balanced_motion, gathered
 from quad_gait.following.step import Step
 from quad_gait.following.stoppable_cycle import (
     CycleRules,
@@ -24,9 +25,6 @@ from quad_gait.following.stoppable_cycle import (
 )
 
 Array = NDArray[np.float64]
-
-_SPEED_STEP = 0.4
-"""Fraction of its largest speed that a dynamic gait gathers in one cycle."""
 
 _MORE_BESIDE = 1.2
 """Factor by which the body may be farther beside its feet while a dynamic gait changes speed."""
@@ -108,13 +106,14 @@ class CyclePlanner:
         gear = gait_pair.of(step)
         self.gear = gear
         entry = STILL if before is None else self.speed
-        motion, exit = step.motion, _gathered(step.exit, entry, gear)
+        motion, exit = step.motion, gathered(step.exit, entry, gear)
         if exit is not step.exit:
             # Less speed at the end: less distance.
             lost = BodyMotion.during(
                 step.exit.minus(exit), gear.acceleration_fraction * gear.period
             )
             motion = motion.minus(lost)
+        motion = balanced_motion(motion, (entry, exit), self._robot, gear.gait)
         compensated = self._compensation.compensated
         speed = compensated(gear.gait, BodyMotion.during(exit, gear.period)).rate(gear.period)
         planned = generate_stoppable_cycle(
@@ -131,19 +130,6 @@ class CyclePlanner:
         self.speed = exit.scaled(kept)
         self._slip = BodyMotion.during(speed.minus(exit), kept * gear.period)
         return planned
-
-
-def _gathered(wanted: Twist2D, entry: Twist2D, gear: MotionLimits) -> Twist2D:
-    """Let a dynamic gait gather speed over a few cycles: it would rock otherwise."""
-    if gear.gait.is_static or not wanted:
-        return wanted
-    motion = BodyMotion.during(wanted, gear.period)
-    largest = gear.largest_scale(motion) * gear.size(motion)
-    gain = wanted.minus(entry)
-    size = gear.size(BodyMotion.during(gain, gear.period))
-    if size <= _SPEED_STEP * largest:
-        return wanted
-    return entry.plus(gain.scaled(_SPEED_STEP * largest / size))
 
 
 def _ratio(a: Twist2D, b: Twist2D) -> float:

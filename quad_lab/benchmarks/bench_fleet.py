@@ -1,5 +1,5 @@
 """
-``quadwalk bench fleet``: several robots in one world, goals of Nav2's actions, and a network.
+``quadwalk bench fleet``: several robots in one world, plans that change, Nav2's actions, a network.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.resources import sample_map
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.parameters import GaitParameters
+from quad_lab.benchmarks.changed_plans import replans
 from quad_lab.benchmarks.many_robots import speeds, walks
 from quad_lab.benchmarks.network_walks import network_bars
 from quad_lab.closed_loop.random_goals import GoalDrawer
@@ -33,6 +34,7 @@ ACTIONS = ('goals', 'cancels', 'preemptions')
 _OTHERS: dict[str, Callable[..., tuple[list[Criterion], dict[str, Any]]]] = {
     'warehouse': partial(walks, 'warehouse'),
     'corridor': partial(walks, 'corridor'),
+    'replans': replans,
     'speed': speeds,
     'network': network_bars,
 }

@@ -12,6 +12,7 @@ from itertools import combinations
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
+from quad_common.rotations import tilt_from_quaternion
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import SENSOR_PERIOD, ClosedLoop, Place
 from quad_lab.closed_loop.controllers import measuring_controller
@@ -76,7 +77,7 @@ class _Walker:
         )
         self.planner = PlannerInLoop(robot, self.controller, parameters)
         self.session = self.planner.session
-        self.traffic = Traffic(self.session, name, robot.footprint_radius)
+        self.traffic = Traffic(self.session, name, robot.standing_radius)
         self.session.take_grid(grid, 'map')
         self.session.give_goal('map', member.goal)
         self.pose = member.start
@@ -84,6 +85,7 @@ class _Walker:
     def _locate(self, seen: Observation) -> Place:
         self.pose = seen.pose
         self.planner.take_pose(seen.time, seen.pose)
+        self.traffic.take_tilt(tilt_from_quaternion(seen.orientation))
         self.traffic.update(seen.time)
         return seen.pose, seen.pose
 
@@ -179,5 +181,5 @@ class FleetWalk:
             if walker.has_arrived:
                 record.arrived.setdefault(name, self.simulation.time)
         for a, b in combinations(self.walkers.values(), 2):
-            radii = a.loop.robot.footprint_radius + b.loop.robot.footprint_radius
+            radii = a.loop.robot.standing_radius + b.loop.robot.standing_radius
             record.least_gap = min(record.least_gap, a.pose.distance_to(b.pose) - radii)

@@ -142,7 +142,7 @@ def _level_world(settings: WalkSettings, robot: Robot, seed: int) -> tuple[World
         return world_from_map(grid, friction=settings.friction), grid
     room = random_room(
         int(_stream(seed, _ROOM).integers(2**31)),
-        clearance=max(_CLEARANCE, robot.footprint_radius),
+        clearance=max(_CLEARANCE, robot.standing_radius),
         friction=settings.friction,
     )
     return room.world, occupancy_of(room.world, _RESOLUTION, room.bounds)

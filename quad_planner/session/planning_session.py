@@ -112,6 +112,12 @@ class PlanningSession(SessionMaps):
             self._publish(None)
         self._output.update_status()
 
+    def give_up_goal(self, error: PlannerError) -> None:
+        """Give up the goal in force for a reason, which is said: the robot stands."""
+        self._given.conclude(GoalEnd.REFUSED, str(error), error)
+        self.problem = error
+        self.withdraw_goal()
+
     def plan_again(self) -> None:
         """Plan to the goal in force from where the robot is, unless that is under way."""
         if self._goal is not None and self._pending is None:

@@ -5,7 +5,7 @@ What robots tell one another: where each is, how large, and the path it wants to
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,8 @@ class RobotOnMap:
     """What is left of the path to its goal, shape (n, 2) [m]; empty for one that stays."""
     goes_first: bool = False
     """Whether it can give way to nobody, so that others give way to it."""
+    has_fallen: bool = False
+    """Whether it lies on the ground: it has no path then."""
 
     @property
     def position(self) -> Points:
@@ -37,6 +39,10 @@ class RobotOnMap:
     def line(self) -> Points:
         """Position and path, shape (n, 2), n >= 1 [m]."""
         return np.vstack([self.position, np.reshape(self.path, (-1, 2))])
+
+    def staying(self) -> RobotOnMap:
+        """Return it as one that stays where it is."""
+        return replace(self, path=np.empty((0, 2)), goes_first=False)
 
     @property
     def is_staying(self) -> bool:

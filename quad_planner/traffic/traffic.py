@@ -13,25 +13,25 @@ import math
 
 import numpy as np
 
-from quad_common.errors import PlannerError, RobotLeftOut
+from quad_common.errors import PlannerError, RobotsInTheWay
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_planner.grid.array_types import Points
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
+from quad_planner.traffic.other_robots import OtherRobots
 from quad_planner.traffic.right_of_way import Distances, Duty, duty_towards, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap, precedes
-from quad_planner.traffic.speeds import Speeds
 from quad_planner.traffic.waiting_place import waiting_place
 
 _PERIOD = 0.2
 """Time between two looks at the traffic [s]."""
 
-_FORGOTTEN = 10.0
-"""Time without a word after which a robot is taken to be gone [s]."""
+_HOPELESS = 120.0
+"""Time after which a goal is given up to which robots that stay leave no path [s]."""
 
-_SETTLED = 5.0
-"""Time after which a robot that wants to go nowhere is an obstacle that paths lead around [s]."""
+_FALLEN = math.radians(30.0)
+"""Tilt from which on a robot lies on the ground, as the gait has it [rad]."""
 
 _BLOCKED = 20.0
 """Time for which a body on the path is waited for; then a path around it is looked for [s]."""
@@ -57,9 +57,6 @@ _UNSEEN, _SLOWEST = 1.0, 0.1
 _MOVED = 0.15
 """Distance by which a robot that stands has to move for another route to be planned [m]."""
 
-MOST_ROBOTS = 64
-"""Number of other robots that are reckoned with."""
-
 
 class Traffic:
     """
@@ -84,9 +81,8 @@ class Traffic:
         self._name = name
         self._radius = radius
         self._room = self._room_at_rest = room or Distances()
-        self._speeds = Speeds()
-        self._others: dict[str, tuple[float, RobotOnMap]] = {}
-        self._staying: dict[str, float] = {}
+        self._others = OtherRobots(name)
+        self._speeds = self._others.speeds
         self._looked_at = -math.inf
         self._route: Plan | None = None
         self._routed_from: Pose2D | None = None
@@ -97,13 +93,16 @@ class Traffic:
         self._lost = 0
         self._stopped_at = -math.inf
         self._in_way: set[str] = set()
+        self._hopeless_since = math.inf
+        self._has_route = True
+        self._has_fallen = False
         self.goes_first = False
         """Whether there is no place to give way at, so that others give way."""
 
     @property
     def others(self) -> dict[str, RobotOnMap]:
         """Robots that were heard of, by their names."""
-        return {name: robot for name, (_, robot) in self._others.items()}
+        return self._others.robots
 
     def take_robot(self, time: float, robot: RobotOnMap) -> None:
         """
@@ -114,22 +113,15 @@ class Traffic:
         RobotLeftOut
             If as many as can be are known already.
         """
-        if robot.name == self._name:
-            return
-        if robot.name not in self._others and len(self._others) >= MOST_ROBOTS:
-            raise RobotLeftOut(robot.name, MOST_ROBOTS)
-        self._others[robot.name] = time, robot
-        self._speeds.take(robot.name, time, robot.pose)
-        if robot.is_staying:
-            self._staying.setdefault(robot.name, time)
-        else:
-            self._staying.pop(robot.name, None)
+        self._others.take(time, robot)
 
     def forget_robot(self, name: str) -> None:
         """Forget a robot that has left."""
-        self._others.pop(name, None)
-        self._staying.pop(name, None)
-        self._speeds.forget(name)
+        self._others.forget(name)
+
+    def take_tilt(self, tilt: float) -> None:
+        """Take how far the robot's own body is tilted [rad]: one that has fallen says so."""
+        self._has_fallen = tilt > _FALLEN
 
     def own_word(self) -> RobotOnMap | None:
         """Return what others are told; None while the robot does not know where it is."""
@@ -137,6 +129,8 @@ class Traffic:
         if pose is None:
             return None
         path: Points = np.empty((0, 2))
+        if self._has_fallen:
+            return RobotOnMap(self._name, pose, self._radius, path, has_fallen=True)
         if self._route is not None and self._session.goal is not None:
             path = remaining_plan(self._route, pose).corners
         return RobotOnMap(self._name, pose, self._radius, path, self.goes_first)
@@ -146,10 +140,7 @@ class Traffic:
         if abs(time - self._looked_at) < _PERIOD:
             return
         self._looked_at = time
-        # Time goes back when a simulator is started again.
-        gone = [n for n, (at, _) in self._others.items() if not 0.0 <= time - at <= _FORGOTTEN]
-        for name in gone:
-            self.forget_robot(name)
+        self._others.look(time)
         session = self._session
         if session.pose is None or session.goal is None or not session.map.is_ready:
             self._end()
@@ -165,13 +156,14 @@ class Traffic:
         self._look_at_bodies(time, own)
         if self._route is not None:
             self._do_duty(time, own)
+        self._look_whether_it_is_hopeless(time, own)
 
     def _end(self) -> None:
         """Have nothing to do with anybody: the robot wants to go nowhere."""
         self._route = self._refuge = self._goal = None
         self._in_way = set()
         self.goes_first = False
-        self._blocked_since = math.inf
+        self._blocked_since = self._hopeless_since = math.inf
 
     def _note_route(self, pose: Pose2D, goal: Pose2D) -> None:
         """Know the path to the goal, also while the robot waits or is giving way."""
@@ -181,21 +173,24 @@ class Traffic:
             self._goal = goal
         if not session.hold_reason:
             self._route, self._routed_from = session.plan, pose
+            self._has_route = session.plan is not None or session.problem is None
             return
         is_old = self._routed_from is None or pose.distance_to(self._routed_from) > _MOVED
         if self._refuge is None and (is_old or self._route is None):
             self._routed_from = pose
             # Without one the path from before still says where the robot wants to go.
+            self._has_route = False
             with contextlib.suppress(PlannerError):
                 self._route = session.map.planner.plan(pose, goal)
+                self._has_route = True
 
     def _look_at_bodies(self, time: float, own: RobotOnMap) -> None:
         """Plan around robots that stay where they are."""
         assert self._goal is not None
         session, bodies = self._session, []
         clearance = session.map.planner.clearance_radius
-        for name, (_, other) in sorted(self._others.items()):
-            is_settled = time - self._staying.get(name, time) > _SETTLED
+        for name, other in sorted(self.others.items()):
+            is_settled = self._others.has_settled(name, time)
             is_in_way = time - self._blocked_since > _BLOCKED and self._stops(own, other)
             is_in_way = is_in_way or name in self._in_way
             at_goal = self._goal.distance_to(other.pose) < clearance + other.radius
@@ -215,6 +210,29 @@ class Traffic:
         near = [distance_to_polyline(body[:2], own.line) < clearance + body[2] for body in bodies]
         if any(near) and not session.hold_reason:
             session.plan_on_new_map()
+
+    def _look_whether_it_is_hopeless(self, time: float, own: RobotOnMap) -> None:
+        """Give the goal up to which robots that stay have left no path for long."""
+        assert self._goal is not None
+        settled = {n: o for n, o in self.others.items() if self._others.has_settled(n, time)}
+        at_goal = self._session.map.planner.clearance_radius
+        names = [
+            name
+            for name, other in sorted(settled.items())
+            if not self._has_route
+            or (
+                self._goal.distance_to(other.pose) < at_goal + other.radius
+                and self._stops(own, other)
+            )
+        ]
+        if not names:
+            self._hopeless_since = math.inf
+            return
+        self._hopeless_since = min(self._hopeless_since, time)
+        waited = time - self._hopeless_since
+        if waited > _HOPELESS:
+            self._end()
+            self._session.give_up_goal(RobotsInTheWay(names, waited))
 
     def _do_duty(self, time: float, own: RobotOnMap) -> None:
         others = self.others.values()

@@ -53,7 +53,7 @@ planner = make_planner(
     sys.argv[1],
     any_angle=sys.argv[2] == 'True',
     mesh_size=robot.mesh_size,
-    clearance_radius=robot.footprint_radius + 0.12,
+    clearance_radius=robot.standing_radius + 0.12,
     pace=load_pace('titan_viii', 'crawl'),
     potential='either',
 )

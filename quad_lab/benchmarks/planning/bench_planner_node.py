@@ -76,7 +76,7 @@ def node_bars(occupied: Mask) -> list[Criterion]:
 def _largest_area(occupied: Mask) -> NDArray[np.int64]:
     """List the cells between which the robot may walk, rows and columns, shape (n, 2)."""
     parameters = PlannerParameters()
-    clearance = load_robot(parameters.robot).footprint_radius + parameters.safety_distance
+    clearance = load_robot(parameters.robot).standing_radius + parameters.safety_distance
     cells = np.where(occupied, 100, 0).astype(np.int8)
     grid = Grid(cells, _RESOLUTION, Pose2D(0.0, 0.0, 0.0))
     areas = ShortestPlanner(clearance_radius=clearance).inflated_map(grid).areas

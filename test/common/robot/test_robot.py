@@ -164,6 +164,18 @@ def test_the_footprint_holds_feet_and_body():
     assert radius > math.hypot(0.23, 0.13)
 
 
+@each_robot
+def test_robots_that_ship_stand_within_a_tenth_of_their_footprint(robot):
+    assert robot.standing_radius == robot.footprint_radius
+
+
+def test_knees_that_reach_out_of_the_footprint_are_kept_clear():
+    robot = load_robot('a1')
+    ends, radii = robot.shape.part_ends(robot.initial_joint_angles)
+    assert robot.standing_radius > 1.3 * robot.footprint_radius
+    assert robot.standing_radius == pytest.approx(np.max(np.hypot(*ends.T[:2]) + radii))
+
+
 def test_joints_are_named_leg_by_leg():
     assert ROBOT.joint_names[:3] == (
         'lf_hip_yaw_joint',

@@ -1,20 +1,24 @@
 """What a planning session is told to do because of other robots."""
 
+import math
+
 import numpy as np
 import pytest
 
-from quad_common.errors import RobotLeftOut
+from quad_common.errors import RobotLeftOut, RobotsInTheWay
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
-from quad_common.planar_pose import Pose2D
+from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot_files.robot_file import load_robot
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import session_from_parameters
+from quad_planner.session.given_goal import GoalEnd
 from quad_planner.session.immediate_request import ImmediateRequest
+from quad_planner.traffic.other_robots import MOST_ROBOTS
 from quad_planner.traffic.robot_on_map import RobotOnMap
-from quad_planner.traffic.traffic import MOST_ROBOTS, Traffic
+from quad_planner.traffic.traffic import Traffic
 
-RADIUS = load_robot('a1').footprint_radius
+RADIUS = load_robot('a1').standing_radius
 
 
 class Output:
@@ -50,18 +54,26 @@ class Scene:
         self.session.take_grid(OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0)), 'map')
         self.time = 0.0
         self.go_on(Pose2D(1.0, 2.0, 0.0))
-        self.session.give_goal('map', Pose2D(7.0, 2.0, 0.0))
+        self.given = self.session.give_goal('map', Pose2D(7.0, 2.0, 0.0))
 
     def go_on(self, pose=None, seconds=0.5):
         self.time += seconds
         self.session.take_pose(self.time, pose or self.session.pose)
         self.traffic.update(self.time)
 
-    def tell(self, name, *path, goes_first=False):
+    def tell(self, name, *path, has_fallen=False):
         x, y = path[0]
         line = np.array(path[1:], dtype=float).reshape(-1, 2)
-        robot = RobotOnMap(name, Pose2D(x, y, 0.0), RADIUS, line, goes_first)
+        robot = RobotOnMap(name, Pose2D(x, y, 0.0), RADIUS, line, has_fallen=has_fallen)
         self.traffic.take_robot(self.time, robot)
+
+    @property
+    def passes_around(self):
+        """Whether its plan leads past (4, 2), and keeps both bodies apart."""
+        plan = self.session.plan
+        if plan is None or len(plan.poses) < 3:
+            return False
+        return distance_to_polyline((4.0, 2.0), plan.corners) > 2.0 * RADIUS
 
 
 def test_a_robot_alone_is_left_alone():
@@ -141,16 +153,77 @@ def test_one_that_stays_is_planned_around_after_a_while():
     assert distances.min() > 2.0 * RADIUS
 
 
-def test_one_that_is_silent_is_forgotten():
+def test_one_that_has_fallen_is_planned_around_at_once_whoever_has_the_right_of_way():
+    for name in 'a', 'c':
+        scene = Scene()
+        scene.tell(name, (4.0, 2.0), has_fallen=True)
+        scene.go_on()
+        assert scene.passes_around
+        assert scene.session.hold_reason == ''
+
+
+def test_one_that_has_fallen_says_so_and_wants_no_path():
     scene = Scene()
-    scene.tell('a', (2.0, 0.3), (2.0, 3.7))
     scene.go_on()
-    assert scene.session.hold_reason
-    scene.go_on(seconds=0.9)
-    for _ in range(12):
-        scene.go_on(seconds=0.9)
+    scene.traffic.take_tilt(math.radians(35.0))
+    word = scene.traffic.own_word()
+    assert word.has_fallen
+    assert word.is_staying
+    scene.traffic.take_tilt(math.radians(5.0))
+    assert not scene.traffic.own_word().is_staying
+
+
+def test_one_that_is_silent_stays_an_obstacle_where_it_was():
+    scene = Scene()
+    scene.tell('a', (4.0, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.hold_reason == 'giving way to a'
+    for _ in range(25):
+        scene.go_on()
+    assert scene.traffic.others['a'].is_staying
+    assert scene.passes_around
+    for _ in range(26):
+        scene.go_on(seconds=25.0)
     assert scene.traffic.others == {}
-    assert scene.session.hold_reason == ''
+
+
+def test_one_that_does_not_move_is_an_obstacle_until_it_moves():
+    scene = Scene()
+    for _ in range(45):
+        scene.tell('a', (4.0, 2.0), (0.5, 2.0))
+        scene.go_on(seconds=1.0)
+    assert scene.passes_around
+    scene.tell('a', (3.8, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.hold_reason == 'giving way to a'
+
+
+def test_a_goal_behind_one_that_stays_in_a_corridor_is_given_up_with_its_name():
+    cells = np.zeros((80, 160), np.int8)
+    cells[:29, 70:120], cells[51:, 70:120] = OCCUPIED, OCCUPIED
+    scene = Scene(cells)
+    for _ in range(57):
+        scene.tell('a', (4.5, 2.0), has_fallen=True)
+        scene.go_on(seconds=2.0)
+        assert scene.session.plan is None
+        assert scene.given.end is None
+    for _ in range(10):
+        scene.tell('a', (4.5, 2.0), has_fallen=True)
+        scene.go_on(seconds=2.0)
+    assert scene.given.end is GoalEnd.REFUSED
+    assert isinstance(scene.session.problem, RobotsInTheWay)
+    assert 'blocked by a' in str(scene.session.problem)
+    assert scene.session.goal is None
+
+
+def test_a_goal_on_which_another_one_stays_is_given_up_too():
+    scene = Scene()
+    scene.go_on(Pose2D(6.0, 2.0, 0.0))
+    for _ in range(70):
+        scene.tell('a', (7.0, 2.0))
+        scene.go_on(seconds=2.0)
+    assert scene.given.end is GoalEnd.REFUSED
+    assert scene.session.plan is None
 
 
 def test_a_stream_of_names_is_cut_off_and_those_known_stay():
@@ -163,7 +236,10 @@ def test_a_stream_of_names_is_cut_off_and_those_known_stay():
     assert len(scene.traffic.others) == MOST_ROBOTS
     for _ in range(30):
         scene.go_on()
-    assert scene.traffic.others == {}
+    # Those that are silent make room.
+    scene.tell('one_more', (4.0, 3.5))
+    assert len(scene.traffic.others) == MOST_ROBOTS
+    assert 'one_more' in scene.traffic.others
 
 
 @pytest.mark.parametrize('moves', [True, False])

@@ -1,0 +1,114 @@
+"""
+What is known of other robots: by what they say, and by what they do not do.
+"""
+
+from __future__ import annotations
+
+import math
+
+from quad_common.errors import RobotLeftOut
+from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_planner.traffic.robot_on_map import RobotOnMap
+from quad_planner.traffic.speeds import Speeds
+
+MOST_ROBOTS = 64
+"""Number of other robots that are reckoned with."""
+
+_SETTLED = 5.0
+"""Time after which a robot that wants to go nowhere is an obstacle that paths lead around [s]."""
+
+_SILENT = 10.0
+"""Time without a word after which a robot is taken to stay where it was last [s]."""
+
+_FORGOTTEN = 600.0
+"""Time without a word after which it is taken to have been carried away [s]."""
+
+_STILL = 40.0
+"""Time without a movement after which a robot is taken to stay, wherever it wants to go [s]."""
+
+_STEP, _TURN = 0.05, 0.1
+"""Least movement [m, rad]."""
+
+
+class OtherRobots:
+    """
+    The other robots, with those that do not get out of the way as robots that stay.
+
+    Parameters
+    ----------
+    name : str
+        Name of the robot that looks at them, whose own word is left out.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._words: dict[str, tuple[float, RobotOnMap]] = {}
+        self._moved: dict[str, tuple[float, Pose2D]] = {}
+        self._staying: dict[str, float] = {}
+        self._inert: set[str] = set()
+        self.speeds = Speeds()
+        """Speeds of all robots, the one that looks too."""
+
+    @property
+    def robots(self) -> dict[str, RobotOnMap]:
+        """Robots by their names; those that are silent, or do not move, as robots that stay."""
+        return {
+            name: robot.staying() if name in self._inert else robot
+            for name, (_, robot) in self._words.items()
+        }
+
+    def take(self, time: float, robot: RobotOnMap) -> None:
+        """
+        Take what a robot says of itself at a time [s].
+
+        Raises
+        ------
+        RobotLeftOut
+            If as many as can be are known already, and none of them is silent.
+        """
+        name = robot.name
+        if name == self._name:
+            return
+        if name not in self._words and len(self._words) >= MOST_ROBOTS:
+            oldest = min(self._words, key=lambda known: self._words[known][0])
+            if time - self._words[oldest][0] <= _SILENT:
+                raise RobotLeftOut(name, MOST_ROBOTS)
+            self.forget(oldest)
+        self._words[name] = time, robot
+        self.speeds.take(name, time, robot.pose)
+        _, last = self._moved.setdefault(name, (time, robot.pose))
+        turned = abs(wrap_angle(robot.pose.yaw - last.yaw))
+        if robot.pose.distance_to(last) > _STEP or turned > _TURN:
+            self._moved[name] = time, robot.pose
+            self._inert.discard(name)
+        if robot.is_staying:
+            self._staying.setdefault(name, time)
+        elif name not in self._inert:
+            self._staying.pop(name, None)
+
+    def forget(self, name: str) -> None:
+        """Forget a robot that has left."""
+        for known in (self._words, self._moved, self._staying):
+            known.pop(name, None)
+        self._inert.discard(name)
+        self.speeds.forget(name)
+
+    def look(self, time: float) -> None:
+        """See at a time [s] who is silent, and who does not move."""
+        # Time goes back when a simulator is started again.
+        gone = [n for n, (at, _) in self._words.items() if not 0.0 <= time - at <= _FORGOTTEN]
+        for name in gone:
+            self.forget(name)
+        for name, (at, _) in self._words.items():
+            since = self._moved[name][0]
+            if time - at > _SILENT or time - since > _STILL:
+                self._inert.add(name)
+                self._staying.setdefault(name, since)
+            else:
+                self._inert.discard(name)
+
+    def has_settled(self, name: str, time: float) -> bool:
+        """Return whether a robot is an obstacle, by now [s]."""
+        if self._words[name][1].has_fallen:
+            return True
+        return time - self._staying.get(name, math.inf) > _SETTLED
