@@ -49,17 +49,6 @@ from quad_planner.search.lattice_costs import (
     least_turns_of,
     total_cost,
 )
-from quad_planner.search.lattice_states import (
-    LatticeStates,
-    by_place,
-    cell_of,
-    cost_place,
-    has_records,
-    lattice_states,
-    record_of,
-    rest_place,
-    with_records,
-)
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms
 
@@ -87,6 +76,19 @@ class LatticePath:
     """Gait cycles, of walking and turning."""
     expansions: int
     """Number of states that were looked at."""
+
+
+class _Reached(NamedTuple):
+    """What the search knows; state 8 c + k is cell c, reached by a step in heading k."""
+
+    cost: NDArray[np.int32]
+    """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
+    by: NDArray[np.uint8]
+    """How each was reached, and whether the search went on from there."""
+    rests: Numbers
+    """Of each cell the least cost to come to rest, times 8, and the heading; 0 where not known."""
+    best: Numbers
+    """The least cost at the goal and the heading in which it is reached; expansions."""
 
 
 class _Ground(NamedTuple):
@@ -204,21 +206,23 @@ def _find(
     if word_length(int(ground.words[ends[0]])) == NO_LENGTH:
         return None
     queue = with_room(bucket_queue(costs.longest // costs.bucket + 1), HEADINGS)
-    states = lattice_states(len(ground.words))
-    # The least cost at the goal and the state in which it is reached; expansions.
-    best = np.array([NOT_REACHED, 0, 0])
-    _begin(ground, ends, costs, states, queue)
+    cells = len(ground.words)
+    reached = _Reached(
+        np.zeros(HEADINGS * cells, dtype=np.int32),
+        np.zeros(HEADINGS * cells, dtype=np.uint8),
+        np.zeros(cells, dtype=np.int64),
+        np.array([NOT_REACHED, 0, 0]),
+    )
+    _begin(ground, ends, costs, reached, queue)
 
     def expand(queue: BucketQueue) -> int:
-        nonlocal states
-        states = with_records(states, HEADINGS)
-        return _search(ground.words, ground.width, ends[1], costs, states, best, queue, _AT_A_TIME)
+        return _search(ground.words, ground.width, ends[1], costs, reached, queue, _AT_A_TIME)
 
     run_search(expand, queue, 0, check)
-    cost, state, expansions = best.tolist()
-    if cost == NOT_REACHED:
+    best, heading, expansions = reached.best.tolist()
+    if best == NOT_REACHED:
         return None
-    return _turning_points(states, ground, state), cost, expansions
+    return _turning_points(reached.by, ground, ends[1], heading), best, expansions
 
 
 def _ground(
@@ -246,7 +250,7 @@ def _ground(
 
 
 def _begin(
-    ground: _Ground, ends: tuple[int, int], costs: Costs, states: LatticeStates, queue: BucketQueue
+    ground: _Ground, ends: tuple[int, int], costs: Costs, reached: _Reached, queue: BucketQueue
 ) -> None:
     """Let the first steps to the start's eight neighbours wait; ends as numbers of cells."""
     words, width = ground.words, ground.width
@@ -262,9 +266,9 @@ def _begin(
         offset = (goal_x - to_x, goal_y - to_y)
         total = total_cost(cost, left, *offset, k, costs.scale, costs.least_turns)
         if total <= costs.longest - costs.cycle:
-            state = HEADINGS * record_of(states.records, states.slots, states.used, cell) + k
-            states.costs[cost_place(state)] = cost + 1
-            states.by[by_place(state)] = _AT_THE_START
+            state = HEADINGS * cell + k
+            reached.cost[state] = cost + 1
+            reached.by[state] = _AT_THE_START
             bucket = _bucket(total, costs.bucket)
             push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
@@ -275,8 +279,7 @@ def _search(
     width: int,
     goal: int,
     costs: Costs,
-    states: LatticeStates,
-    best: Numbers,
+    reached: _Reached,
     queue: BucketQueue,
     at_a_time: int,
 ) -> int:
@@ -284,7 +287,7 @@ def _search(
     Go on with a search, for so many states that waited at a time.
 
     Each is followed straight on while the bound does not rise above its bucket. Returns ``DONE``,
-    ``PAUSED``, or ``FULL`` if the queue or the states must grow.
+    ``PAUSED``, or ``FULL`` if the queue must grow.
     """
     # Arrays one by one, for compiled code counts references to those of a tuple at each look.
     heads, entries, waiting = queue.heads, queue.entries, queue.state
@@ -292,8 +295,7 @@ def _search(
     least_turns, scale = costs.least_turns, costs.scale
     cycle, width_of_bucket = costs.cycle, costs.bucket
     straight, diagonal, longest = costs.straight, costs.diagonal, costs.longest
-    records, costs_reached, reached_by = states.records, states.costs, states.by
-    slots, used = states.slots, states.used
+    reached_cost, reached_by, rests, best = reached.cost, reached.by, reached.rests, reached.best
     goal_x, goal_y = goal % width, goal // width
     for _ in range(at_a_time):
         if is_empty(waiting):
@@ -303,80 +305,81 @@ def _search(
         if best[0] <= ((bucket - 1) * width_of_bucket // cycle + 1) * cycle:
             return DONE
         state, _ = pop(heads, entries, waiting)
-        goes_on = True
+        goes_on, rest = True, 0
+        y = (state >> 3) // width
+        x = (state >> 3) - y * width
         while goes_on:
             goes_on = False
-            by = reached_by[by_place(state)]
+            by = reached_by[state]
             if by & _EXPANDED:
                 break
             # A state lets those wait to which it turns, and the one ahead.
-            if not (has_room(entries, waiting, HEADINGS) and has_records(records, used, HEADINGS)):
+            if not has_room(entries, waiting, HEADINGS):
                 # There is room for it itself: it has just been taken, or followed one that was.
                 push(heads, entries, waiting, state, 0, bucket)
                 return FULL
-            reached_by[by_place(state)] = by | _EXPANDED
+            reached_by[state] = by | _EXPANDED
             best[2] += 1
-            cell, k = cell_of(records, state), state % HEADINGS
-            x, y = cell % width, cell // width
-            cost = int(costs_reached[cost_place(state)]) - 1
-            rest = (cost + cycle - 1) // cycle * cycle
+            cell, k = state >> 3, state & 7
+            cost = int(reached_cost[state]) - 1
+            if rest < cost or rest >= cost + cycle:
+                rest = (cost + cycle - 1) // cycle * cycle
             if cell == goal:
                 total = rest + last_turns[k]
                 if total < min(best[0], longest):
-                    best[0], best[1] = total, state
+                    best[0], best[1] = total, k
                 break
             word = words[cell]
             # Another heading there from which all turns cost no more?
-            known = rest_place(state)
-            other = int(records[known])
+            other = int(rests[cell])
             if other == 0 or (other >> 3) + excess[other & 7, k] > rest:
                 if other == 0 or rest < other >> 3:
-                    records[known] = rest << 3 | k
+                    rests[cell] = rest << 3 | k
                 for j in range(HEADINGS):
                     if j == k or not may_step(word, j):
                         continue
                     there = cell + int(DY[j]) * width + int(DX[j])
                     onward = rest + int(turns[k, j])
                     onward += diagonal if j & 1 else straight
-                    if not _is_less(HEADINGS * int(slots[there]) + j, onward, costs_reached):
+                    if not _is_less(HEADINGS * there + j, onward, reached_cost):
                         continue
                     dx, dy = goal_x - x - int(DX[j]), goal_y - y - int(DY[j])
                     left = word_length(words[there])
                     total = total_cost(onward, left, dx, dy, j, scale, least_turns)
                     if total <= longest - cycle:
-                        state = HEADINGS * record_of(records, slots, used, there) + j
-                        costs_reached[cost_place(state)] = onward + 1
-                        reached_by[by_place(state)] = np.uint8(k)
+                        state = HEADINGS * there + j
+                        reached_cost[state] = onward + 1
+                        reached_by[state] = np.uint8(k)
+                        further = bucket
                         # The bound on what is left may fall by more than a step costs: never back.
-                        further = max(bucket, _bucket(total, width_of_bucket))
+                        if total > bucket * width_of_bucket:
+                            further = _bucket(total, width_of_bucket)
                         push(heads, entries, waiting, state, 0, further)
             if not may_step(word, k):
                 break
             there = cell + int(DY[k]) * width + int(DX[k])
             onward = cost + (diagonal if k & 1 else straight)
-            if not _is_less(HEADINGS * int(slots[there]) + k, onward, costs_reached):
+            if not _is_less(HEADINGS * there + k, onward, reached_cost):
                 break
             dx, dy = goal_x - x - int(DX[k]), goal_y - y - int(DY[k])
             left = word_length(words[there])
             total = total_cost(onward, left, dx, dy, k, scale, least_turns)
             if total > longest - cycle:
                 break
-            state = HEADINGS * record_of(records, slots, used, there) + k
-            costs_reached[cost_place(state)] = onward + 1
-            reached_by[by_place(state)] = _BY_A_STEP
-            further = _bucket(total, width_of_bucket)
-            goes_on = further <= bucket
+            x, y = x + int(DX[k]), y + int(DY[k])
+            state = HEADINGS * there + k
+            reached_cost[state] = onward + 1
+            reached_by[state] = _BY_A_STEP
+            goes_on = total <= bucket * width_of_bucket
             if not goes_on:
-                push(heads, entries, waiting, state, 0, further)
+                push(heads, entries, waiting, state, 0, _bucket(total, width_of_bucket))
     return PAUSED
 
 
 @inlined_part
-def _is_less(state: int, cost: int, costs_reached: NDArray[np.int32]) -> bool:
-    """Return whether a state was not reached as cheaply; record 0 is none."""
-    if state < HEADINGS:
-        return True
-    known = int(costs_reached[cost_place(state)])
+def _is_less(state: int, cost: int, reached_cost: NDArray[np.int32]) -> bool:
+    """Return whether a state was not reached as cheaply."""
+    known = int(reached_cost[state])
     return known == 0 or cost + 1 < known
 
 
@@ -386,17 +389,18 @@ def _bucket(total: int, width: int) -> int:
     return (total + width - 1) // width
 
 
-def _turning_points(states: LatticeStates, ground: _Ground, state: int) -> Cells:
-    """Go back from a state at the goal to the start; list where the path begins, turns and ends."""
+def _turning_points(
+    reached_by: NDArray[np.uint8], ground: _Ground, goal: int, heading: int
+) -> Cells:
+    """Go back from the goal to the start; list where the path begins, turns and ends."""
     offsets = (DY * ground.width + DX).tolist()
     step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
     # Python's own numbers: quick to read one by one, and nothing to compile.
-    moves, slots = states.by.data, states.slots.data
-    cell, heading = cell_of(states.records, state), state % HEADINGS
-    places = [cell]
-    by = step
+    moves = reached_by.data
+    places = [goal]
+    cell, by = goal, step
     while by != start:
-        by = moves[by_place(HEADINGS * slots[cell] + heading)] & previous
+        by = moves[HEADINGS * cell + heading] & previous
         cell -= offsets[heading]
         if by != step:
             places.append(cell)
