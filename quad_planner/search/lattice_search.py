@@ -49,6 +49,17 @@ from quad_planner.search.lattice_costs import (
     least_turns_of,
     total_cost,
 )
+from quad_planner.search.lattice_states import (
+    FIRST_STATE,
+    LatticeStates,
+    give_back,
+    has_tiles,
+    lattice_states,
+    make_tile,
+    place_of,
+    state_of,
+    with_tiles,
+)
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms
 
@@ -76,19 +87,6 @@ class LatticePath:
     """Gait cycles, of walking and turning."""
     expansions: int
     """Number of states that were looked at."""
-
-
-class _Reached(NamedTuple):
-    """What the search knows; state 8 c + k is cell c, reached by a step in heading k."""
-
-    cost: NDArray[np.int32]
-    """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
-    by: NDArray[np.uint8]
-    """How each was reached, and whether the search went on from there."""
-    rests: Numbers
-    """Of each cell the least cost to come to rest, times 8, and the heading; 0 where not known."""
-    best: Numbers
-    """The least cost at the goal and the heading in which it is reached; expansions."""
 
 
 class _Ground(NamedTuple):
@@ -206,23 +204,23 @@ def _find(
     if word_length(int(ground.words[ends[0]])) == NO_LENGTH:
         return None
     queue = with_room(bucket_queue(costs.longest // costs.bucket + 1), HEADINGS)
-    cells = len(ground.words)
-    reached = _Reached(
-        np.zeros(HEADINGS * cells, dtype=np.int32),
-        np.zeros(HEADINGS * cells, dtype=np.uint8),
-        np.zeros(cells, dtype=np.int64),
-        np.array([NOT_REACHED, 0, 0]),
-    )
-    _begin(ground, ends, costs, reached, queue)
+    states = lattice_states(ground.width, len(ground.words) // ground.width)
+    # The least cost at the goal and the state in which it is reached; expansions.
+    best = np.array([NOT_REACHED, 0, 0])
+    _begin(ground, ends, costs, states, queue)
 
     def expand(queue: BucketQueue) -> int:
-        return _search(ground.words, ground.width, ends[1], costs, reached, queue, _AT_A_TIME)
+        nonlocal states
+        states = with_tiles(states, HEADINGS + 1)
+        return _search(ground.words, ground.width, ends[1], costs, states, best, queue, _AT_A_TIME)
 
     run_search(expand, queue, 0, check)
-    best, heading, expansions = reached.best.tolist()
-    if best == NOT_REACHED:
-        return None
-    return _turning_points(reached.by, ground, ends[1], heading), best, expansions
+    cost, state, expansions = best.tolist()
+    found = None
+    if cost != NOT_REACHED:
+        found = _turning_points(states, ground, state), cost, expansions
+    give_back(states)
+    return found
 
 
 def _ground(
@@ -250,7 +248,7 @@ def _ground(
 
 
 def _begin(
-    ground: _Ground, ends: tuple[int, int], costs: Costs, reached: _Reached, queue: BucketQueue
+    ground: _Ground, ends: tuple[int, int], costs: Costs, states: LatticeStates, queue: BucketQueue
 ) -> None:
     """Let the first steps to the start's eight neighbours wait; ends as numbers of cells."""
     words, width = ground.words, ground.width
@@ -266,9 +264,11 @@ def _begin(
         offset = (goal_x - to_x, goal_y - to_y)
         total = total_cost(cost, left, *offset, k, costs.scale, costs.least_turns)
         if total <= costs.longest - costs.cycle:
-            state = HEADINGS * cell + k
-            reached.cost[state] = cost + 1
-            reached.by[state] = _AT_THE_START
+            if state_of(states.numbers, to_x, to_y, k) < FIRST_STATE:
+                make_tile(*states.tiles, states.numbers, states.used, to_x, to_y)
+            state = state_of(states.numbers, to_x, to_y, k)
+            states.tiles.cost[state] = cost + 1
+            states.tiles.by[state] = _AT_THE_START
             bucket = _bucket(total, costs.bucket)
             push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
@@ -279,7 +279,8 @@ def _search(
     width: int,
     goal: int,
     costs: Costs,
-    reached: _Reached,
+    states: LatticeStates,
+    best: Numbers,
     queue: BucketQueue,
     at_a_time: int,
 ) -> int:
@@ -287,7 +288,7 @@ def _search(
     Go on with a search, for so many states that waited at a time.
 
     Each is followed straight on while the bound does not rise above its bucket. Returns ``DONE``,
-    ``PAUSED``, or ``FULL`` if the queue must grow.
+    ``PAUSED``, or ``FULL`` if the queue or the states must grow.
     """
     # Arrays one by one, for compiled code counts references to those of a tuple at each look.
     heads, entries, waiting = queue.heads, queue.entries, queue.state
@@ -295,7 +296,8 @@ def _search(
     least_turns, scale = costs.least_turns, costs.scale
     cycle, width_of_bucket = costs.cycle, costs.bucket
     straight, diagonal, longest = costs.straight, costs.diagonal, costs.longest
-    reached_cost, reached_by, rests, best = reached.cost, reached.by, reached.rests, reached.best
+    reached_cost, reached_by, rests = states.tiles.cost, states.tiles.by, states.tiles.rests
+    corners, numbers, used = states.tiles.corners, states.numbers, states.used
     goal_x, goal_y = goal % width, goal // width
     for _ in range(at_a_time):
         if is_empty(waiting):
@@ -306,68 +308,73 @@ def _search(
             return DONE
         state, _ = pop(heads, entries, waiting)
         goes_on, rest = True, 0
-        y = (state >> 3) // width
-        x = (state >> 3) - y * width
+        x, y = place_of(corners, state)
         while goes_on:
             goes_on = False
             by = reached_by[state]
             if by & _EXPANDED:
                 break
             # A state lets those wait to which it turns, and the one ahead.
-            if not has_room(entries, waiting, HEADINGS):
+            if not (has_room(entries, waiting, HEADINGS) and has_tiles(used, corners, HEADINGS)):
                 # There is room for it itself: it has just been taken, or followed one that was.
                 push(heads, entries, waiting, state, 0, bucket)
                 return FULL
             reached_by[state] = by | _EXPANDED
             best[2] += 1
-            cell, k = state >> 3, state & 7
+            cell, k = y * width + x, state & 7
             cost = int(reached_cost[state]) - 1
             if rest < cost or rest >= cost + cycle:
                 rest = (cost + cycle - 1) // cycle * cycle
             if cell == goal:
                 total = rest + last_turns[k]
                 if total < min(best[0], longest):
-                    best[0], best[1] = total, k
+                    best[0], best[1] = total, state
                 break
             word = words[cell]
             # Another heading there from which all turns cost no more?
-            other = int(rests[cell])
+            other = int(rests[state >> 3])
             if other == 0 or (other >> 3) + excess[other & 7, k] > rest:
                 if other == 0 or rest < other >> 3:
-                    rests[cell] = rest << 3 | k
+                    rests[state >> 3] = rest << 3 | k
                 for j in range(HEADINGS):
                     if j == k or not may_step(word, j):
                         continue
-                    there = cell + int(DY[j]) * width + int(DX[j])
+                    to_x, to_y = x + int(DX[j]), y + int(DY[j])
                     onward = rest + int(turns[k, j])
                     onward += diagonal if j & 1 else straight
-                    if not _is_less(HEADINGS * there + j, onward, reached_cost):
+                    turned = state_of(numbers, to_x, to_y, j)
+                    if not _is_less(turned, onward, reached_cost):
                         continue
-                    dx, dy = goal_x - x - int(DX[j]), goal_y - y - int(DY[j])
-                    left = word_length(words[there])
+                    left = word_length(words[to_y * width + to_x])
+                    dx, dy = goal_x - to_x, goal_y - to_y
                     total = total_cost(onward, left, dx, dy, j, scale, least_turns)
                     if total <= longest - cycle:
-                        state = HEADINGS * there + j
-                        reached_cost[state] = onward + 1
-                        reached_by[state] = np.uint8(k)
+                        if turned < FIRST_STATE:
+                            make_tile(
+                                reached_cost, reached_by, rests, corners, numbers, used, to_x, to_y
+                            )
+                            turned = state_of(numbers, to_x, to_y, j)
+                        reached_cost[turned] = onward + 1
+                        reached_by[turned] = np.uint8(k)
                         further = bucket
                         # The bound on what is left may fall by more than a step costs: never back.
                         if total > bucket * width_of_bucket:
                             further = _bucket(total, width_of_bucket)
-                        push(heads, entries, waiting, state, 0, further)
+                        push(heads, entries, waiting, turned, 0, further)
             if not may_step(word, k):
                 break
-            there = cell + int(DY[k]) * width + int(DX[k])
+            x, y = x + int(DX[k]), y + int(DY[k])
             onward = cost + (diagonal if k & 1 else straight)
-            if not _is_less(HEADINGS * there + k, onward, reached_cost):
+            state = state_of(numbers, x, y, k)
+            if not _is_less(state, onward, reached_cost):
                 break
-            dx, dy = goal_x - x - int(DX[k]), goal_y - y - int(DY[k])
-            left = word_length(words[there])
-            total = total_cost(onward, left, dx, dy, k, scale, least_turns)
+            left = word_length(words[y * width + x])
+            total = total_cost(onward, left, goal_x - x, goal_y - y, k, scale, least_turns)
             if total > longest - cycle:
                 break
-            x, y = x + int(DX[k]), y + int(DY[k])
-            state = HEADINGS * there + k
+            if state < FIRST_STATE:
+                make_tile(reached_cost, reached_by, rests, corners, numbers, used, x, y)
+                state = state_of(numbers, x, y, k)
             reached_cost[state] = onward + 1
             reached_by[state] = _BY_A_STEP
             goes_on = total <= bucket * width_of_bucket
@@ -379,6 +386,8 @@ def _search(
 @inlined_part
 def _is_less(state: int, cost: int, reached_cost: NDArray[np.int32]) -> bool:
     """Return whether a state was not reached as cheaply."""
+    if state < FIRST_STATE:
+        return True
     known = int(reached_cost[state])
     return known == 0 or cost + 1 < known
 
@@ -389,21 +398,20 @@ def _bucket(total: int, width: int) -> int:
     return (total + width - 1) // width
 
 
-def _turning_points(
-    reached_by: NDArray[np.uint8], ground: _Ground, goal: int, heading: int
-) -> Cells:
-    """Go back from the goal to the start; list where the path begins, turns and ends."""
-    offsets = (DY * ground.width + DX).tolist()
+def _turning_points(states: LatticeStates, ground: _Ground, state: int) -> Cells:
+    """Go back from a state at the goal to the start; list where the path begins, turns and ends."""
     step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
     # Python's own numbers: quick to read one by one, and nothing to compile.
-    moves = reached_by.data
-    places = [goal]
-    cell, by = goal, step
+    moves, numbers = states.tiles.by.data, states.numbers.data
+    steps = list(zip(DX.tolist(), DY.tolist()))
+    x, y = place_of(states.tiles.corners, state)
+    heading, by = state & 7, step
+    places = [(x, y)]
     while by != start:
-        by = moves[HEADINGS * cell + heading] & previous
-        cell -= offsets[heading]
+        tile = numbers[y >> 3, x >> 3]
+        by = moves[tile << 9 | (y & 7) << 6 | (x & 7) << 3 | heading] & previous
+        x, y = x - steps[heading][0], y - steps[heading][1]
         if by != step:
-            places.append(cell)
+            places.append((x, y))
             heading = by
-    rows, columns = np.divmod(np.array(places[::-1]), ground.width)
-    return np.column_stack((columns + ground.left, rows + ground.bottom))
+    return np.array(places[::-1]) + (ground.left, ground.bottom)
