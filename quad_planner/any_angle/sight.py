@@ -185,7 +185,8 @@ def _pass_on(
     """Look through the openings of a rectangle's side; return whether there was room."""
     line = float(rectangles.bounds[here, TOP if is_up else BOTTOM])
     first, last = neighbours(rectangles, here, is_up)
-    if counts[_WAITING] + last - first > len(waiting) or counts[_SEEN] + 2 * (last - first) > len(seen):
+    count = last - first
+    if counts[_WAITING] + count > len(waiting) or counts[_SEEN] + 2 * count > len(seen):
         return False
     for at in range(first, last):
         there = neighbour(rectangles, at, is_up)

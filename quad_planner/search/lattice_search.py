@@ -16,16 +16,14 @@ in which the goal is reached holds the least time.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.compiled import compiled, inlined_part
-from quad_planner.grid.bit_grid import BitGrid, BitMask
+from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -38,7 +36,7 @@ from quad_planner.grid.bucket_queue import (
 )
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
 from quad_planner.search.distance_field import NOT_REACHED as NO_LENGTH
-from quad_planner.search.distance_field import Beyond, distance_words, may_step, word_length
+from quad_planner.search.distance_field import may_step, word_length
 from quad_planner.search.lattice_costs import (
     HEADINGS,
     LARGEST,
@@ -51,8 +49,10 @@ from quad_planner.search.lattice_costs import (
 )
 from quad_planner.search.lattice_states import (
     FIRST_STATE,
+    LatticeGround,
     LatticeStates,
     give_back,
+    ground_between,
     has_tiles,
     lattice_states,
     make_tile,
@@ -87,23 +87,6 @@ class LatticePath:
     """Gait cycles, of walking and turning."""
     expansions: int
     """Number of states that were looked at."""
-
-
-class _Ground(NamedTuple):
-    """The part of a map in which a search goes on: cells by number, row by row, in a wall."""
-
-    words: Numbers
-    """What is known of each cell: :func:`distance_words`, from the goal."""
-    width: int
-    """Number of cells of a row, with the wall."""
-    left: int
-    """Column of the map in which it begins."""
-    bottom: int
-    """Row of the map in which it begins."""
-
-    def number(self, cell: tuple[int, int]) -> int:
-        """Return the number of a cell of the map, of its x and y."""
-        return (cell[1] - self.bottom) * self.width + cell[0] - self.left
 
 
 def quickest_path(
@@ -199,7 +182,7 @@ def _find(
     check: Callable[[], None],
 ) -> tuple[Cells, int, int] | None:
     """Search; return where the path begins, turns and ends, its cost, and expansions."""
-    ground = _ground(grid, start, goal, costs, check)
+    ground = ground_between(grid, start, goal, costs, check)
     ends = ground.number(start), ground.number(goal)
     if word_length(int(ground.words[ends[0]])) == NO_LENGTH:
         return None
@@ -223,32 +206,12 @@ def _find(
     return found
 
 
-def _ground(
-    grid: BitGrid,
-    start: tuple[int, int],
-    goal: tuple[int, int],
-    costs: Costs,
-    check: Callable[[], None],
-) -> _Ground:
-    """Measure how far it is from each cell to the goal, where a path could be short enough."""
-    along, across = (abs(a - b) for a, b in zip(start, goal))
-    least = max(along, across) + (math.sqrt(2.0) - 1.0) * min(along, across)
-    # A detour to the side costs this least where it replaces straight steps by diagonal ones.
-    spare = costs.longest / costs.straight - least
-    margin = math.ceil(max(spare, 0.0) / (2.0 * (math.sqrt(2.0) - 1.0))) + 2
-    sizes = (grid.width, grid.height)
-    low = [max(min(a, b) - margin, 0) for a, b in zip(start, goal)]
-    high = [min(max(a, b) + 1 + margin, size) for a, b, size in zip(start, goal, sizes)]
-    # In the grid with its wall, cells are one farther.
-    free = BitMask(grid.rows, grid.width + 2).window(*(n + 1 for n in (*low, *high)))
-    ends = [(end[0] - low[0], end[1] - low[1]) for end in (start, goal)]
-    beyond = Beyond(*ends[0], math.ceil(costs.longest / costs.scale))
-    words = distance_words(free, ends[1], check, beyond)
-    return _Ground(words.reshape(-1), words.shape[1], low[0] - 1, low[1] - 1)
-
-
 def _begin(
-    ground: _Ground, ends: tuple[int, int], costs: Costs, states: LatticeStates, queue: BucketQueue
+    ground: LatticeGround,
+    ends: tuple[int, int],
+    costs: Costs,
+    states: LatticeStates,
+    queue: BucketQueue,
 ) -> None:
     """Let the first steps to the start's eight neighbours wait; ends as numbers of cells."""
     words, width = ground.words, ground.width
@@ -398,7 +361,7 @@ def _bucket(total: int, width: int) -> int:
     return (total + width - 1) // width
 
 
-def _turning_points(states: LatticeStates, ground: _Ground, state: int) -> Cells:
+def _turning_points(states: LatticeStates, ground: LatticeGround, state: int) -> Cells:
     """Go back from a state at the goal to the start; list where the path begins, turns and ends."""
     step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
     # Python's own numbers: quick to read one by one, and nothing to compile.

@@ -1,19 +1,25 @@
 """
-What a search over cells and headings knows of the states that it has reached.
+The ground of a search over cells and headings, and what it knows of the states that it reached.
 
 States are kept by tiles of 8 by 8 cells, made when the first of their cells is reached: so memory
 is as large as the search, whatever the map's size, and what is near on the map is near in memory.
-Memory is kept from one search to the next: to have it given anew would take as long as a search.
+Memory is kept from one search to the next: to have it given again would take as
+long as a search.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.compiled import compiled_part, inlined_part
+from quad_planner.grid.bit_grid import BitGrid, BitMask
+from quad_planner.search.distance_field import Beyond, distance_words
+from quad_planner.search.lattice_costs import Costs
 
 Integers = NDArray[np.int64]
 
@@ -44,6 +50,23 @@ class _Tiles(NamedTuple):
 _spare: list[_Tiles] = []
 
 
+class LatticeGround(NamedTuple):
+    """The part of a map in which a search goes on: cells by number, row by row, in a wall."""
+
+    words: Integers
+    """What is known of each cell: :func:`distance_words`, from the goal."""
+    width: int
+    """Number of cells of a row, with the wall."""
+    left: int
+    """Column of the map in which it begins."""
+    bottom: int
+    """Row of the map in which it begins."""
+
+    def number(self, cell: tuple[int, int]) -> int:
+        """Return the number of a cell of the map, of its x and y."""
+        return (cell[1] - self.bottom) * self.width + cell[0] - self.left
+
+
 class LatticeStates(NamedTuple):
     """States of a map; state 8 c + k is cell c of the tiles, reached by a step in heading k."""
 
@@ -53,6 +76,30 @@ class LatticeStates(NamedTuple):
     """Tile of each square of 8 by 8 cells, 0 where none is reached, shape (m, n)."""
     used: Integers
     """Number of tiles in use, shape (1,)."""
+
+
+def ground_between(
+    grid: BitGrid,
+    start: tuple[int, int],
+    goal: tuple[int, int],
+    costs: Costs,
+    check: Callable[[], None],
+) -> LatticeGround:
+    """Measure how far it is from each cell to the goal, where a path could be short enough."""
+    along, across = (abs(a - b) for a, b in zip(start, goal))
+    least = max(along, across) + (math.sqrt(2.0) - 1.0) * min(along, across)
+    # A detour to the side costs this least where it replaces straight steps by diagonal ones.
+    spare = costs.longest / costs.straight - least
+    margin = math.ceil(max(spare, 0.0) / (2.0 * (math.sqrt(2.0) - 1.0))) + 2
+    sizes = (grid.width, grid.height)
+    low = [max(min(a, b) - margin, 0) for a, b in zip(start, goal)]
+    high = [min(max(a, b) + 1 + margin, size) for a, b, size in zip(start, goal, sizes)]
+    # In the grid with its wall, cells are one farther.
+    free = BitMask(grid.rows, grid.width + 2).window(*(n + 1 for n in (*low, *high)))
+    ends = [(end[0] - low[0], end[1] - low[1]) for end in (start, goal)]
+    beyond = Beyond(*ends[0], math.ceil(costs.longest / costs.scale))
+    words = distance_words(free, ends[1], check, beyond)
+    return LatticeGround(words.reshape(-1), words.shape[1], low[0] - 1, low[1] - 1)
 
 
 def lattice_states(width: int, height: int) -> LatticeStates:
