@@ -48,7 +48,7 @@ class Sight:
         self._rectangles = rectangles
         self._numbers = numbers
         self._waiting = np.empty(1024, dtype=INTERVAL)
-        self._seen = np.empty(4096, dtype=np.int64)
+        self._seen: Integers = np.empty(4096, dtype=np.int64)
 
     def seen_from(
         self, places: Integers, targets: Floats, check: Callable[[], None] = lambda: None

@@ -197,13 +197,14 @@ def _find(
         states = with_tiles(states, HEADINGS + 1)
         return _search(ground.words, ground.width, ends[1], costs, states, best, queue, _AT_A_TIME)
 
-    run_search(expand, queue, 0, check)
-    cost, state, expansions = best.tolist()
-    found = None
-    if cost != NOT_REACHED:
-        found = _turning_points(states, ground, state), cost, expansions
-    give_back(states)
-    return found
+    try:
+        run_search(expand, queue, 0, check)
+        cost, state, expansions = best.tolist()
+        if cost == NOT_REACHED:
+            return None
+        return _turning_points(states, ground, state), cost, expansions
+    finally:
+        give_back(states)
 
 
 def _begin(
@@ -377,4 +378,4 @@ def _turning_points(states: LatticeStates, ground: LatticeGround, state: int) ->
         if by != step:
             places.append((x, y))
             heading = by
-    return np.array(places[::-1]) + (ground.left, ground.bottom)
+    return np.array(places[::-1]) + np.array((ground.left, ground.bottom))

@@ -105,8 +105,11 @@ def ground_between(
 def lattice_states(width: int, height: int) -> LatticeStates:
     """Return the states of a map of so many cells, of which none is reached."""
     numbers = np.zeros((height // 8 + 1, width // 8 + 1), dtype=np.int64)
-    # Whoever else searches at the same time takes other memory.
-    tiles = _spare.pop() if _spare else _memory(_ROOM_AT_FIRST)
+    try:
+        tiles = _spare.pop()
+    except IndexError:
+        # Whoever else searches at the same time has it.
+        tiles = _memory(_ROOM_AT_FIRST)
     return LatticeStates(tiles, numbers, np.ones(1, dtype=np.int64))
 
 
@@ -120,8 +123,11 @@ def with_tiles(states: LatticeStates, more: int) -> LatticeStates:
     """Return the same states with room for so many more tiles, which are few."""
     if has_tiles(states.used, states.tiles.corners, more):
         return states
-    parts = (np.concatenate((part, np.empty_like(part))) for part in states.tiles)
-    return states._replace(tiles=_Tiles(*parts))
+    old = states.tiles
+    larger = _memory(len(old.corners))
+    for part, known in zip(larger, old):
+        part[: len(known)] = known
+    return states._replace(tiles=larger)
 
 
 def _memory(tiles: int) -> _Tiles:

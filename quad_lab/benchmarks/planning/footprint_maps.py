@@ -28,7 +28,7 @@ _WITHOUT_DOOR = 0.25
 _WALL = 0.1
 """Thickness of a wall [m]."""
 _PASSAGE = 0.65
-"""Width of a passage whose corner A1 fits into in two headings, and between which it cannot turn [m]."""
+"""Width of a passage in whose corner A1 fits along either part, and cannot turn between [m]."""
 
 
 def office(size: int, resolution: float, rng: np.random.Generator) -> OccupancyGrid:
@@ -143,7 +143,7 @@ def office_with_closets(
     size: int, resolution: float, rng: np.random.Generator
 ) -> tuple[OccupancyGrid, list[tuple[int, int]]]:
     """
-    Draw an office beside closets, each behind a passage with a corner that is too narrow for a turn.
+    Draw an office beside closets, each behind a passage with a corner too narrow for a turn.
 
     Parameters
     ----------

@@ -152,3 +152,19 @@ def test_a_search_can_be_ended():
             WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 2000),
             check=end,
         )
+
+
+def test_memory_that_is_kept_shows_in_no_other_search():
+    rng = np.random.default_rng(5)
+    # Large enough that more tiles are needed than there are at first.
+    large, small = (BitGrid.of(rng.random((n, n)) >= 0.1) for n in (150, 40))
+    terms = WalkTerms(CRAWL, RESOLUTION, 0.3, 2.0, 500)
+
+    def path(grid, side):
+        cells = [(x, y) for x in range(side) for y in range(side) if grid.is_free(x, y)]
+        found = quickest_path(grid, cells[0], cells[-1], terms)
+        return found.cells.tolist(), found.cycles, found.expansions
+
+    first = path(large, 150)
+    assert path(small, 40) == path(small, 40)
+    assert path(large, 150) == first
