@@ -378,4 +378,5 @@ def _turning_points(states: LatticeStates, ground: LatticeGround, state: int) ->
         if by != step:
             places.append((x, y))
             heading = by
-    return np.array(places[::-1]) + np.array((ground.left, ground.bottom))
+    cells: Cells = np.array(places[::-1]) + np.array((ground.left, ground.bottom))
+    return cells

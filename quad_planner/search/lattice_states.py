@@ -125,8 +125,10 @@ def with_tiles(states: LatticeStates, more: int) -> LatticeStates:
         return states
     old = states.tiles
     larger = _memory(len(old.corners))
-    for part, known in zip(larger, old):
-        part[: len(known)] = known
+    larger.cost[: len(old.cost)] = old.cost
+    larger.by[: len(old.by)] = old.by
+    larger.rests[: len(old.rests)] = old.rests
+    larger.corners[: len(old.corners)] = old.corners
     return states._replace(tiles=larger)
 
 
