@@ -171,26 +171,22 @@ def _edges(
     # Of given points the straight line is known only.
     start_lengths = np.concatenate((np.hypot(*(given - given[0]).T), from_start[kept]))
     left = np.concatenate((np.hypot(*(given - given[1]).T), to_goal[kept]))
-    rectangles = [space.rectangle_at(point) for point in given] + (kept >> 2).tolist()
-    starts, ends = [], []
-    for at, rectangle in enumerate(rectangles):
-        check()
-        # A given point is looked at from the others by the same look: all of it counts.
-        limit = longest - start_lengths[at] + _TINY if at >= count else np.inf
-        target = np.array([*points[at], *points[1], limit])
-        seen = sight.seen_from(rectangle, target)
-        if at < count:
-            others = _view(forbidden, given, at)
-            # What a given point sees sees that point.
-            starts += [seen, np.full(len(others), at)]
-            ends += [np.full(len(seen), at), others]
-        starts.append(np.full(len(seen), at))
-        ends.append(seen)
-    start, end = np.concatenate(starts), np.concatenate(ends)
+    places = np.array([space.rectangle_at(point) for point in given] + (kept >> 2).tolist())
+    # A given point is looked at from the others by the same look: all of it counts.
+    limits = np.where(np.arange(len(points)) < count, np.inf, longest - start_lengths + _TINY)
+    goal = np.broadcast_to(points[1], points.shape)
+    start, end = sight.seen_from(places, np.column_stack((points, goal, limits)), check)
+    # What a given point sees sees that point.
+    by_given = start < count
+    views = [_view(forbidden, given, at) for at in range(count)]
+    start, end = (
+        np.concatenate((start, end[by_given], np.repeat(np.arange(count), list(map(len, views))))),
+        np.concatenate((end, start[by_given], *views)),
+    )
     steps = points[end] - points[start]
     lengths = np.hypot(*steps.T)
     short = (lengths > 0.0) & (start_lengths[start] + lengths + left[end] <= longest + _TINY)
-    order = np.flatnonzero(short)[np.argsort(start[short], kind='stable')]
+    order = np.flatnonzero(short)[np.lexsort((end[short], start[short]))]
     start, end, steps, lengths = start[order], end[order], steps[order], lengths[order]
     firsts = np.searchsorted(start, np.arange(len(points) + 1))
     angles = np.arctan2(steps[:, 1], steps[:, 0])

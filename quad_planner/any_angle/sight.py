@@ -4,10 +4,12 @@ What is seen from a point of the free cells: corners, through opening after open
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, inlined_part
+from quad_common.compiled import compiled, compiled_part, inlined_part
 from quad_planner.any_angle.intervals import (
     INTERVAL,
     crossing,
@@ -21,6 +23,13 @@ from quad_planner.any_angle.rectangles import BOTTOM, TOP, Rectangles
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
+
+
+_AT_A_TIME = 256
+"""Number of points that are looked from between two calls of `check`."""
+
+_WAITING, _SEEN, _LOOKS = range(3)
+"""Places in `counts`: intervals that wait, corners that are seen, and looks so far."""
 
 
 class Sight:
@@ -39,47 +48,90 @@ class Sight:
         self._rectangles = rectangles
         self._numbers = numbers
         self._waiting = np.empty(1024, dtype=INTERVAL)
-        self._seen = np.empty(1024, dtype=np.int64)
+        self._seen: Integers = np.empty(4096, dtype=np.int64)
 
-    def seen_from(self, rectangle: int, target: Floats) -> Integers:
+    def seen_from(
+        self, places: Integers, targets: Floats, check: Callable[[], None] = lambda: None
+    ) -> tuple[Integers, Integers]:
         """
-        List what a point sees.
+        List what points see.
 
         Parameters
         ----------
-        rectangle : int
-            Rectangle that holds the point, or has it on its edge.
-        target : ndarray, shape (5,)
-            The point, another point, and the greatest length of a path from the one to the
+        places : ndarray of int, shape (m,)
+            Rectangle that holds each point, or has it on its edge.
+        targets : ndarray, shape (m, 5)
+            Each point, another point, and the greatest length of a path from the one to the
             other: what is not on a path that is as short may be left out [cells].
+        check : callable
+            Called now and then; raises to end it.
 
         Returns
         -------
-        ndarray of int
-            Numbers of corners, each once; not of those that are seen only past another one.
+        tuple of ndarray of int
+            Points, in rising order, and numbers of the corners that they see, each once for a
+            point; not of those that are seen only past another one.
         """
-        while True:
-            count = _look(
-                self._rectangles, self._numbers, rectangle, target, self._waiting, self._seen
+        marks = np.zeros(int(self._numbers.max(initial=-1)) + 1, dtype=np.int64)
+        counts, lasts = np.zeros(3, dtype=np.int64), np.empty(len(places), dtype=np.int64)
+        done = 0
+        while done < len(places):
+            check()
+            until = min(done + _AT_A_TIME, len(places))
+            reached = _look_from(
+                self._rectangles,
+                (self._numbers, marks, counts),
+                places[:until],
+                targets,
+                self._waiting,
+                self._seen,
+                lasts,
+                done,
             )
-            if count >= 0:
-                return np.unique(self._seen[:count])
-            self._waiting = np.empty(2 * len(self._waiting), dtype=INTERVAL)
-            self._seen = np.empty(2 * len(self._seen), dtype=np.int64)
+            if reached < until:
+                self._waiting = np.empty(2 * len(self._waiting), dtype=INTERVAL)
+                self._seen = np.concatenate((self._seen, np.empty_like(self._seen)))
+            done = reached
+        points = np.repeat(np.arange(len(places)), np.diff(lasts, prepend=0))
+        return points, self._seen[: len(points)].copy()
 
 
 @compiled
+def _look_from(
+    rectangles: Rectangles,
+    notes: tuple[Integers, Integers, Integers],
+    places: Integers,
+    targets: Floats,
+    waiting: Records,
+    seen: Integers,
+    lasts: Integers,
+    first: int,
+) -> int:
+    """Look from points, from the first one on; return the first for which there was no room."""
+    counts = notes[2]
+    for at in range(first, len(places)):
+        before = counts[_SEEN]
+        counts[_LOOKS] += 1
+        if not _look(rectangles, notes, places[at], targets[at], waiting, seen):
+            counts[_SEEN] = before
+            return at
+        lasts[at] = counts[_SEEN]
+    return len(places)
+
+
+@compiled_part
 def _look(
     rectangles: Rectangles,
-    numbers: Integers,
+    notes: tuple[Integers, Integers, Integers],
     rectangle: int,
     target: Floats,
     waiting: Records,
     seen: Integers,
-) -> int:
-    """Fill `seen`, and return how many; -1 if there is no room."""
+) -> bool:
+    """Look from one point; return whether there was room."""
+    numbers, marks, counts = notes
+    counts[_WAITING] = 0
     x, y = target[0], target[1]
-    counts = np.zeros(2, dtype=np.int64)
     # Sides that are seen of one rectangle: whether the upper one, and from where to where.
     spans = np.empty((3, 3))
     spans[0, 0], spans[0, 1], spans[0, 2] = 1.0, -np.inf, np.inf
@@ -89,12 +141,14 @@ def _look(
         for k in range(sides):
             is_up = spans[k, 0] != 0.0
             span = (spans[k, 1], spans[k, 2])
-            if not _pass_on(rectangles, numbers, here, is_up, span, target, waiting, seen, counts):
-                return -1
-        if counts[0] == 0:
+            if not _pass_on(
+                rectangles, numbers, here, is_up, span, target, waiting, seen, marks, counts
+            ):
+                return False
+        if counts[_WAITING] == 0:
             break
-        counts[0] -= 1
-        interval = waiting[counts[0]]
+        counts[_WAITING] -= 1
+        interval = waiting[counts[_WAITING]]
         here, is_up, sides = interval.rectangle, interval.is_up != 0, 1
         left, right = interval.left, interval.right
         near = float(rectangles.bounds[here, BOTTOM if is_up else TOP])
@@ -112,7 +166,7 @@ def _look(
         else:
             # Along the side nothing is seen past the opening's end, which is noted.
             sides = 0
-    return int(counts[1])
+    return True
 
 
 @inlined_part
@@ -125,12 +179,14 @@ def _pass_on(
     target: Floats,
     waiting: Records,
     seen: Integers,
+    marks: Integers,
     counts: Integers,
 ) -> bool:
     """Look through the openings of a rectangle's side; return whether there was room."""
     line = float(rectangles.bounds[here, TOP if is_up else BOTTOM])
     first, last = neighbours(rectangles, here, is_up)
-    if counts[0] + last - first > len(waiting) or counts[1] + 2 * (last - first) > len(seen):
+    count = last - first
+    if counts[_WAITING] + count > len(waiting) or counts[_SEEN] + 2 * count > len(seen):
         return False
     for at in range(first, last):
         there = neighbour(rectangles, at, is_up)
@@ -143,11 +199,15 @@ def _pass_on(
         if length > target[4]:
             continue
         for corner in (left_corner, right_corner):
-            if corner >= 0 and numbers[corner] >= 0:
-                seen[counts[1]] = numbers[corner]
-                counts[1] += 1
-        interval = waiting[counts[0]]
+            if corner < 0 or numbers[corner] < 0:
+                continue
+            number = numbers[corner]
+            if marks[number] != counts[_LOOKS]:
+                marks[number] = counts[_LOOKS]
+                seen[counts[_SEEN]] = number
+                counts[_SEEN] += 1
+        interval = waiting[counts[_WAITING]]
         interval.left, interval.right = left, right
         interval.rectangle, interval.is_up = there, is_up
-        counts[0] += 1
+        counts[_WAITING] += 1
     return True

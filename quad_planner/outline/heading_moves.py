@@ -117,3 +117,12 @@ def may_move(zones: Zones, moves: Moves, x: int, y: int, move: int, heading_clas
         if not (is_room(zones, to_x, to_y) or fits(zones, to_x, to_y, heading_class)):
             return False
     return True
+
+
+@compiled_part
+def is_between_rooms(zones: Zones, moves: Moves, x: int, y: int, move: int) -> bool:
+    """Return whether the circle fits in all cells that a move touches."""
+    for at in range(moves.begins[move], moves.begins[move + 1]):
+        if not is_room(zones, x + moves.touched[at, 0], y + moves.touched[at, 1]):
+            return False
+    return True

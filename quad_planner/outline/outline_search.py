@@ -28,8 +28,9 @@ from quad_planner.grid.bucket_queue import (
     push,
     with_room,
 )
+from quad_planner.outline.flood import Flood
 from quad_planner.outline.heading_kernels import CLASSES, Integers
-from quad_planner.outline.heading_moves import Moves, may_move
+from quad_planner.outline.heading_moves import Moves, is_between_rooms, may_move
 from quad_planner.outline.outline_zones import Zones, classes_beside, fits, is_narrow, is_room
 from quad_planner.outline.turn_rule import may_turn
 from quad_planner.search.cell_steps import STRAIGHT
@@ -53,6 +54,8 @@ _AT_A_TIME = 2_000
 """Number of expansions between two calls of `check`."""
 _AT_FIRST = 10_000
 """Number of expansions after which another search has its turn."""
+_FLOODED_AT_FIRST = 256
+"""Number of states of the flood from the goal before all others: a niche is soon flooded."""
 _MOST_PUSHES = CLASSES
 
 _DONE_WITH = -1
@@ -155,8 +158,13 @@ def outline_path(
     if ends.keeps_heading:
         # It makes no difference: the heading is that of the start.
         searches = searches[-1:]
-    expansions = _AT_FIRST
+    # Where the heading is kept there are few states: a search soon knows that there is no path.
+    flood = None if ends.keeps_heading else _flood_of(zones, moves, ends)
+    expansions, flooded = _AT_FIRST, _FLOODED_AT_FIRST
     while True:
+        check()
+        if flood is not None and flood.goes_on(flooded) and not flood.has_met:
+            return None
         # In turn, each for longer than before: whichever finds a path soon is not held up for long.
         for search in list(searches):
             if not search.goes_on(expansions, check):
@@ -165,7 +173,13 @@ def outline_path(
             if path is not None or search is searches[-1]:
                 return path
             searches.remove(search)
+        flooded = expansions // 2
         expansions *= 2
+
+
+def _flood_of(zones: Zones, moves: Moves, ends: Ends) -> Flood:
+    start = (ends.x, ends.y, ends.heading_class)
+    return Flood(zones, moves, start, (ends.goal_x, ends.goal_y, ends.goal_class))
 
 
 class _Search:
@@ -333,7 +347,7 @@ def _search(
                 continue
             goes_to_room = is_room(zones, to_x, to_y) and not ends.keeps_heading
             is_long = k == ROOM and goes_to_room and j % _EIGHTH != 0
-            if is_long and _is_between_rooms(zones, moves, x, y, j):
+            if is_long and is_between_rooms(zones, moves, x, y, j):
                 # Shorter moves lead there.
                 continue
             rest = left[to_y >> 1, to_x >> 1]
@@ -349,15 +363,6 @@ def _search(
                 queue,
             )
     return PAUSED
-
-
-@compiled_part
-def _is_between_rooms(zones: Zones, moves: Moves, x: int, y: int, move: int) -> bool:
-    """Return whether the circle fits in all cells that a move touches."""
-    for at in range(moves.begins[move], moves.begins[move + 1]):
-        if not is_room(zones, x + moves.touched[at, 0], y + moves.touched[at, 1]):
-            return False
-    return True
 
 
 def _path_to(last: int, width: int, reached: Reached) -> Integers:

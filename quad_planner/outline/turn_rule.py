@@ -13,10 +13,10 @@ from quad_planner.outline.heading_kernels import CLASSES, Integers
 
 HALF = CLASSES // 2
 
-_EITHER_SIDE = HALF - 2
+EITHER_SIDE = HALF - 2
 """Difference of classes from which a turn may go either side."""
 
-_BEND = 3
+BEND = 3
 """Difference of classes up to which the follower may turn while it walks."""
 
 
@@ -40,7 +40,7 @@ def may_turn(fitting: Integers, count: int, before: int, after: int, is_last: bo
         return True
     turn = (after - before + HALF) % CLASSES - HALF
     size = abs(turn)
-    if size >= _EITHER_SIDE or (0 < size <= _BEND and not is_last):
+    if size >= EITHER_SIDE or (0 < size <= BEND and not is_last):
         return False
     side = 1 if turn > 0 else -1
     fits = True

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_part, inlined_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
@@ -102,6 +102,35 @@ def distance_field(
     ParameterError
         If the start is no cell of the map.
     """
+    words = distance_words(allowed, start, check, beyond)
+    _keep_lengths(words)
+    return words[1:-1, 1:-1]
+
+
+def distance_words(
+    allowed: Mask,
+    start: tuple[int, int],
+    check: Callable[[], None] = lambda: None,
+    beyond: Beyond = _NOWHERE,
+) -> Integers:
+    """
+    Measure as :func:`distance_field` does, and keep what is known of each cell beside its length.
+
+    Parameters
+    ----------
+    allowed, start, check, beyond
+        As for :func:`distance_field`.
+
+    Returns
+    -------
+    ndarray of int64, shape (height + 2, width + 2)
+        Words of the cells, in a wall one cell wide, for :func:`word_length` and `may_step`.
+
+    Raises
+    ------
+    ParameterError
+        If the start is no cell of the map.
+    """
     height, width = allowed.shape
     x, y = start
     if not (0 <= x < width and 0 <= y < height):
@@ -112,8 +141,21 @@ def distance_field(
     _make_words(padded, words)
     if allowed[y, x]:
         _search(words, (y + 1) * (width + 2) + x + 1, beyond, check)
-    _keep_lengths(words)
-    return words[1:-1, 1:-1]
+    return words
+
+
+@inlined_part
+def word_length(word: int) -> int:
+    """Return the length that a cell's word holds; `NOT_REACHED` where there is none."""
+    length = int(word) >> _LENGTH
+    return length if length < _FAR else NOT_REACHED
+
+
+@inlined_part
+def may_step(word: int, direction: int) -> bool:
+    """Return whether a step from a cell is free, by its word; a diagonal needs both beside it."""
+    place = 4 + (direction >> 1) if direction & 1 else _AROUND + direction
+    return bool(int(word) >> place & 1)
 
 
 def _search(words: Integers, start: int, beyond: Beyond, check: Callable[[], None]) -> None:

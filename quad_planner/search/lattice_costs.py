@@ -184,9 +184,9 @@ def total_cost(
     """
     Return a cost and the least that is left.
 
-    The length is that of the shortest path, `left`, one more than in `cell_steps`; so far from the
-    goal a heading needs turns. Cells with a 0 there are on no path that is short enough.
+    The length is that of the shortest path, `left`, as in `cell_steps`; so far from the goal a
+    heading needs turns. Cells where it is negative are on no path that is short enough.
     """
-    if left == 0:
+    if left < 0:
         return NOT_REACHED
-    return cost + int(scale * (left - 1)) + int(least_turns[heading, _sector(dx, dy)])
+    return cost + int(scale * left) + int(least_turns[heading, _sector(dx, dy)])

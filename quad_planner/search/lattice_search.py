@@ -16,16 +16,14 @@ in which the goal is reached holds the least time.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.compiled import compiled, inlined_part
-from quad_planner.grid.bit_grid import BitGrid, BitMask, Bits, is_set
+from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -34,9 +32,11 @@ from quad_planner.grid.bucket_queue import (
     next_bucket,
     pop,
     push,
+    with_room,
 )
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, STRAIGHT
-from quad_planner.search.distance_field import Beyond, distance_field
+from quad_planner.search.distance_field import NOT_REACHED as NO_LENGTH
+from quad_planner.search.distance_field import may_step, word_length
 from quad_planner.search.lattice_costs import (
     HEADINGS,
     LARGEST,
@@ -46,6 +46,19 @@ from quad_planner.search.lattice_costs import (
     excess_of,
     least_turns_of,
     total_cost,
+)
+from quad_planner.search.lattice_states import (
+    FIRST_STATE,
+    LatticeGround,
+    LatticeStates,
+    give_back,
+    ground_between,
+    has_tiles,
+    lattice_states,
+    make_tile,
+    place_of,
+    state_of,
+    with_tiles,
 )
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
 from quad_planner.search.walk_terms import WalkTerms
@@ -74,19 +87,6 @@ class LatticePath:
     """Gait cycles, of walking and turning."""
     expansions: int
     """Number of states that were looked at."""
-
-
-class _Reached(NamedTuple):
-    """What the search knows; state 8 c + k is cell c, reached by a step in heading k."""
-
-    cost: NDArray[np.int32]
-    """Plus one, and 0 where not reached: zeros cost nothing until they are touched."""
-    by: NDArray[np.uint8]
-    """How each was reached, and whether the search went on from there."""
-    rests: Numbers
-    """Of each cell the least cost to come to rest, times 8, and the heading; 0 where not known."""
-    best: NDArray[np.int64]
-    """The least cost at the goal and the heading in which it is reached; expansions."""
 
 
 def quickest_path(
@@ -182,104 +182,69 @@ def _find(
     check: Callable[[], None],
 ) -> tuple[Cells, int, int] | None:
     """Search; return where the path begins, turns and ends, its cost, and expansions."""
-    width = grid.width + 2
-    cells = width * (grid.height + 2)
-    first, last = ((y + 1) * width + x + 1 for x, y in (start, goal))
-    left = _lengths_left(grid, start, goal, costs, check)
-    if left[first] == 0:
+    ground = ground_between(grid, start, goal, costs, check)
+    ends = ground.number(start), ground.number(goal)
+    if word_length(int(ground.words[ends[0]])) == NO_LENGTH:
         return None
-    queue = bucket_queue(costs.longest // costs.bucket + 1)
-    reached = _Reached(
-        np.zeros(HEADINGS * cells, dtype=np.int32),
-        np.zeros(HEADINGS * cells, dtype=np.uint8),
-        np.zeros(cells, dtype=np.int64),
-        np.array([NOT_REACHED, 0, 0]),
-    )
-    _begin(grid, np.array([first, last]), costs, left, reached, queue)
+    queue = with_room(bucket_queue(costs.longest // costs.bucket + 1), HEADINGS)
+    states = lattice_states(ground.width, len(ground.words) // ground.width)
+    # The least cost at the goal and the state in which it is reached; expansions.
+    best = np.array([NOT_REACHED, 0, 0])
+    _begin(ground, ends, costs, states, queue)
 
     def expand(queue: BucketQueue) -> int:
-        return _search(grid.rows, width, last, costs, left, reached, queue, _AT_A_TIME)
+        nonlocal states
+        states = with_tiles(states, HEADINGS + 1)
+        return _search(ground.words, ground.width, ends[1], costs, states, best, queue, _AT_A_TIME)
 
-    run_search(expand, queue, 0, check)
-    best, heading, expansions = reached.best.tolist()
-    if best == NOT_REACHED:
-        return None
-    return _turning_points(reached.by, width, last, heading), best, expansions
-
-
-def _lengths_left(
-    grid: BitGrid,
-    start: tuple[int, int],
-    goal: tuple[int, int],
-    costs: Costs,
-    check: Callable[[], None],
-) -> Numbers:
-    """
-    Measure how far it is from each cell to the goal, where a path could be short enough.
-
-    Returns, for each cell of the grid with its wall, the length plus one, or 0.
-    """
-    along, across = (abs(a - b) for a, b in zip(start, goal))
-    least = max(along, across) + (math.sqrt(2.0) - 1.0) * min(along, across)
-    # A detour to the side costs this least where it replaces straight steps by diagonal ones.
-    spare = costs.longest / costs.straight - least
-    margin = math.ceil(max(spare, 0.0) / (2.0 * (math.sqrt(2.0) - 1.0))) + 2
-    sizes = (grid.width + 2, grid.height + 2)
-    # In the grid with its wall, cells are one farther.
-    low = [max(min(a, b) + 1 - margin, 0) for a, b in zip(start, goal)]
-    high = [min(max(a, b) + 2 + margin, size) for a, b, size in zip(start, goal, sizes)]
-    free = BitMask(grid.rows, sizes[0]).window(low[0], low[1], high[0], high[1])
-    ends = [(end[0] + 1 - low[0], end[1] + 1 - low[1]) for end in (start, goal)]
-    beyond = Beyond(*ends[0], math.ceil(costs.longest / costs.scale))
-    lengths = distance_field(free, ends[1], check, beyond)
-    left = np.zeros(sizes[::-1], dtype=np.int64)
-    # What is not reached has a length of -1.
-    np.add(lengths, 1, out=left[low[1] : high[1], low[0] : high[0]])
-    return left.reshape(-1)
-
-
-@inlined_part
-def _may_step(rows: Bits, x: int, y: int, heading: int) -> bool:
-    """Return whether a step from a free cell is free; a diagonal needs both beside it."""
-    dx, dy = int(DX[heading]), int(DY[heading])
-    if not is_set(rows, y + dy, x + dx):
-        return False
-    if heading & 1:
-        return is_set(rows, y, x + dx) and is_set(rows, y + dy, x)
-    return True
+    try:
+        run_search(expand, queue, 0, check)
+        cost, state, expansions = best.tolist()
+        if cost == NOT_REACHED:
+            return None
+        return _turning_points(states, ground, state), cost, expansions
+    finally:
+        give_back(states)
 
 
 def _begin(
-    grid: BitGrid, ends: Cells, costs: Costs, left: Numbers, reached: _Reached, queue: BucketQueue
+    ground: LatticeGround,
+    ends: tuple[int, int],
+    costs: Costs,
+    states: LatticeStates,
+    queue: BucketQueue,
 ) -> None:
     """Let the first steps to the start's eight neighbours wait; ends as numbers of cells."""
-    rows, width = grid.rows, grid.width + 2
-    (y, goal_y), (x, goal_x) = (part.tolist() for part in np.divmod(ends, width))
+    words, width = ground.words, ground.width
+    (y, x), (goal_y, goal_x) = (divmod(end, width) for end in ends)
+    word = int(words[ends[0]])
     for k in range(HEADINGS):
-        if not _may_step(rows, x, y, k):
+        if not may_step(word, k):
             continue
         to_x, to_y = x + int(DX[k]), y + int(DY[k])
         cell = to_y * width + to_x
         cost = int(costs.first_turns[k]) + (costs.diagonal if k & 1 else costs.straight)
-        dx, dy = goal_x - to_x, goal_y - to_y
-        scale, least_turns = costs.scale, costs.least_turns
-        total = total_cost(cost, int(left[cell]), dx, dy, k, scale, least_turns)
+        left = word_length(int(words[cell]))
+        offset = (goal_x - to_x, goal_y - to_y)
+        total = total_cost(cost, left, *offset, k, costs.scale, costs.least_turns)
         if total <= costs.longest - costs.cycle:
-            state = HEADINGS * cell + k
-            reached.cost[state] = cost + 1
-            reached.by[state] = _AT_THE_START
+            if state_of(states.numbers, to_x, to_y, k) < FIRST_STATE:
+                make_tile(*states.tiles, states.numbers, states.used, to_x, to_y)
+            state = state_of(states.numbers, to_x, to_y, k)
+            states.tiles.cost[state] = cost + 1
+            states.tiles.by[state] = _AT_THE_START
             bucket = _bucket(total, costs.bucket)
             push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
 
 @compiled
 def _search(
-    rows: Bits,
+    words: Numbers,
     width: int,
     goal: int,
     costs: Costs,
-    left: Numbers,
-    reached: _Reached,
+    states: LatticeStates,
+    best: Numbers,
     queue: BucketQueue,
     at_a_time: int,
 ) -> int:
@@ -287,15 +252,16 @@ def _search(
     Go on with a search, for so many states that waited at a time.
 
     Each is followed straight on while the bound does not rise above its bucket. Returns ``DONE``,
-    ``PAUSED``, or ``FULL`` if the queue must grow.
+    ``PAUSED``, or ``FULL`` if the queue or the states must grow.
     """
     # Arrays one by one, for compiled code counts references to those of a tuple at each look.
     heads, entries, waiting = queue.heads, queue.entries, queue.state
-    reached_cost, reached_by, rests, best = reached.cost, reached.by, reached.rests, reached.best
     turns, excess, last_turns = costs.turns, costs.excess, costs.last_turns
     least_turns, scale = costs.least_turns, costs.scale
     cycle, width_of_bucket = costs.cycle, costs.bucket
     straight, diagonal, longest = costs.straight, costs.diagonal, costs.longest
+    reached_cost, reached_by, rests = states.tiles.cost, states.tiles.by, states.tiles.rests
+    corners, numbers, used = states.tiles.corners, states.numbers, states.used
     goal_x, goal_y = goal % width, goal // width
     for _ in range(at_a_time):
         if is_empty(waiting):
@@ -305,71 +271,87 @@ def _search(
         if best[0] <= ((bucket - 1) * width_of_bucket // cycle + 1) * cycle:
             return DONE
         state, _ = pop(heads, entries, waiting)
-        goes_on = True
+        goes_on, rest = True, 0
+        x, y = place_of(corners, state)
         while goes_on:
             goes_on = False
             by = reached_by[state]
             if by & _EXPANDED:
                 break
             # A state lets those wait to which it turns, and the one ahead.
-            if not has_room(entries, waiting, HEADINGS):
+            if not (has_room(entries, waiting, HEADINGS) and has_tiles(used, corners, HEADINGS)):
                 # There is room for it itself: it has just been taken, or followed one that was.
                 push(heads, entries, waiting, state, 0, bucket)
                 return FULL
             reached_by[state] = by | _EXPANDED
             best[2] += 1
-            cell, k = state // HEADINGS, state % HEADINGS
-            x, y = cell % width, cell // width
+            cell, k = y * width + x, state & 7
             cost = int(reached_cost[state]) - 1
-            rest = (cost + cycle - 1) // cycle * cycle
+            if rest < cost or rest >= cost + cycle:
+                rest = (cost + cycle - 1) // cycle * cycle
             if cell == goal:
                 total = rest + last_turns[k]
                 if total < min(best[0], longest):
-                    best[0], best[1] = total, k
+                    best[0], best[1] = total, state
                 break
+            word = words[cell]
             # Another heading there from which all turns cost no more?
-            other = int(rests[cell])
+            other = int(rests[state >> 3])
             if other == 0 or (other >> 3) + excess[other & 7, k] > rest:
                 if other == 0 or rest < other >> 3:
-                    rests[cell] = rest << 3 | k
+                    rests[state >> 3] = rest << 3 | k
                 for j in range(HEADINGS):
-                    if j == k:
+                    if j == k or not may_step(word, j):
                         continue
-                    there = cell + int(DY[j]) * width + int(DX[j])
+                    to_x, to_y = x + int(DX[j]), y + int(DY[j])
                     onward = rest + int(turns[k, j])
                     onward += diagonal if j & 1 else straight
-                    if not _is_less(HEADINGS * there + j, onward, reached_cost):
+                    turned = state_of(numbers, to_x, to_y, j)
+                    if not _is_less(turned, onward, reached_cost):
                         continue
-                    dx, dy = goal_x - x - int(DX[j]), goal_y - y - int(DY[j])
-                    total = total_cost(onward, int(left[there]), dx, dy, j, scale, least_turns)
-                    if total <= longest - cycle and _may_step(rows, x, y, j):
-                        state = HEADINGS * there + j
-                        reached_cost[state] = onward + 1
-                        reached_by[state] = np.uint8(k)
+                    left = word_length(words[to_y * width + to_x])
+                    dx, dy = goal_x - to_x, goal_y - to_y
+                    total = total_cost(onward, left, dx, dy, j, scale, least_turns)
+                    if total <= longest - cycle:
+                        if turned < FIRST_STATE:
+                            make_tile(
+                                reached_cost, reached_by, rests, corners, numbers, used, to_x, to_y
+                            )
+                            turned = state_of(numbers, to_x, to_y, j)
+                        reached_cost[turned] = onward + 1
+                        reached_by[turned] = np.uint8(k)
+                        further = bucket
                         # The bound on what is left may fall by more than a step costs: never back.
-                        further = max(bucket, _bucket(total, width_of_bucket))
-                        push(heads, entries, waiting, state, 0, further)
-            there = cell + int(DY[k]) * width + int(DX[k])
+                        if total > bucket * width_of_bucket:
+                            further = _bucket(total, width_of_bucket)
+                        push(heads, entries, waiting, turned, 0, further)
+            if not may_step(word, k):
+                break
+            x, y = x + int(DX[k]), y + int(DY[k])
             onward = cost + (diagonal if k & 1 else straight)
-            state = HEADINGS * there + k
+            state = state_of(numbers, x, y, k)
             if not _is_less(state, onward, reached_cost):
                 break
-            dx, dy = goal_x - x - int(DX[k]), goal_y - y - int(DY[k])
-            total = total_cost(onward, int(left[there]), dx, dy, k, scale, least_turns)
-            if total > longest - cycle or not _may_step(rows, x, y, k):
+            left = word_length(words[y * width + x])
+            total = total_cost(onward, left, goal_x - x, goal_y - y, k, scale, least_turns)
+            if total > longest - cycle:
                 break
+            if state < FIRST_STATE:
+                make_tile(reached_cost, reached_by, rests, corners, numbers, used, x, y)
+                state = state_of(numbers, x, y, k)
             reached_cost[state] = onward + 1
             reached_by[state] = _BY_A_STEP
-            further = _bucket(total, width_of_bucket)
-            goes_on = further <= bucket
+            goes_on = total <= bucket * width_of_bucket
             if not goes_on:
-                push(heads, entries, waiting, state, 0, further)
+                push(heads, entries, waiting, state, 0, _bucket(total, width_of_bucket))
     return PAUSED
 
 
 @inlined_part
 def _is_less(state: int, cost: int, reached_cost: NDArray[np.int32]) -> bool:
     """Return whether a state was not reached as cheaply."""
+    if state < FIRST_STATE:
+        return True
     known = int(reached_cost[state])
     return known == 0 or cost + 1 < known
 
@@ -380,18 +362,21 @@ def _bucket(total: int, width: int) -> int:
     return (total + width - 1) // width
 
 
-def _turning_points(reached_by: NDArray[np.uint8], width: int, goal: int, heading: int) -> Cells:
-    """Go back from the goal to the start; list where the path begins, turns and ends."""
-    offsets = (DY * width + DX).tolist()
+def _turning_points(states: LatticeStates, ground: LatticeGround, state: int) -> Cells:
+    """Go back from a state at the goal to the start; list where the path begins, turns and ends."""
     step, start, previous = int(_BY_A_STEP), int(_AT_THE_START), int(_PREVIOUS)
     # Python's own numbers: quick to read one by one, and nothing to compile.
-    moves = reached_by.data
-    places = [goal]
-    cell, by = goal, step
+    moves, numbers = states.tiles.by.data, states.numbers.data
+    steps = list(zip(DX.tolist(), DY.tolist()))
+    x, y = place_of(states.tiles.corners, state)
+    heading, by = state & 7, step
+    places = [(x, y)]
     while by != start:
-        by = moves[HEADINGS * cell + heading] & previous
-        cell -= offsets[heading]
+        tile = numbers[y >> 3, x >> 3]
+        by = moves[tile << 9 | (y & 7) << 6 | (x & 7) << 3 | heading] & previous
+        x, y = x - steps[heading][0], y - steps[heading][1]
         if by != step:
-            places.append(cell)
+            places.append((x, y))
             heading = by
-    return np.array([[place % width - 1, place // width - 1] for place in reversed(places)])
+    cells: Cells = np.array(places[::-1]) + np.array((ground.left, ground.bottom))
+    return cells

@@ -18,7 +18,12 @@ from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
-from quad_lab.benchmarks.planning.footprint_maps import free_classes, office, reachable
+from quad_lab.benchmarks.planning.footprint_maps import (
+    free_classes,
+    office,
+    office_with_closets,
+    reachable,
+)
 from quad_lab.closed_loop.map_walk import MapWalk
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
@@ -98,6 +103,7 @@ def footprint_bars(
         console.print(f'{robot}: offices done')
     bars += _against_circle('a1', seed, 2 if quick else 20)
     bars += _times('a1', seed, _REQUESTS if quick else 20 * _REQUESTS)
+    bars += _times_without_path('a1', seed, 1 if quick else 3)
     doors = _WALKS[:2] if quick else _WALKS
     with worker_pool() as pool:
         walks = list(pool.map(_walk, doors))
@@ -231,6 +237,36 @@ def _times(robot: str, seed: int, requests: int) -> list[Criterion]:
         figure(f'{name}, median of {requests}', 1e3 * float(np.median(times)), 'ms'),
         figure(f'{name}, 90 % of {requests}', 1e3 * float(np.percentile(times, 90)), 'ms'),
         figure(f'{name}, most where there is one', 1e3 * max(np.array(times)[found]), 'ms'),
+        at_most(f'{name}, at most', 1e3 * max(times), 'ms', 50.0),
+    ]
+
+
+def _times_without_path(robot: str, seed: int, maps: int) -> list[Criterion]:
+    """Time requests for goals in closets, which no turn leads into, on large offices."""
+    planner = _planner(robot)
+    planner.warm_up()
+    times, found = [], 0
+    for at in range(maps):
+        rng = np.random.default_rng((seed, at))
+        grid, closets = office_with_closets(_LARGE, _RESOLUTION, rng)
+        planner.set_map(grid)
+        prepared = planner.prepared
+        assert prepared is not None
+        _ = prepared.zones, prepared.small
+        cells = np.argwhere(prepared.allowed)
+        for x, y in closets:
+            start = _pose(int(rng.integers(72)), *map(int, cells[rng.integers(len(cells))]))
+            goal = _pose(int(rng.integers(72)), y, x)
+            began = time.perf_counter()
+            plan = _plan(planner, start, goal)
+            took = time.perf_counter() - began
+            found += plan is not None
+            if plan is None:
+                times.append(took)
+    name = f'{robot}: a request without a path on an office of {_LARGE} x {_LARGE}'
+    return [
+        figure(f'{name}, goals in closets with a path', found, 'goals'),
+        figure(f'{name}, median of {len(times)}', 1e3 * float(np.median(times)), 'ms'),
         at_most(f'{name}, at most', 1e3 * max(times), 'ms', 50.0),
     ]
 

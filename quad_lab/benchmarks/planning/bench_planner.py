@@ -21,6 +21,7 @@ from scipy.ndimage import distance_transform_edt
 from quad_common.errors import PlannerError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_lab.benchmarks.planning.bench_equality import equality_bars
 from quad_lab.benchmarks.planning.bench_fields import field_bars
 from quad_lab.benchmarks.planning.bench_first_call import first_call_times
 from quad_lab.benchmarks.planning.bench_footprint import footprint_bars
@@ -35,7 +36,7 @@ from quad_planner.methods.shortest_planner import ShortestPlanner
 
 Mask = NDArray[np.bool_]
 
-PARTS = ('peers', 'searches', 'worst', 'footprint', 'start', 'node', 'walks')
+PARTS = ('peers', 'searches', 'equality', 'worst', 'footprint', 'start', 'node', 'walks')
 """Parts that can be run alone."""
 
 _RADIUS = 8.0
@@ -125,6 +126,8 @@ def measure(
     if 'searches' in only:
         bars += field_bars(makes, quick, seed) + search_bars(makes, quick, seed)
         bars += scenario_bars(quick)
+    if 'equality' in only:
+        bars += equality_bars(quick, seed)
     if 'worst' in only:
         bars += worst_case_bars(console, quick, seed)
     if 'footprint' in only:

@@ -27,6 +27,8 @@ _WITHOUT_DOOR = 0.25
 """Fraction of walls between two rooms that have no door."""
 _WALL = 0.1
 """Thickness of a wall [m]."""
+_PASSAGE = 0.65
+"""Width of a passage in whose corner A1 fits along either part, and cannot turn between [m]."""
 
 
 def office(size: int, resolution: float, rng: np.random.Generator) -> OccupancyGrid:
@@ -135,6 +137,40 @@ def reachable(
     ends = np.zeros_like(free)
     _flood(free, moves, *start, states, waiting, ends)
     return ends
+
+
+def office_with_closets(
+    size: int, resolution: float, rng: np.random.Generator
+) -> tuple[OccupancyGrid, list[tuple[int, int]]]:
+    """
+    Draw an office beside closets, each behind a passage with a corner too narrow for a turn.
+
+    Parameters
+    ----------
+    size, resolution, rng
+        As for :func:`office`.
+
+    Returns
+    -------
+    tuple
+        The office, and a cell within each closet, x and y.
+    """
+    grid = office(size, resolution, rng)
+    cells = grid.cells.copy()
+    width, long, depth = (round(length / resolution) for length in (_PASSAGE, 2.0, 6.0))
+    edge = size - depth
+    cells[:, edge:] = OCCUPIED
+    closets = []
+    for y in range(long, size - 3 * long, 2 * long):
+        # Where a wall of the office is in front, no passage begins.
+        if (cells[y : y + width, edge - width : edge] != 0).any():
+            continue
+        corner = edge + long
+        cells[y : y + width, edge:corner] = 0
+        cells[y : y + long, corner - width : corner] = 0
+        cells[y + long - width : y + long + width, corner - width : corner + long] = 0
+        closets.append((corner + long // 2, y + long))
+    return OccupancyGrid(cells, resolution, grid.origin), closets
 
 
 @compiled

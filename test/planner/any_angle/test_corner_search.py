@@ -1,16 +1,16 @@
 """Quickest paths over corners, against a search over all that see each other."""
 
-import heapq
 import itertools
 import math
 
 import numpy as np
 import pytest
-from walk_requests import CRAWL, RESOLUTION, random_requests
 
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot_files.walking_time import LENGTH_SLACK, WalkingTimeModel
+from quad_common.planar_pose import Pose2D
+from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_lab.benchmarks.planning.plain_searches import least_cycles_over_points
+from quad_lab.benchmarks.planning.small_requests import RESOLUTION, random_requests
 from quad_planner.any_angle.corner_search import quickest_corners as search_corners
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.rectangles import corners_of
@@ -19,60 +19,11 @@ from quad_planner.grid.line_of_sight import sees
 from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
 
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
+
 
 def quickest_corners(forbidden, points, terms, **more):
     return search_corners(FreeSpace.outside(forbidden), forbidden, points, terms, **more)
-
-
-def least_cycles(forbidden, points, start_yaw, goal_yaw, pace):
-    """Search over all pairs of points that see each other, without a bound."""
-    count = len(points)
-    views = [
-        [
-            j
-            for j in range(count)
-            if (points[i] != points[j]).any()
-            and sees(forbidden.words, forbidden.width, *points[i], *points[j])
-        ]
-        for i in range(count)
-    ]
-
-    def angle(i, j):
-        return math.atan2(*(points[j] - points[i])[::-1])
-
-    def length(i, j):
-        return float(np.hypot(*(points[j] - points[i]))) * RESOLUTION
-
-    def entry(base, stretch, i, j):
-        # Of two stretches to one place, the one that is farther on is never worse.
-        strides = stretch / (pace.stride * (1.0 + LENGTH_SLACK))
-        return base + pace.stopping + strides, base, stretch, i, j
-
-    waiting = [
-        entry(pace.turn_cycles(angle(0, j) - start_yaw), length(0, j), 0, j) for j in views[0]
-    ]
-    heapq.heapify(waiting)
-    done = set()
-    best = math.inf
-    while waiting:
-        cost, base, stretch, i, j = heapq.heappop(waiting)
-        if cost > best:
-            break
-        if (i, j) in done:
-            continue
-        done.add((i, j))
-        rest = base + pace.straight_cycles(stretch)
-        if j == 1:
-            best = min(best, rest + pace.last_turn_cycles(goal_yaw - angle(i, j)))
-            continue
-        for k in views[j]:
-            turn = abs(wrap_angle(angle(j, k) - angle(i, j)))
-            if turn <= pace.bend:
-                heapq.heappush(waiting, entry(base, stretch + length(j, k), j, k))
-            else:
-                turned = rest + pace.turn_cycles(turn)
-                heapq.heappush(waiting, entry(turned, length(j, k), j, k))
-    return best
 
 
 def cycles_of(path, start_yaw, goal_yaw, pace):
@@ -82,8 +33,9 @@ def cycles_of(path, start_yaw, goal_yaw, pace):
 
 @pytest.mark.parametrize('seed', range(6))
 def test_no_path_takes_fewer_cycles(seed):
-    for free, start, goal, start_yaw, goal_yaw, pace in random_requests(seed, 20):
-        free = free[:18, :18]
+    for request in random_requests(seed, 20):
+        _, start, goal, start_yaw, goal_yaw, pace = request
+        free = request.free[:18, :18]
         if max(start[0], goal[0]) >= free.shape[1] or max(start[1], goal[1]) >= free.shape[0]:
             continue
         lattice = quickest_path(
@@ -94,7 +46,7 @@ def test_no_path_takes_fewer_cycles(seed):
         points = np.vstack(([start, goal], lattice.cells[1:-1])) + 0.5
         corners = corners_of(FreeSpace.outside(BitMask.of(~free)).rectangles)
         everywhere = np.vstack((points, np.unique(corners, axis=0)))
-        least = least_cycles(BitMask.of(~free), everywhere, start_yaw, goal_yaw, pace)
+        least = least_cycles_over_points(BitMask.of(~free), everywhere, request)
         # The lattice's own path leads over these points.
         assert least <= lattice.cycles
         path = quickest_corners(

@@ -7,54 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from walk_requests import CRAWL, RESOLUTION, random_requests
 
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_lab.benchmarks.planning.plain_searches import least_cycles_over_cells
+from quad_lab.benchmarks.planning.small_requests import RESOLUTION, random_requests
 from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns, quickest_path
 from quad_planner.search.walk_terms import WalkTerms
 
+CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
-
-
-def least_cycles(free, start, goal, start_yaw, goal_yaw, pace):
-    """Search over whole stretches: each from a turn to wherever it may end."""
-    height, width = free.shape
-    waiting = [
-        (pace.turn_cycles(math.radians(45 * k) - start_yaw), *start, k, False) for k in range(8)
-    ]
-    heapq.heapify(waiting)
-    done = set()
-    best = None
-    while waiting:
-        cycles, x, y, k, has_walked = heapq.heappop(waiting)
-        if best is not None and cycles >= best:
-            break
-        if (x, y, k, has_walked) in done:
-            continue
-        done.add((x, y, k, has_walked))
-        if (x, y) == goal and has_walked:
-            total = cycles + pace.last_turn_cycles(goal_yaw - math.radians(45 * k))
-            best = total if best is None else min(best, total)
-        if has_walked:
-            for j in range(8):
-                turn = pace.turn_cycles(math.radians(45 * (j - k)))
-                if j != k:
-                    heapq.heappush(waiting, (cycles + turn, x, y, j, False))
-            continue
-        dx, dy = STEPS[k]
-        length = 0.0
-        while True:
-            to_x, to_y = x + dx, y + dy
-            if not (0 <= to_x < width and 0 <= to_y < height and free[to_y, to_x]):
-                break
-            if dx and dy and not (free[y, to_x] and free[to_y, x]):
-                break
-            x, y = to_x, to_y
-            length += math.hypot(dx, dy) * RESOLUTION
-            heapq.heappush(waiting, (cycles + pace.straight_cycles(length), x, y, k, True))
-    return best
 
 
 def cycles_of(cells, start_yaw, goal_yaw, pace):
@@ -70,8 +33,9 @@ def cycles_of(cells, start_yaw, goal_yaw, pace):
 
 @pytest.mark.parametrize('seed', range(10))
 def test_no_path_takes_fewer_cycles(seed):
-    for free, start, goal, start_yaw, goal_yaw, pace in random_requests(seed, 30):
-        least = least_cycles(free, start, goal, start_yaw, goal_yaw, pace)
+    for request in random_requests(seed, 30):
+        free, start, goal, start_yaw, goal_yaw, pace = request
+        least = least_cycles_over_cells(request)
         path = quickest_path(
             BitGrid.of(free), start, goal, WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, 500)
         )
@@ -188,3 +152,19 @@ def test_a_search_can_be_ended():
             WalkTerms(CRAWL, RESOLUTION, 0.0, 0.0, 2000),
             check=end,
         )
+
+
+def test_memory_that_is_kept_shows_in_no_other_search():
+    rng = np.random.default_rng(5)
+    # Large enough that more tiles are needed than there are at first.
+    large, small = (BitGrid.of(rng.random((n, n)) >= 0.1) for n in (150, 40))
+    terms = WalkTerms(CRAWL, RESOLUTION, 0.3, 2.0, 500)
+
+    def path(grid, side):
+        cells = [(x, y) for x in range(side) for y in range(side) if grid.is_free(x, y)]
+        found = quickest_path(grid, cells[0], cells[-1], terms)
+        return found.cells.tolist(), found.cycles, found.expansions
+
+    first = path(large, 150)
+    assert path(small, 40) == path(small, 40)
+    assert path(large, 150) == first

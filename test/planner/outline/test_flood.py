@@ -1,0 +1,51 @@
+"""A flood from the goal meets the start exactly where brute force finds a path."""
+
+import numpy as np
+import pytest
+
+from quad_common.robot_files.robot_file import load_robot
+from quad_lab.benchmarks.planning.footprint_maps import free_classes, office, reachable
+from quad_planner.methods.outline_planner import OutlinePlanner
+from quad_planner.methods.shortest_planner import ShortestPlanner
+from quad_planner.outline.flood import Flood
+from quad_planner.outline.heading_moves import moves_from
+from quad_planner.planner_setup import outline_for
+
+SAFETY = 0.05
+CELL = 0.05
+MOVES = moves_from(0.5, 0.5)
+
+
+@pytest.mark.parametrize('robot', ['a1', 'titan_viii'])
+def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
+    made = load_robot(robot)
+    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    planner = OutlinePlanner(circle, outline_for(made, SAFETY))
+    answers = []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        prepared = planner.prepare(office(120, CELL, rng))
+        free = free_classes(prepared.blocked, prepared.allowed, prepared.kernels[0])
+        states = np.argwhere(free)
+        (k, y, x), *goals = (tuple(map(int, states[rng.integers(len(states))])) for _ in range(16))
+        ends = reachable(free, MOVES, (k, y, x))
+        for goal in goals:
+            flood = Flood(prepared.zones, MOVES, (x, y, k), (goal[2], goal[1], goal[0]))
+            # Little by little: what was reached is kept.
+            while not flood.goes_on(500):
+                assert not flood.has_met
+            assert flood.has_met == bool(ends[goal])
+            answers.append(flood.has_met)
+    assert 0 < sum(answers) < len(answers)
+
+
+def test_a_goal_that_is_the_start_is_met():
+    made = load_robot('a1')
+    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    prepared = OutlinePlanner(circle, outline_for(made, SAFETY)).prepare(
+        office(120, CELL, np.random.default_rng(0))
+    )
+    y, x = (int(n) for n in np.argwhere(prepared.allowed)[0])
+    flood = Flood(prepared.zones, MOVES, (x, y, 3), (x, y, 40))
+    assert flood.goes_on(10)
+    assert flood.has_met
