@@ -39,8 +39,9 @@ _CASES, _QUICK_CASES = 100_000, 2_000
 _BASES = 60
 """Number of sound motions of each robot from which cases are made."""
 
-_INSTANTS = 8
-"""Number of instants between two points at which the motion is looked at."""
+_INSTANTS = 24
+"""Number of instants between two points at which the motion is looked at: fewer miss the peaks of
+velocity by more than is clear."""
 
 _CLEAR = 1e-3
 """Fraction of a limit by which a motion is beyond it for sure, or within."""
@@ -70,6 +71,8 @@ def attack_gate(
         for _ in range(count // len(robots)):
             _try(limits, bases[rng.integers(len(bases))], rng, outcome)
         console.print(f'{robot.name}: {outcome.passed} passed and {outcome.refused} refused')
+    for text in (*outcome.wrongly_passed[:10], *outcome.wrongly_refused[:10]):
+        console.print(text, highlight=False, markup=False)
     number = outcome.passed + outcome.refused
     bars = [
         figure('motions', number, ''),
@@ -127,7 +130,7 @@ def _try(
     if not refusal and beyond > _CLEAR:
         outcome.wrongly_passed.append(f'beyond by {beyond:.3g} of a limit at {now:.3f} s')
     if refusal and beyond < -_CLEAR:
-        outcome.wrongly_refused.append(refusal)
+        outcome.wrongly_refused.append(f'within by {-beyond:.3g} of a limit, but: {refusal}')
 
 
 def _spoiled(
