@@ -63,8 +63,7 @@ class PlanningSession(SessionMaps):
     ) -> None:
         super().__init__(planning_map, requests, options)
         self._output = output
-        self._checked_at = 0.0
-        self._is_plan_void = False
+        self._checked_at, self._is_plan_void = 0.0, False
         self._void_at: Pose2D | None = None
         self._given = GivenGoal()
         self._own = OwnPlans()
@@ -78,8 +77,7 @@ class PlanningSession(SessionMaps):
         wish = self._pending
         if wish is None and self._goal is not None:
             wish = GoalWish(self.map.frame.name, self._goal, is_given=False)
-        is_held = bool(self.hold_reason) and not (wish and wish.is_given)
-        if is_held:
+        if self.hold_reason and not (wish and wish.is_given):
             # A path to give way by is no longer known to be free.
             self.hold(self.hold_reason)
         elif self._waiting is None and wish is not None and self._pose is not None:
@@ -284,9 +282,8 @@ class PlanningSession(SessionMaps):
     def warm_up(self, clock: Callable[[], float]) -> None:
         """Get the searches ready; one that is under way is not given up for it."""
         if not self.is_busy:
-            self._requests.submit(
-                partial(self.map.warm_up, clock), partial(_note_warm, self._output)
-            )
+            warm_up = partial(self.map.warm_up, clock)
+            self._requests.submit(warm_up, partial(_note_warm, self._output))
 
     def _search(self, wish: GoalWish, is_plan_void: bool = False) -> None:
         """
@@ -302,11 +299,9 @@ class PlanningSession(SessionMaps):
             self._waiting = wish
             return
         assert self._pose is not None
-        start, goal = self._pose, wish.goal
-        self._pending = wish
-        self._requests.submit(
-            lambda: self.map.planner.plan(start, goal), partial(self._on_result, start, wish)
-        )
+        self._pending, start, goal = wish, self._pose, wish.goal
+        receive = partial(self._on_result, start, wish)
+        self._requests.submit(lambda: self.map.planner.plan(start, goal), receive)
 
     def _give_up_search(self) -> None:
         if self._pending is not None:
