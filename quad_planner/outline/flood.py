@@ -8,6 +8,7 @@ has found out.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,12 @@ _STATES = CLASSES + 1
 
 _KNOWN, _FITS, _REACHED = (np.uint8(1 << bit) for bit in range(3))
 """Bits of a class in a cell; the first: whether the second is known."""
+
+_AT_A_TIME = 2_000
+"""Number of states between two calls of `check`."""
+
+_MOST_BYTES = 64 << 20
+"""Memory of what a flood reached, or of what waits, from which on it is not doubled any more."""
 
 _ROOM_AT_FIRST = 512
 _MOST_PUSHES = CLASSES + 1
@@ -82,28 +89,54 @@ class Flood:
             np.empty(4 * _ROOM_AT_FIRST, dtype=np.int64),
             np.array([1, 0, 0]),
         )
+        self.is_too_large = False
+        """Whether it takes too much memory to go on: whether there is a path is not known."""
         _begin(zones, *goal, self._reached)
 
-    def goes_on(self, states: int) -> bool:
-        """Go on for so many states; return whether it is over."""
-        while True:
-            outcome = _flood(self._zones, self._moves, self._start, self._reached, states)
-            if outcome != FULL:
-                return bool(outcome == DONE)
-            self._reached = _larger(self._reached)
+    def goes_on(self, states: int, check: Callable[[], None] = lambda: None) -> bool:
+        """
+        Go on for so many states.
+
+        Parameters
+        ----------
+        states : int
+            Number of states.
+        check : callable
+            Called now and then; raises to end it.
+
+        Returns
+        -------
+        bool
+            Whether it is over.
+        """
+        left = states
+        while left > 0 and not self.is_too_large:
+            check()
+            slice_ = min(left, _AT_A_TIME)
+            outcome = _flood(self._zones, self._moves, self._start, self._reached, slice_)
+            if outcome == DONE:
+                return True
+            if outcome == FULL:
+                self._make_room()
+            else:
+                left -= slice_
+        return False
 
     @property
     def has_met(self) -> bool:
         """Whether the start was reached: there is a path."""
         return bool(self._reached.counts[_MET])
 
-
-def _larger(reached: _Reached) -> _Reached:
-    """Return the same with twice the room."""
-    return reached._replace(
-        records=np.concatenate((reached.records, np.zeros_like(reached.records))),
-        waiting=np.concatenate((reached.waiting, np.empty_like(reached.waiting))),
-    )
+    def _make_room(self) -> None:
+        """Double what is full, unless it is too large already."""
+        reached = self._reached
+        used = int(reached.counts[_USED])
+        name = 'records' if used + _MOST_PUSHES > len(reached.records) else 'waiting'
+        full = getattr(reached, name)
+        self.is_too_large = full.nbytes >= _MOST_BYTES
+        if not self.is_too_large:
+            larger = np.concatenate((full, np.zeros_like(full)))
+            self._reached = reached._replace(**{name: larger})
 
 
 @inlined_part

@@ -163,8 +163,11 @@ def outline_path(
     expansions, flooded = _AT_FIRST, _FLOODED_AT_FIRST
     while True:
         check()
-        if flood is not None and flood.goes_on(flooded) and not flood.has_met:
+        if flood is not None and flood.goes_on(flooded, check) and not flood.has_met:
             return None
+        if flood is not None and flood.is_too_large:
+            # The searches find out without it.
+            flood = None
         # In turn, each for longer than before: whichever finds a path soon is not held up for long.
         for search in list(searches):
             if not search.goes_on(expansions, check):

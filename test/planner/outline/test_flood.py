@@ -7,8 +7,10 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_lab.benchmarks.planning.footprint_maps import free_classes, office, reachable
 from quad_planner.methods.outline_planner import OutlinePlanner
 from quad_planner.methods.shortest_planner import ShortestPlanner
+from quad_planner.outline import flood as flood_module
 from quad_planner.outline.flood import Flood
 from quad_planner.outline.heading_moves import moves_from
+from quad_planner.outline.outline_search import Ends, free_for_smallest, outline_path
 from quad_planner.planner_setup import outline_for
 
 SAFETY = 0.05
@@ -49,3 +51,54 @@ def test_a_goal_that_is_the_start_is_met():
     flood = Flood(prepared.zones, MOVES, (x, y, 3), (x, y, 40))
     assert flood.goes_on(10)
     assert flood.has_met
+
+
+def a1_office(side=200):
+    """Return an office as the planner of a1's outline prepares it."""
+    made = load_robot('a1')
+    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    planner = OutlinePlanner(circle, outline_for(made, SAFETY))
+    return planner.prepare(office(side, CELL, np.random.default_rng(0)))
+
+
+def flood_of(prepared):
+    """Return a flood that meets no start: the cell in the corner is a wall."""
+    free = np.argwhere(free_classes(prepared.blocked, prepared.allowed, prepared.kernels[0]))
+    k, y, x = (int(n) for n in free[len(free) // 2])
+    return Flood(prepared.zones, MOVES, (0, 0, 0), (x, y, k))
+
+
+def test_it_can_be_ended_at_any_time():
+    class Superseded(Exception):
+        pass
+
+    checks = []
+
+    def check():
+        checks.append(None)
+        if len(checks) > 3:
+            raise Superseded
+
+    with pytest.raises(Superseded):
+        flood_of(a1_office()).goes_on(10**9, check)
+
+
+def test_one_that_takes_too_much_memory_says_so_and_the_search_answers_without_it(monkeypatch):
+    prepared = a1_office()
+    free = np.argwhere(free_classes(prepared.blocked, prepared.allowed, prepared.kernels[0]))
+    k, y, x = (int(n) for n in free[len(free) // 2])
+    ends = [Ends(x, y, k, *(int(n) for n in free[at][[2, 1, 0]]), False) for at in (0, 9, -1)]
+    small = free_for_smallest(prepared.blocked)
+
+    def answers():
+        return [outline_path(prepared.zones, MOVES, each, small) for each in ends]
+
+    expected = answers()
+    monkeypatch.setattr(flood_module, '_MOST_BYTES', 1 << 16)
+    flood = flood_of(prepared)
+    assert not flood.goes_on(10**9)
+    assert flood.is_too_large
+    assert not flood.has_met
+    assert any(path is not None for path in expected)
+    for found, wanted in zip(answers(), expected):
+        np.testing.assert_array_equal(found, wanted)
