@@ -128,8 +128,9 @@ class CommandTracker:
                 self._followed = None
         self._candidates.append(Candidate(path))
         if len(self._candidates) > _LARGEST_COUNT:
-            # The first one is what was followed last; of those never followed the oldest goes.
-            del self._candidates[1]
+            # The first one may still be followed; of the others the oldest goes.
+            later = self._candidates[1:]
+            self._candidates.remove(next(c for c in later if c is not self._followed))
 
     def commanded(self, time: float) -> Array | None:
         """Return where the joints are commanded to be, shape (n,) [rad]; None if unknown."""
