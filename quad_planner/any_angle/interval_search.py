@@ -347,6 +347,10 @@ def _look(rectangles: Rectangles, search: _Search, node: int) -> int:
             if not _turn(rectangles, search, root, corner):
                 return 0
             root = corner
+        if ends[5] != 0.0:
+            # No shortest path turns there, but others may: the lengths are noted.
+            for end in (interval.left_corner, interval.right_corner):
+                _turn(rectangles, search, root, end)
         _note(views, 0, root, is_up, (-np.inf, np.inf), has_goal)
         _note(views, 1, root, not is_up, (-np.inf, left - 0.5), False)
         _note(views, 2, root, not is_up, (right + 0.5, np.inf), False)

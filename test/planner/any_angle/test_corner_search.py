@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from exact_segments import segments_allowed
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -63,6 +64,42 @@ def test_no_path_takes_fewer_cycles(seed):
             )
             is None
         )
+
+
+def test_a_path_may_turn_where_no_shortest_path_does():
+    # Around the corner at (6, 1) the path bends away from the forbidden cell, towards points where
+    # such cells touch: 10 cycles, where paths that turn as shortest paths do take 12.
+    rows = [  # the upper row first
+        '..##....#....##..#',
+        '....#.#.........##',
+        '....#..#.......#..',
+        '............##.#.#',
+        '...#.....#.#...#.#',
+        '..#..#..#.#..#....',
+        '..#...#....###.#..',
+        '#......#..####..#.',
+        '#..#..#....##.....',
+        '..#............#..',
+        '......#.##......#.',
+        '..#......#........',
+        '...#.##.#....#..##',
+        '#..###..##....#.##',
+        '#.....###.##......',
+        '..##....#..#......',
+        '#..###.#.#..#.....',
+    ]
+    free = np.array([[cell == '.' for cell in row] for row in rows[::-1]])
+    forbidden = BitMask.of(~free)
+    pace = WalkingTimeModel(cycle_period=1.0, stride=0.439, turn=math.radians(44.2))
+    points = np.array([[2.5, 3.5], [17.5, 2.5]])
+    start_yaw, goal_yaw = 0.788, 1.548
+    plain = np.array([[2.5, 3.5], [3.0, 3.0], [6.0, 1.0], [8.0, 1.0], [13.0, 1.0], [17.5, 2.5]])
+    for here, there in itertools.pairwise(plain):
+        assert segments_allowed(free, here[None], there - here)[0]
+        assert sees(forbidden.words, forbidden.width, *here, *there)
+    assert cycles_of(plain, start_yaw, goal_yaw, pace) == 10
+    path = quickest_corners(forbidden, points, WalkTerms(pace, RESOLUTION, start_yaw, goal_yaw, 40))
+    assert cycles_of(path, start_yaw, goal_yaw, pace) == 10
 
 
 def test_bends_cost_nothing():

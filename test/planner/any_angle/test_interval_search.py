@@ -9,8 +9,8 @@ from random_floors import random_floor, random_place
 from scipy.sparse.csgraph import dijkstra
 
 from quad_planner.any_angle.free_space import FreeSpace
-from quad_planner.any_angle.interval_search import any_angle_path
-from quad_planner.any_angle.rectangles import corners_of
+from quad_planner.any_angle.interval_search import any_angle_path, lengths_from
+from quad_planner.any_angle.rectangles import corner_places, corners_of
 from quad_planner.grid.bit_grid import BitMask
 from quad_planner.grid.line_of_sight import sees
 
@@ -19,13 +19,13 @@ def length(points):
     return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
-def least_length(free, points):
-    """Return the length from the first point to the second over all that see each other."""
+def least_lengths(free, points):
+    """Return the lengths from the first point to the others over all that see each other."""
     distances = np.zeros((len(points), len(points)))
     for i, j in combinations(range(len(points)), 2):
         if segments_allowed(free, points[i][None], points[j] - points[i])[0]:
             distances[i, j] = np.hypot(*(points[j] - points[i])) + 1e-12
-    return dijkstra(distances, directed=False, indices=0)[1]
+    return dijkstra(distances, directed=False, indices=0)
 
 
 @pytest.mark.parametrize('seed', range(30))
@@ -39,7 +39,7 @@ def test_no_path_is_shorter(seed):
     corners = corners_of(space.rectangles)
     for _ in range(3):
         start, goal = random_place(rng, free), random_place(rng, free)
-        shortest = least_length(free, np.vstack((start, goal, corners)))
+        shortest = least_lengths(free, np.vstack((start, goal, corners)))[1]
         path = any_angle_path(space, start, goal)
         if path is None:
             assert shortest == np.inf
@@ -54,6 +54,25 @@ def test_no_path_is_shorter(seed):
         assert length(any_angle_path(space, start, goal, shortest)) == pytest.approx(shortest)
         if shortest > 0.1:
             assert any_angle_path(space, start, goal, 0.99 * shortest) is None
+
+
+@pytest.mark.parametrize('seed', range(30))
+def test_no_corner_is_left_out(seed):
+    # Not a corner that is seen along a side either, where no shortest path turns.
+    rng = np.random.default_rng(seed)
+    free = random_floor(rng, 16)
+    if not free.any():
+        return
+    space = FreeSpace.outside(BitMask.of(~free))
+    corners = np.unique(corners_of(space.rectangles), axis=0)
+    places = corner_places(space.rectangles, np.arange(4 * len(space.rectangles.bounds)))
+    for _ in range(2):
+        start, goal = random_place(rng, free), random_place(rng, free)
+        lengths = lengths_from(space, start, goal, np.inf)
+        others = corners[(corners != start).any(axis=1)]
+        measured = [lengths[(places == corner).all(axis=1)].min() for corner in others]
+        least = least_lengths(free, np.vstack((start, others)))[1:]
+        assert measured == pytest.approx(least.tolist(), abs=1e-8)
 
 
 def test_a_mirrored_floor_has_a_path_as_long():
