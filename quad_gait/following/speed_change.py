@@ -8,6 +8,7 @@ and lower the feet that swing on that side. Feet that drag along the ground thro
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -25,6 +26,10 @@ _SPEED_STEP = 0.4
 
 _INSTANTS = 100
 """Instants of a cycle at which is seen which feet stand."""
+
+_GRIP = 0.8 * 9.80665
+"""Deceleration that friction gives, by a coefficient of 0.8: dry floors, and simulated worlds'
+[m/s^2]."""
 
 
 def gathered(wanted: Twist2D, entry: Twist2D, gear: MotionLimits) -> Twist2D:
@@ -100,6 +105,51 @@ def balanced_motion(
     )
 
 
+def gripped_motion(motion: BodyMotion, ends: tuple[Twist2D, Twist2D], gait: Gait) -> BodyMotion:
+    """
+    Take from a cycle's motion what its last support could not brake: feet would slide.
+
+    A robot that comes to rest may walk some way more in its last cycle. It gathers speed for that
+    up to the last change of feet, and loses all of it over the two feet that stand then. A fast
+    robot that slides on them comes to rest tilted forward.
+
+    Parameters
+    ----------
+    motion : BodyMotion
+        Motion that is wanted.
+    ends : pair of Twist2D
+        Velocities at the start and at the end of the cycle.
+    gait : Gait
+        The gait.
+
+    Returns
+    -------
+    BodyMotion
+        The motion, with less of the translation that does not follow from these velocities if a
+        dynamic gait would lose more speed over its last support than friction takes, and more than
+        it does without.
+    """
+    if gait.pendulum_rate == 0.0:
+        return motion
+    entry, exit = ends
+    natural = natural_motion(entry, exit, gait)
+    beyond = motion.minus(natural)
+    pace, gain = _last_support(gait)
+    lost = pace * np.array([entry.forward - exit.forward, entry.left - exit.left])
+    more = gain * np.array([beyond.forward, beyond.left])
+    braked = _GRIP * (gait.support_edges[-1] - gait.support_edges[-2])
+    largest = max(braked, float(np.hypot(*lost)))
+    if float(np.hypot(*(lost + more))) <= largest:
+        return motion
+    # |lost + kept more| = largest has one solution between 0 and 1.
+    along, size = float(lost @ more), float(more @ more)
+    room = largest**2 - float(lost @ lost)
+    kept = min(1.0, max(0.0, (math.sqrt(max(along**2 + size * room, 0.0)) - along) / size))
+    return BodyMotion(
+        natural.forward + kept * beyond.forward, natural.left + kept * beyond.left, motion.turn
+    )
+
+
 def lowered_feet(motion: BodyMotion, robot: Robot, gait: Gait) -> float:
     """
     Say how far a shift of the body tilts swinging feet down, at most.
@@ -139,3 +189,21 @@ def _pairs(gait: Gait) -> tuple[NDArray[np.bool_], ...]:
     """List which feet stand, wherever there are two, each of shape (4,)."""
     down = np.unique(schedule_of(gait, gait.cycle_period / _INSTANTS).in_contact, axis=0)
     return tuple(down[down.sum(axis=1) == 2])
+
+
+@lru_cache(maxsize=32)
+def _last_support(gait: Gait) -> tuple[float, float]:
+    """
+    Say how fast the body is when the last support begins.
+
+    Returns
+    -------
+    tuple of float
+        Per mean speed at the cycle's start, and per distance beyond what follows from its ends
+        [1/s].
+    """
+    schedule = schedule_of(gait, gait.cycle_period / _INSTANTS)
+    change = int(np.searchsorted(schedule.times, gait.support_edges[-2] - 1e-9))
+    pace = float(schedule.progress_rate[0])
+    slower = schedule.entry_rate[change] + schedule.exit_rate[change]
+    return pace * gait.cycle_period, float(schedule.progress_rate[change] - pace * slower)

@@ -9,7 +9,15 @@ from quad_common.planar_pose import STILL, Twist2D
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
-from quad_gait.following.speed_change import balanced_motion, lowered_feet, natural_motion
+from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.cycle.schedule import schedule_of
+from quad_gait.following.speed_change import (
+    balanced_motion,
+    gripped_motion,
+    lowered_feet,
+    natural_motion,
+)
+from quad_gait.following.step import AT_ONCE
 
 ROBOTS = available_robots()
 
@@ -79,3 +87,59 @@ def test_static_gaits_keep_every_motion(gait_name):
     gait = load_gait(gait_name, robot)
     motion = BodyMotion(0.3, -0.3, math.pi)
     assert balanced_motion(motion, (STILL, STILL), robot, gait) is motion
+
+
+def speed_lost(motion, ends, robot, gait):
+    """Return how much speed a cycle's last support takes from the body [m/s]."""
+    period = gait.cycle_period
+    schedule = schedule_of(gait, period / 200)
+    pace = schedule.progress_rate[0] * period
+    change = np.argmin(np.abs(schedule.times - gait.support_edges[-2]))
+    lost = []
+    for whole, entry, exit in (
+        (motion.forward, ends[0].forward, ends[1].forward),
+        (motion.left, ends[0].left, ends[1].left),
+    ):
+        mean = whole * schedule.progress_rate
+        speed = mean + schedule.entry_rate * (pace * entry - mean[0])
+        speed += schedule.exit_rate * (pace * exit - mean[-1])
+        lost.append(speed[change] - pace * exit)
+    return math.hypot(*lost)
+
+
+@pytest.mark.parametrize('name', ROBOTS)
+def test_no_more_speed_is_lost_over_a_support_than_friction_takes(name):
+    robot = load_robot(name)
+    gait = load_gait('trot', robot)
+    largest = 0.8 * 9.80665 * (gait.support_edges[-1] - gait.support_edges[-2])
+    rng = np.random.default_rng(3)
+    shortened = 0
+    for _ in range(200):
+        entry, exit = (Twist2D(*rng.uniform(-2.0, 2.0, 2).tolist()) for _ in range(2))
+        natural = natural_motion(entry, exit, gait)
+        assert gripped_motion(natural, (entry, exit), gait) == natural
+        wanted = natural.minus(BodyMotion(*rng.uniform(-0.4, 0.4, 2).tolist(), 0.3))
+        kept = gripped_motion(wanted, (entry, exit), gait)
+        least = max(largest, speed_lost(natural, (entry, exit), robot, gait))
+        assert speed_lost(kept, (entry, exit), robot, gait) <= least * 1.001
+        assert kept.turn == wanted.turn
+        if kept is wanted:
+            continue
+        shortened += 1
+        # No less than that, in the same direction.
+        assert speed_lost(kept, (entry, exit), robot, gait) == pytest.approx(least, rel=1e-3)
+        before, beyond = wanted.minus(natural), kept.minus(natural)
+        assert beyond.forward * before.left == pytest.approx(beyond.left * before.forward)
+        assert beyond.forward * before.forward + beyond.left * before.left >= 0.0
+    assert shortened > 20
+
+
+@pytest.mark.parametrize('name', ROBOTS)
+def test_robots_that_ship_stop_as_they_would_without_friction_in_mind(name):
+    robot = load_robot(name)
+    gait = load_gait('trot', robot)
+    gear = MotionLimits(robot, gait)
+    stride = gear.largest_scale(BodyMotion(forward=1.0))
+    entry = Twist2D(stride / gear.period)
+    motion = BodyMotion((1.0 - gait.acceleration_fraction + AT_ONCE) * stride)
+    assert gripped_motion(motion, (entry, STILL), gait) is motion
