@@ -16,6 +16,9 @@ from quad_common.errors.base import without_frames as without_frames
 from quad_common.errors.descriptions import DescriptionEntryInvalid as DescriptionEntryInvalid
 from quad_common.errors.descriptions import DescriptionError as DescriptionError
 from quad_common.errors.descriptions import DescriptionNotCached as DescriptionNotCached
+from quad_common.errors.descriptions import (
+    DescriptionPackageUnusable as DescriptionPackageUnusable,
+)
 from quad_common.errors.descriptions import DescriptionUnusable as DescriptionUnusable
 from quad_common.errors.descriptions import JointFiguresMissing as JointFiguresMissing
 from quad_common.errors.descriptions import LegNotFeasible as LegNotFeasible
