@@ -109,6 +109,7 @@ from quad_common.errors.planning import StartOutsideMap as StartOutsideMap
 from quad_common.errors.planning import WrongFrame as WrongFrame
 from quad_common.errors.robots import AxisNotAUnitVector as AxisNotAUnitVector
 from quad_common.errors.robots import InitialPostureOutOfRange as InitialPostureOutOfRange
+from quad_common.errors.robots import InitialPostureSingular as InitialPostureSingular
 from quad_common.errors.robots import JointRangeEmpty as JointRangeEmpty
 from quad_common.errors.robots import LegTooShort as LegTooShort
 from quad_common.errors.robots import LegTypeUnknown as LegTypeUnknown
