@@ -4,6 +4,8 @@ Meshes that descriptions name: where they are, and their corners.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -12,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import DescriptionUnusable, MeshNotFound
-from quad_common.files.bounded_file import write_text
+from quad_common.files.bounded_file import is_file, write_text
 from quad_common.files.package_path import is_in_package, package_candidates
 
 Array = NDArray[np.float64]
@@ -21,6 +23,9 @@ _FILE = 'file://'
 
 _LEVELS = 4
 """Number of folders around a description in which meshes are looked for by their paths' ends."""
+
+_LONGEST_END = 8
+"""Number of names in such an end."""
 
 
 def mesh_path(name: str, description: Path) -> Path:
@@ -50,32 +55,25 @@ def mesh_path(name: str, description: Path) -> Path:
         If it is nowhere.
     """
     folder = description.resolve().parent
-    for path in (*_candidates(name, folder), *_by_end(name, folder)):
-        if _is_file(path):
+    for path in chain(_candidates(name, folder), _by_end(name, folder)):
+        if is_file(path):
             return path.resolve()
     raise MeshNotFound(description, name)
 
 
 def is_elsewhere(name: str, description: Path) -> bool:
     """Return whether a mesh is not where its name says (:func:`mesh_path` finds it or not)."""
-    return not any(_is_file(path) for path in _candidates(name, description.resolve().parent))
+    return not any(is_file(path) for path in _candidates(name, description.resolve().parent))
 
 
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    # Names too long for any file, or of folders that may not be read.
-    except OSError:
-        return False
-
-
-def _by_end(name: str, folder: Path) -> list[Path]:
-    """List where files around a description would end as a name does, the longest ends first."""
+def _by_end(name: str, folder: Path) -> Iterator[Path]:
+    """Give where files around a description would end as a name does, the longest ends first."""
     path = name.partition('://')[2] or name
-    parts = [part for part in unquote(path).split('/') if part]
+    parts = [part for part in unquote(path).split('/') if part][-_LONGEST_END:]
     around = [folder, *folder.parents][:_LEVELS]
-    ends = ['/'.join(parts[k:]) for k in range(len(parts) - 1)]
-    return [above / end for end in ends if '..' not in end for above in around]
+    for k in range(len(parts) - 1):
+        if '..' not in parts[k:]:
+            yield from (above / '/'.join(parts[k:]) for above in around)
 
 
 def _candidates(name: str, folder: Path) -> list[Path]:

@@ -8,11 +8,13 @@ description that was copied, or that is in a workspace that was not built, names
 from __future__ import annotations
 
 import os
+import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from quad_common.files.bounded_file import is_file
 from quad_common.files.package_path import package_name
 
 _INDEX = 'AMENT_PREFIX_PATH'
@@ -61,12 +63,42 @@ def packages_around(description: Path) -> Iterator[dict[str, str]]:
                 os.environ[_INDEX] = before
 
 
+def in_real_folders(
+    text: str, folders: Mapping[str, str], written: Callable[[str], str] = str
+) -> str:
+    """
+    Name the real folders of packages in a text in place of those that the index gives.
+
+    Parameters
+    ----------
+    text : str
+        What xacro made of a description, or said of it.
+    folders : mapping of str to str
+        As :func:`packages_around` yields them.
+    written : callable
+        Form that paths have in the text.
+
+    Returns
+    -------
+    str
+        The text with the real folders.
+    """
+    real = {written(found): written(folder) for found, folder in folders.items()}
+    if not real:
+        return text
+    # The name of one package may begin another's.
+    longest_first = sorted(real, key=len, reverse=True)
+    pattern = '|'.join(re.escape(found) for found in longest_first)
+    return re.sub(pattern, lambda match: real[match.group()], text)
+
+
 def _packages(description: Path) -> list[Path]:
     """List the folders of packages around a file, the nearest first."""
     found: list[Path] = []
     for above in list(description.parents)[:_LEVELS]:
-        if not (above / 'package.xml').is_file():
+        if not is_file(above / 'package.xml'):
             continue
-        beside = [path.parent for path in sorted(above.parent.glob('*/package.xml'))]
+        manifests = sorted(above.parent.glob('*/package.xml'))
+        beside = [path.parent for path in manifests if is_file(path)]
         found += [path for path in (above, *beside) if path not in found]
     return found

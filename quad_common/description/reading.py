@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
-from quad_common.description.package_index import packages_around
+from quad_common.description.package_index import in_real_folders, packages_around
 from quad_common.errors import (
     DescriptionEntryInvalid,
     DescriptionUnusable,
@@ -115,9 +115,8 @@ def _expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
     try:
         with packages_around(path) as folders:
             text: str = xacro.process_file(str(path), mappings=dict(arguments)).toxml()
-        for found, folder in folders.items():
-            # Folders may have any name, and this is XML.
-            text = text.replace(found, escape(folder))
+        # Folders may have any name, and this is XML, whose attributes are in double quotes.
+        text = in_real_folders(text, folders, lambda path: escape(path, {'"': '&quot;'}))
     # xacro evaluates what the file says, and lets pass whatever that raises.
     except (Exception, SystemExit) as error:
         reason = _xacro_reason(error, folders)
@@ -129,8 +128,7 @@ def _xacro_reason(error: BaseException, folders: Mapping[str, str]) -> str:
     """Say once why xacro gave up, with the real folders and what can be done."""
     # xacro repeats itself, with classes and numbers of errors between.
     reason = str(error).rpartition('> ')[2].partition(' [Errno')[0] or type(error).__name__
-    for found, folder in folders.items():
-        reason = reason.replace(found, folder)
+    reason = in_real_folders(reason, folders)
     if lacking := re.search(r"package '([^']*)' not found", str(error)):
         return (
             f'the package {quoted(lacking.group(1))} that it uses is not installed, and not around '

@@ -16,6 +16,9 @@ from quad_common.errors.base import without_frames as without_frames
 from quad_common.errors.descriptions import DescriptionEntryInvalid as DescriptionEntryInvalid
 from quad_common.errors.descriptions import DescriptionError as DescriptionError
 from quad_common.errors.descriptions import DescriptionNotCached as DescriptionNotCached
+from quad_common.errors.descriptions import (
+    DescriptionPackageUnusable as DescriptionPackageUnusable,
+)
 from quad_common.errors.descriptions import DescriptionUnusable as DescriptionUnusable
 from quad_common.errors.descriptions import JointFiguresMissing as JointFiguresMissing
 from quad_common.errors.descriptions import LegNotFeasible as LegNotFeasible
@@ -106,6 +109,7 @@ from quad_common.errors.planning import StartOutsideMap as StartOutsideMap
 from quad_common.errors.planning import WrongFrame as WrongFrame
 from quad_common.errors.robots import AxisNotAUnitVector as AxisNotAUnitVector
 from quad_common.errors.robots import InitialPostureOutOfRange as InitialPostureOutOfRange
+from quad_common.errors.robots import InitialPostureSingular as InitialPostureSingular
 from quad_common.errors.robots import JointRangeEmpty as JointRangeEmpty
 from quad_common.errors.robots import LegTooShort as LegTooShort
 from quad_common.errors.robots import LegTypeUnknown as LegTypeUnknown

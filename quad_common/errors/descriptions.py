@@ -125,3 +125,17 @@ class DescriptionNotCached(QuadError):
             f'the description {quoted(self.name)} is not in {self.folder}; fetch it with: '
             f'python -m robot_descriptions pull {clipped(self.name)}'
         )
+
+
+@dataclass(eq=False, repr=False)
+class DescriptionPackageUnusable(QuadError):
+    """A package of descriptions is damaged, or of a version that is not known."""
+
+    package: str
+    """Name of the package."""
+    reason: str
+    """Error that it raises."""
+
+    def sentence(self) -> str:
+        """Say what the package raises."""
+        return f'the package {quoted(self.package)} cannot be used: {clipped(self.reason)}'

@@ -159,6 +159,20 @@ class InitialPostureOutOfRange(RobotFileError):
 
 
 @dataclass(eq=False, repr=False)
+class InitialPostureSingular(RobotFileError):
+    """A leg of a robot cannot move its foot in every direction in the initial posture."""
+
+    name: str
+    """Dotted name of the posture."""
+    problem: QuadError
+    """Error of the leg."""
+
+    def sentence(self) -> str:
+        """Say which posture it is, and of which leg."""
+        return f'{self.path}: {self.name} is singular: {self.problem}'
+
+
+@dataclass(eq=False, repr=False)
 class LegTooShort(RobotModelError):
     """A leg does not reach down or out as far as its posture needs."""
 

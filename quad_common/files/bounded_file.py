@@ -13,6 +13,7 @@ from pathlib import Path
 
 from quad_common.errors import FileUnusable
 from quad_common.files.package_path import is_in_package, package_candidates
+from quad_common.files.unblocked_file import open_unblocked
 
 LARGEST_TEXT = 2**18
 """Bytes of the largest text file that is read: shipped ones have less than 10 000."""
@@ -58,6 +59,14 @@ def is_file(path: str | Path) -> bool:
         return Path(path).is_file()
     except (OSError, ValueError):
         # Too long a name, a folder that may not be entered, a null byte.
+        return False
+
+
+def is_folder(path: str | Path) -> bool:
+    """Return whether a path is a folder; False too if it cannot be looked at."""
+    try:
+        return Path(path).is_dir()
+    except (OSError, ValueError):
         return False
 
 
@@ -107,10 +116,8 @@ def read_bytes(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> byt
 def read_head(path: Path, what: str, count: int) -> bytes:
     """Read the beginning of a regular file, `count` bytes; raise FileUnusable."""
     try:
-        # Not blocking: opening a pipe would wait for somebody who writes to it.
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with os.fdopen(descriptor, 'rb') as file:
-            mode = os.fstat(descriptor).st_mode
+        with open_unblocked(path) as file:
+            mode = os.fstat(file.fileno()).st_mode
             if not stat.S_ISREG(mode):
                 raise FileUnusable(what, path, f'cannot be read: it is {_kind(mode)}, not a file')
             return file.read(count)

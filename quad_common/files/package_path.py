@@ -6,7 +6,11 @@ from __future__ import annotations
 
 import os
 import re
+import stat
+from functools import lru_cache
 from pathlib import Path
+
+from quad_common.files.unblocked_file import open_unblocked
 
 SCHEMES = ('package://', 'model://')
 """Beginnings of names that say which package a file is in."""
@@ -16,7 +20,13 @@ _NAME = re.compile(r'<name>\s*([^<>\s]+)\s*</name>')
 """Name of a package in its ``package.xml``."""
 
 _LARGEST_MANIFEST = 2**16
-"""Characters of a ``package.xml`` that are read."""
+"""Bytes of a ``package.xml`` that are read."""
+
+_LONGEST_NAME = 255
+"""Bytes of the name of a package: it is a folder's where the package is installed."""
+
+_MOST_KEPT = 1024
+"""Number of manifests whose names are kept: each mesh of a description asks for the same ones."""
 
 
 def package_name(folder: Path) -> str:
@@ -24,13 +34,35 @@ def package_name(folder: Path) -> str:
     Return the name of the ROS package in a folder, empty if there is none.
 
     It is what ``package.xml`` says: folders that were copied or cloned are often called otherwise.
+    The folder's own is taken where this says none that a folder could have.
     """
+    manifest = folder / 'package.xml'
     try:
-        with (folder / 'package.xml').open(encoding='utf-8', errors='replace') as file:
-            found = _NAME.search(file.read(_LARGEST_MANIFEST))
-    except OSError:
+        found = manifest.stat()
+    except (OSError, ValueError):
         return ''
-    return found.group(1) if found else folder.name
+    if not stat.S_ISREG(found.st_mode):
+        return ''
+    state = found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+    named = _name_in(manifest, state)
+    return folder.name if named is None else named
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _name_in(manifest: Path, _state: tuple[int, ...]) -> str | None:
+    """Return the name in a manifest: None without one, empty if the file cannot be read."""
+    try:
+        with open_unblocked(manifest) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                return ''
+            text = file.read(_LARGEST_MANIFEST).decode(errors='replace')
+    except (OSError, ValueError):
+        return ''
+    found = _NAME.search(text)
+    if found is None:
+        return None
+    name = found.group(1)
+    return name if name.isprintable() and len(name.encode()) <= _LONGEST_NAME else None
 
 
 def is_in_package(name: str) -> bool:

@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from quad_common.errors import (
     AxisNotAUnitVector,
+    InitialPostureSingular,
     JointRangeEmpty,
     RobotValueInvalid,
+    SingularPosture,
 )
 from quad_common.files.yaml_document import check_keys
 from quad_common.robot.exact_masses import ExactMasses
@@ -31,7 +33,7 @@ from quad_common.robot.robot_build import (
     PartNames,
 )
 from quad_common.robot_files.robot_numbers import RobotNumbers
-from quad_common.serial_legs.serial_leg import AxesAtZero, serial_leg
+from quad_common.serial_legs.serial_leg import AxesAtZero, SerialLeg, serial_leg
 
 Array = NDArray[np.float64]
 
@@ -70,7 +72,8 @@ def imported_joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) ->
     Raises
     ------
     RobotModelError
-        If an entry is missing or invalid, an axis is no unit vector, or a range is empty.
+        If an entry is missing or invalid, an axis is no unit vector, a range is empty, or a leg
+        in its initial posture cannot move its foot in every direction.
     """
     rows = {
         quantity: np.array([number.vector(f'legs.{leg}.{quantity}') for leg in LEGS])
@@ -83,7 +86,7 @@ def imported_joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) ->
     if kinds == LEG_TYPES['serial']:
         bounds = zip(rows['lower'], rows['upper'], rows['initial_posture'])
         legs: tuple[Leg, ...] = tuple(
-            serial_leg(leg, _axes(number, leg, path), *own) for leg, own in zip(LEGS, bounds)
+            _serial_leg(number, leg, path, own) for leg, own in zip(LEGS, bounds)
         )
     else:
         middles = 0.5 * (rows['lower'] + rows['upper'])
@@ -121,6 +124,19 @@ def _leg(number: RobotNumbers, name: str, path: Path, middles: Array) -> Leg:
         zeros=number.vector(f'legs.{name}.zeros'),
         middles=middles,
     )
+
+
+def _serial_leg(
+    number: RobotNumbers, name: str, path: Path, bounds: tuple[Array, Array, Array]
+) -> SerialLeg:
+    """Read a leg of any three axes; `bounds` are lower and upper limits and initial posture."""
+    leg = serial_leg(name, _axes(number, name, path), *bounds)
+    try:
+        # Its inverse starts from there: with a singular posture it finds nothing.
+        leg.joint_velocities(bounds[2], np.zeros(3))
+    except SingularPosture as error:
+        raise InitialPostureSingular(path, f'legs.{name}.initial_posture', error) from error
+    return leg
 
 
 def _axes(number: RobotNumbers, name: str, path: Path) -> AxesAtZero:

@@ -3,6 +3,7 @@ Descriptions are read whichever format they have, and what is wrong with them is
 """
 
 import os
+import tempfile
 
 import pytest
 
@@ -95,13 +96,39 @@ def test_no_package_name_leads_out_of_the_index(name, xacro_file, tmp_path):
     assert read_description(xacro_file).links[0].name == 'base_link'
 
 
-def test_folders_may_have_names_that_xml_does_not_hold(xacro_file, tmp_path):
-    odd = tmp_path / 'R&D <1>'
+@pytest.mark.parametrize('name', ['R&D <1>', 'the "first"', "the 'first'"])
+def test_folders_may_have_names_that_xml_does_not_hold(name, xacro_file, tmp_path):
+    odd = tmp_path / name
     odd.mkdir()
     for package in ('my_robot', 'my_parts'):
         (tmp_path / package).rename(odd / package)
     robot = read_description(odd / 'my_robot' / 'xacro' / 'robot.xacro')
     assert robot.links[0].visuals[0].geometry.mesh.filename == f'file://{odd}/my_parts/body.stl'
+
+
+def test_the_folder_for_temporary_files_may_have_such_a_name(xacro_file, tmp_path, monkeypatch):
+    odd = tmp_path / 'R&D'
+    odd.mkdir()
+    monkeypatch.setattr(tempfile, 'tempdir', str(odd))
+    robot = read_description(xacro_file)
+    assert (
+        robot.links[0].visuals[0].geometry.mesh.filename == f'file://{tmp_path}/my_parts/body.stl'
+    )
+
+
+def test_names_of_packages_may_begin_with_those_of_others(xacro_file, tmp_path):
+    for folder, name in (('my_robot', 'my'), ('my_parts', 'my_parts')):
+        text = f'<package><name>{name}</name></package>'
+        (tmp_path / folder / 'package.xml').write_text(text)
+        (tmp_path / folder).rename(tmp_path / f'{folder}-main')
+    path = tmp_path / 'my_robot-main' / 'xacro' / 'robot.xacro'
+    mesh = read_description(path).links[0].visuals[0].geometry.mesh.filename
+    assert mesh == f'file://{tmp_path}/my_parts-main/body.stl'
+    missing = tmp_path / 'my_parts-main' / 'xacro' / 'leg.xacro'
+    missing.unlink()
+    with pytest.raises(DescriptionError) as error:
+        read_description(path)
+    assert str(error.value).count(str(missing)) == 1
 
 
 def test_packages_that_are_missing_are_named_once(xacro_file, tmp_path):

@@ -28,6 +28,7 @@ SAMPLES = {
     'QuadError': QuadError('it is wrong'),
     'str | PathLike[str]': Path('a.yaml'),
     'Iterable[str]': ('one', 'two'),
+    'Sequence[str]': ('one', 'two'),
     'Sequence[float]': (0.1, 0.2, 0.3, 0.4),
     'Sequence[Sequence[float]]': [(0.1, 0.2), (0.3, 0.4)],
     'list[object]': [2, 3],
