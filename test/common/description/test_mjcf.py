@@ -464,5 +464,5 @@ def test_warnings_of_mujoco_leave_no_file_behind(tmp_path, monkeypatch):
 def test_a_leg_that_bends_about_wrong_axes_is_named(tmp_path):
     legs = FOUR_LEGS.format(knee='axis="0 0 1"')
     path = write(tmp_path, f'<body><freejoint/><geom size=".1"/>{legs}</body>')
-    with pytest.raises(LegNotFeasible, match=r'two axes that are 90\.0 degrees apart'):
+    with pytest.raises(LegNotFeasible, match='moves its foot in one plane only'):
         import_robot(path, ImportOptions(effort=(10.0,), speed=(10.0,)))
