@@ -157,8 +157,8 @@ def aspect_around(leg: CompiledLeg, ranges: Window, length: float) -> Aspect:
         Length of the leg [m].
     """
     window = one_to_one(leg, ranges.within(_WIDEST), length)
-    grid = posture_grid(window.lower, window.upper).reshape(-1, 3)
-    grid = np.vstack([window.nominal, grid])
+    nodes = posture_grid(window.lower, window.upper).reshape(-1, 3)
+    grid: Array = np.vstack([window.nominal, nodes])
     grid = grid[leg.stays_regular(window.nominal, grid)]
     strangeness = np.linalg.norm(grid - window.nominal, axis=-1)
     return Aspect(leg, window, grid, cKDTree(leg.feet(grid)), strangeness)
@@ -184,9 +184,7 @@ def one_to_one(leg: CompiledLeg, window: Window, length: float) -> Window:
     return narrow
 
 
-def _double_postures(
-    leg: CompiledLeg, window: Window, length: float
-) -> tuple[Array, Array, Array]:
+def _double_postures(leg: CompiledLeg, window: Window, length: float) -> tuple[Array, Array, Array]:
     """Return two postures of one place each, (m, 3), and their first joints' turn, (m,) [rad]."""
     ends = [np.linspace(window.lower[k], window.upper[k], _FINE) for k in (1, 2)]
     pitches, knees = (angles.ravel() for angles in np.meshgrid(*ends, indexing='ij'))

@@ -76,6 +76,18 @@ class SerialLeg(Leg):
     nominal: Array = field(default_factory=_no_vector)
     """Posture in whose aspect the leg stays, shape (3,) [rad]."""
 
+    def window(self) -> tuple[Array, Array]:
+        """
+        Return the ranges of a single leg in which it has one posture for each place.
+
+        Returns
+        -------
+        tuple of ndarray, shapes (3,) and (3,)
+            Lower and upper angles, within the joints' limits [rad].
+        """
+        window = self._aspect.window
+        return np.maximum(window.lower, self.lower), np.minimum(window.upper, self.upper)
+
     def reach(self) -> tuple[float | Array, float | Array]:
         """Least and largest distance between hip and foot in the leg's aspect [m]."""
         ends = []
