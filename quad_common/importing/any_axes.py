@@ -5,6 +5,7 @@ Legs whose axes fit no closed formulas: their ranges, and the posture around whi
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -83,7 +84,40 @@ def serial_leg_of(
     if not math.isfinite(costs[best]):
         problem = 'moves its foot in one plane only, however its joints turn'
         raise LegNotFeasible(path, chain.joints[0].name, problem)
-    return RangedLeg(serial_leg(leg.name, at_zero, lower, upper, grid[best]), lower, upper)
+    low, high = serial_leg(leg.name, at_zero, lower, upper, grid[best]).window()
+    return RangedLeg(serial_leg(leg.name, at_zero, low, high, grid[best]), low, high)
+
+
+def in_window(ranged: RangedLeg, chain: LegChain, initial: Array, notes: Notes) -> RangedLeg:
+    """
+    Narrow a leg's ranges to those in which it has one posture for each place.
+
+    Parameters
+    ----------
+    ranged : RangedLeg
+        The leg; one in closed form stays as it is.
+    chain : LegChain
+        Its joints.
+    initial : ndarray, shape (3,)
+        Its initial posture [rad].
+    notes : Notes
+        The ranges that are used of those that are stated are added to it.
+    """
+    leg = ranged.leg
+    if not isinstance(leg, SerialLeg):
+        return ranged
+    leg = replace(leg, lower=ranged.lower, upper=ranged.upper, nominal=np.array(initial))
+    low, high = leg.window()
+    for k, joint in enumerate(chain.joints):
+        lower, upper = joint.lower, joint.upper
+        if not upper - lower < 2.0 * math.pi:
+            lower, upper = -_FREE[k], _FREE[k]
+        if low[k] > lower or high[k] < upper:
+            used = f'{math.degrees(low[k]):.0f} to {math.degrees(high[k]):.0f}'
+            given = f'{math.degrees(lower):.0f} to {math.degrees(upper):.0f}'
+            text = 'beyond, a foot may be in one place in two postures'
+            notes.assume(f'{joint.name} is used from {used} degrees, of {given}: {text}')
+    return RangedLeg(replace(leg, lower=low, upper=high), low, high)
 
 
 def _costs(leg: SerialLeg, postures: Array, knees: str, notes: Notes) -> Array:

@@ -15,7 +15,7 @@ from quad_common.description.poses import inverse, moved
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
 from quad_common.errors import JointFiguresMissing, LegNotFeasible
-from quad_common.importing.any_axes import serial_leg_of
+from quad_common.importing.any_axes import in_window, serial_leg_of
 from quad_common.importing.body_frame import body_frame, corners
 from quad_common.importing.chains import LegChain, find_legs
 from quad_common.importing.feet import Foot, find_foot
@@ -134,6 +134,8 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     foot_radius = float(np.mean([foot.radius for foot in feet]))
     box = body_box(tree, list(parts.body.links), to_base, hips, notes)
     sizes = Sizes(*box, _radii(tree, chains, at_zero, feet, to_base, notes))
+    initial = over_feet(legs, masses, stance(legs, sizes, foot_radius, path))
+    legs = [in_window(*own, notes) for own in zip(legs, chains, initial)]
     return ImportedRobot(
         name=file_name(options.name) if options.name else _name(path, robot.name),
         leg_type=leg_type,
@@ -147,7 +149,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         sizes=sizes,
         velocity=_figures(tree, chains, 'speed', options.speed),
         effort=_figures(tree, chains, 'effort', options.effort),
-        initial=over_feet(legs, masses, stance(legs, sizes, foot_radius, path)),
+        initial=initial,
         foot_radius=foot_radius,
         notes=notes,
     )

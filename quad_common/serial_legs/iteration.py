@@ -26,6 +26,12 @@ _DAMPING = 10.0
 _LONGEST_STEP = 0.3
 """Largest change of a joint in a step [rad]."""
 
+_LINE = 24
+"""Number of parts of the line from the nominal posture to another that are looked at."""
+
+_DIP = 0.02
+"""Determinant on that line, of the lesser one of its ends, below which it counts as changed."""
+
 
 @compiled_part
 def _turn(axis: Array, angle: float, before: Array, after: Array) -> None:
@@ -143,3 +149,73 @@ def iterate(axes: Array, arms: Array, targets: Array, q: Array, left: Array, nea
             for k in range(3):
                 q[sample, k] += part * change[k]
         left[sample] = distance
+
+
+@compiled
+def place_feet(axes: Array, arms: Array, postures: Array, feet: Array) -> None:
+    """
+    Place feet.
+
+    Parameters
+    ----------
+    axes, arms : ndarray, shape (3, 3)
+        As of :func:`iterate`.
+    postures : ndarray, shape (n, 3)
+        Joint angles [rad].
+    feet : ndarray, shape (n, 3)
+        Made the feet from the first joint in the body frame [m].
+    """
+    work = np.zeros((8, 3, 3))
+    for sample in range(len(postures)):
+        _place(axes, arms, postures[sample], work)
+        for k in range(3):
+            feet[sample, k] = work[5, 2, k]
+
+
+@compiled_part
+def _determinant(work: Array) -> float:
+    """Return the determinant of the Jacobian that :func:`_place` leaves."""
+    m = work[6]
+    return float(
+        m[0, 0] * (m[1, 1] * m[2, 2] - m[1, 2] * m[2, 1])
+        - m[0, 1] * (m[1, 0] * m[2, 2] - m[1, 2] * m[2, 0])
+        + m[0, 2] * (m[1, 0] * m[2, 1] - m[1, 1] * m[2, 0])
+    )
+
+
+@compiled
+def stays_regular(
+    axes: Array, arms: Array, nominal: Array, postures: Array, is_regular: NDArray[np.bool_]
+) -> None:
+    """
+    Find the postures to which the Jacobian keeps the sign of its determinant.
+
+    Parameters
+    ----------
+    axes, arms : ndarray, shape (3, 3)
+        As of :func:`iterate`.
+    nominal : ndarray, shape (3,)
+        A regular posture [rad].
+    postures : ndarray, shape (n, 3)
+        Postures at the other ends of straight lines from it [rad].
+    is_regular : ndarray, shape (n,)
+        Made true where no posture of the line is singular, nor nearly so beside its ends.
+    """
+    work, q = np.zeros((8, 3, 3)), np.zeros(3)
+    _place(axes, arms, nominal, work)
+    own = _determinant(work)
+    for sample in range(len(postures)):
+        _place(axes, arms, postures[sample], work)
+        end = _determinant(work) / own
+        is_kept = end > 0.0
+        # Two changes of sign between neighbors of the line show as a dip.
+        least = _DIP * min(end, 1.0)
+        for k in range(1, _LINE):
+            if not is_kept:
+                break
+            for joint in range(3):
+                way = postures[sample, joint] - nominal[joint]
+                q[joint] = nominal[joint] + k / _LINE * way
+            _place(axes, arms, q, work)
+            is_kept = _determinant(work) / own > least
+        is_regular[sample] = is_kept

@@ -17,19 +17,14 @@ from numpy.typing import NDArray
 
 from quad_common.errors import FootOutsideWorkspace, SingularPosture
 from quad_common.robot.leg_kinematics import Leg
-from quad_common.serial_legs.aspect import Aspect, aspect_around, posture_grid
+from quad_common.serial_legs.aspect import FOUND, Aspect, Window, aspect_around
+from quad_common.serial_legs.compiled_leg import CompiledLeg
 
 Array = NDArray[np.float64]
 
 _BEYOND = 0.3
 """Angle beyond the joints' limits up to which postures are looked for, so that a joint that would
 have to pass its limit is named [rad]."""
-
-_NEAR = 1e-12
-"""Distance of a foot from where it is wanted that is none, as a fraction of the leg's length."""
-
-_FOUND = 1e-9
-"""The same of a foot that is found: in places singular to rounding it gets no nearer."""
 
 _SINGULAR = 1e-7
 """Determinant of the Jacobian, of a leg of length 1, that counts as zero."""
@@ -81,11 +76,23 @@ class SerialLeg(Leg):
     nominal: Array = field(default_factory=_no_vector)
     """Posture in whose aspect the leg stays, shape (3,) [rad]."""
 
+    def window(self) -> tuple[Array, Array]:
+        """
+        Return the ranges of a single leg in which it has one posture for each place.
+
+        Returns
+        -------
+        tuple of ndarray, shapes (3,) and (3,)
+            Lower and upper angles, within the joints' limits [rad].
+        """
+        window = self._aspect.window
+        return np.maximum(window.lower, self.lower), np.minimum(window.upper, self.upper)
+
     def reach(self) -> tuple[float | Array, float | Array]:
         """Least and largest distance between hip and foot in the leg's aspect [m]."""
         ends = []
         for leg in self._single:
-            distances = np.linalg.norm(leg._aspect.tree.data - leg.hip, axis=-1)
+            distances = np.linalg.norm(leg._aspect.tree.data, axis=-1)
             ends.append((float(distances.min()), float(distances.max())))
         least, largest = np.array(ends).T
         return (least, largest) if self._is_stacked else (float(least[0]), float(largest[0]))
@@ -218,7 +225,7 @@ class SerialLeg(Leg):
 
     @property
     def _found(self) -> float:
-        return _FOUND * self._length
+        return FOUND * self._length
 
     @cached_property
     def _arms(self) -> Array:
@@ -254,28 +261,18 @@ class SerialLeg(Leg):
     @cached_property
     def _aspect(self) -> Aspect:
         """The postures that a single leg may take."""
-        grid = posture_grid(self.lower - _BEYOND, self.upper + _BEYOND)
-        determinants = np.linalg.det(self.jacobian(grid))
         own = float(np.linalg.det(self.jacobian(self.nominal)))
         if abs(own) <= _SINGULAR * self._length**3:
             raise SingularPosture(str(self.name), 'its joints work in one plane')
-        return aspect_around(self.nominal, grid, self.forward(grid), determinants, own)
+        ranges = Window(self.lower - _BEYOND, self.upper + _BEYOND, self.nominal)
+        return aspect_around(CompiledLeg(self.axes, self._arms), ranges, self._length)
 
     def _solved(self, feet: Array) -> tuple[Array, Array]:
         """Return angles of a single leg (n, 3) [rad], and how far its feet are from (n, 3) [m]."""
-        # Compiled loops take time to load, and most robots have none of these legs.
-        from quad_common.serial_legs.iteration import iterate
-
         is_finite = np.asarray(np.isfinite(feet).all(axis=-1))
         safe = np.where(is_finite[:, None], feet, self.hip)
-        angles = self._aspect.seeds(safe)
-        left = np.empty(len(feet))
-        iterate(self.axes, self._arms, safe - self.hip, angles, left, _NEAR * self._length)
-        # What ran off into another aspect, or around, is not found.
-        is_kept = (angles >= self.lower - 2.0 * _BEYOND) & (angles <= self.upper + 2.0 * _BEYOND)
-        signs = np.sign(np.linalg.det(self.jacobian(angles)))
-        is_kept &= np.reshape(signs == self._aspect.sign, (-1, 1))
-        return angles, np.where(is_finite & is_kept.all(axis=-1), left, np.inf)
+        angles, left = self._aspect.solve(safe - self.hip, self._length)
+        return angles, np.where(is_finite, left, np.inf)
 
 
 def serial_leg(

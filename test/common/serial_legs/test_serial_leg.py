@@ -23,9 +23,12 @@ BUILDS = {
 }
 
 
-def leg_of(axes, name='lf', points=POINTS, nominal=NOMINAL):
+RANGES = {'narrow': (LOWER, UPPER), 'nearly whole turns': (np.full(3, -3.1), np.full(3, 3.1))}
+
+
+def leg_of(axes, name='lf', points=POINTS, nominal=NOMINAL, ranges='narrow'):
     axes = np.array(axes) / np.linalg.norm(axes, axis=1, keepdims=True)
-    return serial_leg(name, AxesAtZero(axes, points, FOOT), LOWER, UPPER, nominal)
+    return serial_leg(name, AxesAtZero(axes, points, FOOT), *RANGES[ranges], nominal)
 
 
 def near_nominal(count, spread=0.25, seed=3):
@@ -63,15 +66,37 @@ def test_the_inverse_undoes_the_forward(build):
     assert np.abs(leg.inverse(leg.forward(angles)) - angles).max() < 1e-6
 
 
+@pytest.mark.parametrize('ranges', RANGES)
 @pytest.mark.parametrize('build', BUILDS)
-def test_angles_are_continuous_along_a_path(build):
-    leg = leg_of(BUILDS[build])
+def test_angles_are_continuous_along_a_path(build, ranges):
+    leg = leg_of(BUILDS[build], ranges=ranges)
     turn = np.linspace(0.0, 2.0 * np.pi, 2001)
     circle = 0.08 * np.column_stack([np.cos(turn), 0.4 * np.sin(turn), np.sin(turn)])
     angles = leg.inverse(leg.forward(NOMINAL) + circle)
     # One sample is 0.25 mm from the next.
     assert np.abs(np.diff(angles, axis=0)).max() < 0.01
     assert np.allclose(angles[0], angles[-1], atol=1e-9)
+
+
+@pytest.mark.parametrize('ranges', RANGES)
+@pytest.mark.parametrize('build', BUILDS)
+def test_a_foot_led_along_regular_postures_is_found_in_them(build, ranges):
+    leg = leg_of(BUILDS[build], ranges=ranges)
+    lower, upper = leg.window()
+    ends = np.clip(near_nominal(150, 1.2), lower, upper)
+    lines = NOMINAL + np.linspace(0.0, 1.0, 60)[None, :, None] * (ends - NOMINAL)[:, None]
+    sizes = np.linalg.det(leg.jacobian(lines)) / np.linalg.det(leg.jacobian(NOMINAL))
+    is_regular = np.cumprod(sizes > 0.05, axis=1).astype(bool)
+    assert is_regular.mean() > 0.7
+    feet = leg.forward(lines[is_regular])
+    assert np.abs(leg.inverse(feet) - lines[is_regular]).max() < 1e-6
+
+
+def test_narrow_ranges_are_used_whole():
+    for axes in BUILDS.values():
+        lower, upper = leg_of(axes).window()
+        assert np.array_equal(lower, LOWER)
+        assert np.array_equal(upper, UPPER)
 
 
 @pytest.mark.parametrize('build', BUILDS)

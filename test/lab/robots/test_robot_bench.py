@@ -4,6 +4,7 @@ What ``quadwalk bench robots`` measures.
 
 import importlib.util
 import math
+import re
 from unittest import mock
 
 import pytest
@@ -11,6 +12,8 @@ import pytest
 pytest.importorskip('yourdfpy')
 
 from quad_common.importing.options import ImportOptions
+from quad_common.importing.robot_document import write_robot
+from quad_common.importing.robot_import import import_robot
 from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.motion_limits import MotionLimits
@@ -19,7 +22,7 @@ from quad_lab.robots.import_check import check_description, check_import
 from quad_lab.robots.imported_walks import walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
 from quad_lab.robots.serial_bars import crawl_forward, write_serial_robot
-from quad_lab.robots.serial_robots import BUILDS
+from quad_lab.robots.serial_robots import BUILDS, serial_urdf
 from quad_sim.engines.registry import ENGINES, preferred
 
 ENGINES_WITH_PHYSICS = [
@@ -92,6 +95,21 @@ def test_legs_of_any_axes_are_kept_in_the_data_file(serial_robot):
     assert abs(angles - robot.initial_joint_angles).max() < 1e-6
     assert 0.3 < robot.largest_stride / robot.hip_height < 1.5
     assert 0.0 < robot.step_height < robot.hip_height
+
+
+def test_ranges_of_nearly_whole_turns_are_narrowed_and_said(tmp_path):
+    wide = 'lower="-3.1" upper="3.1" effort'
+    text = re.sub(r'lower="[^"]*" upper="[^"]*" effort', wide, serial_urdf('turned_knee'))
+    description = tmp_path / 'wide.urdf'
+    description.write_text(text, encoding='utf-8')
+    imported = import_robot(description)
+    assert any('FL_calf_joint is used from' in said for said in imported.notes.assumed)
+    robot = load_robot(write_robot(imported, tmp_path / 'wide.yaml')[0])
+    for leg, lower, upper in zip(robot.legs, robot.lower, robot.upper):
+        low, high = leg.window()
+        assert abs(low - lower).max() < 0.15
+        assert abs(high - upper).max() < 0.15
+        assert (upper - lower).max() < 2.0 * math.pi - 0.1
 
 
 def test_legs_of_any_axes_crawl(tmp_path):
