@@ -265,6 +265,10 @@ class Traffic:
         duties = {other.name: self._duty(own, other, waits) for other in before}
         worst = max(duties.values(), default=Duty.NONE)
         names = ', '.join(sorted(name for name, duty in duties.items() if duty is worst))
+        if worst is Duty.LEAVE and self._has_fallen:
+            self._refuge = None
+            self._session.hold('it has fallen')
+            return
         if worst is Duty.LEAVE and not self.goes_first:
             self._leave(time, own, before, names)
             return

@@ -425,3 +425,41 @@ def test_before_a_goal_is_given_up_a_path_is_looked_for_once_more(monkeypatch):
         scene.go_on(seconds=9.0)
     assert scene.given.end is None
     assert scene.session.plan is not None
+
+
+def test_one_that_has_fallen_itself_gives_way_to_nobody():
+    scene = giving_way()
+    count = len(scene.output.plans)
+    scene.traffic.take_tilt(math.radians(60.0))
+    for _ in range(8):
+        scene.tell('a', (2.5, 2.0), (0.5, 2.0))
+        scene.go_on()
+    assert scene.session.hold_reason == 'it has fallen'
+    assert scene.output.plans[count:] == [None]
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+    scene.traffic.take_tilt(0.0)
+    scene.tell('a', (2.5, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.hold_reason == 'giving way to a'
+    assert scene.session.is_detour
+
+
+def test_after_a_pause_of_its_own_others_have_time_to_speak(monkeypatch):
+    scene = Scene()
+    for _ in range(4):
+        scene.tell('a', (4.0, 3.2), (7.0, 3.2))
+        scene.go_on()
+    bodies = []
+    put = scene.session.map.put_bodies
+    monkeypatch.setattr(
+        scene.session.map, 'put_bodies', lambda these: bodies.extend(these) or put(these)
+    )
+    # What comes meanwhile has the time of the last odometry.
+    scene.go_on(seconds=12.0)
+    scene.go_on()
+    assert not scene.traffic.others['a'].is_staying
+    assert bodies == []
+    for _ in range(25):
+        scene.go_on()
+    assert scene.traffic.others['a'].is_staying
+    assert len(bodies) > 0
