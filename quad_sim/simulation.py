@@ -107,7 +107,7 @@ class Simulation:
     def __init__(self, simulator: Simulator, robot: Robot, start_pose: Pose2D) -> None:
         self._simulator = simulator
         self._robot = robot
-        self._footprint_radius = robot.standing_radius
+        self._standing_radius = robot.standing_radius
         self._initial_joints = robot.initial_joint_angles.reshape(-1)
         self._limits = JointLimits.of(robot)
         self._executor = TrajectoryExecutor(
@@ -303,8 +303,8 @@ class Simulation:
         for change in changes:
             if change.obstacle is not None:
                 distance = float(change.obstacle.distance_to(np.array([pose.x, pose.y])))
-                if distance < self._footprint_radius:
-                    raise ObstacleOnRobot(str(change.name), distance, self._footprint_radius)
+                if distance < self._standing_radius:
+                    raise ObstacleOnRobot(str(change.name), distance, self._standing_radius)
 
     @property
     def obstacles(self) -> Mapping[Hashable, Obstacle]:

@@ -236,8 +236,8 @@ class RobotsInTheWay(PlannerError):
     def sentence(self) -> str:
         """Say who blocks the robot."""
         return (
-            f'blocked by {listed(self.names)}, and no path leads around: nothing has changed for '
-            f'{self.waited:.0f} s, and the goal is given up'
+            f'blocked by {listed(self.names)} for {self.waited:.0f} s, and no path leads around: '
+            f'the goal is given up'
         )
 
 

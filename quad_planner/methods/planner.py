@@ -171,6 +171,30 @@ class Planner(Generic[Prepared]):
             raise NoMap()
         return self._method.plan(self._prepared, start, goal)
 
+    def plan_on(self, grid: OccupancyGrid, start: Pose2D, goal: Pose2D) -> Plan:
+        """
+        Plan once on another map; the one that was set last stays.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The other map.
+        start, goal : Pose2D
+            In the world [m, m, rad].
+
+        Returns
+        -------
+        Plan
+            The turning points.
+
+        Raises
+        ------
+        PlannerError
+            If there is no plan.
+        """
+        prepared = self._updated(grid) or self._method.prepare(grid)
+        return self._method.plan(prepared, start, goal)
+
 
 def make_planner(
     method: str, outline: OutlineOptions | None = None, **options: Any

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from quad_common.errors import InvalidMessage, QuadError, WrongFrame
+from quad_common.errors import InvalidMessage, NoMap, QuadError, WrongFrame
 from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
@@ -104,6 +104,13 @@ class PlanningMap:
             self.pose_on_map(start_frame or name, begin, 'start'),
             self.pose_on_map(goal_frame or name, end, 'goal'),
         )
+
+    def plan_without_bodies(self, start: Pose2D, goal: Pose2D) -> Plan:
+        """Plan once between poses in the map as if there were no other robots; PlannerError."""
+        if self._grid is None:
+            raise NoMap()
+        added = replace(self._added, bodies=())
+        return self.planner.plan_on(self._combined(self._grid, self._ground, added), start, goal)
 
     def use(self, planner: Planner[Any], occupied_threshold: int) -> None:
         """
@@ -321,8 +328,11 @@ class PlanningMap:
         self.planner.set_map(self._combined(self._grid, self._ground))
         return True
 
-    def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
-        grid = self._added.with_zones(grid)
+    def _combined(
+        self, grid: OccupancyGrid, ground: Ground | None, added: MapAdditions | None = None
+    ) -> OccupancyGrid:
+        added = added or self._added
+        grid = added.with_zones(grid)
         if ground is not None:
             grid = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
-        return self._added.with_obstacles(grid)
+        return added.with_obstacles(grid)

@@ -26,6 +26,9 @@ _FORGOTTEN = 600.0
 _STILL = 40.0
 """Time without a movement after which a robot is taken to stay, wherever it wants to go [s]."""
 
+_GAP = 1.0
+"""Time between two looks after which it is the one that looks who has paused [s]."""
+
 _STEP, _TURN = 0.05, 0.1
 """Least movement [m, rad]."""
 
@@ -46,6 +49,7 @@ class OtherRobots:
         self._moved: dict[str, tuple[float, Pose2D]] = {}
         self._staying: dict[str, float] = {}
         self._inert: set[str] = set()
+        self._looked = self._resumed = -math.inf
         self.speeds = Speeds()
         """Speeds of all robots, the one that looks too."""
 
@@ -99,12 +103,18 @@ class OtherRobots:
         gone = [n for n, (at, _) in self._words.items() if not 0.0 <= time - at <= _FORGOTTEN]
         for name in gone:
             self.forget(name)
+        if not 0.0 <= time - self._looked <= _GAP:
+            # Nobody was listened to: they have as long as ever to speak again.
+            self._resumed = time
+        self._looked = time
         for name, (at, _) in self._words.items():
             since = self._moved[name][0]
-            if time - at > _SILENT or time - since > _STILL:
+            has_spoken = at >= self._resumed
+            is_still = has_spoken and time - since > _STILL
+            if is_still or time - max(at, self._resumed) > _SILENT:
                 self._inert.add(name)
                 self._staying.setdefault(name, since)
-            else:
+            elif has_spoken:
                 self._inert.discard(name)
 
     def has_settled(self, name: str, time: float) -> bool:

@@ -8,17 +8,23 @@ for another one.
 
 from __future__ import annotations
 
-import contextlib
 import math
 
 import numpy as np
 
-from quad_common.errors import PlannerError, RobotsInTheWay
+from quad_common.errors import (
+    PlannerError,
+    PlannerTimedOut,
+    PlanSuperseded,
+    QuadError,
+    RobotsInTheWay,
+)
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_planner.grid.array_types import Points
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
+from quad_planner.traffic.blockers import Blockers
 from quad_planner.traffic.other_robots import OtherRobots
 from quad_planner.traffic.right_of_way import Distances, Duty, duty_towards, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap, precedes
@@ -69,7 +75,7 @@ class Traffic:
     name : str
         Name of the robot; see :class:`RobotOnMap`.
     radius : float
-        Radius of the circle that holds its feet [m].
+        Radius of the circle that it needs to stand, as the robot's `standing_radius` [m].
     room : Distances
         How much room robots leave each other.
     """
@@ -82,10 +88,12 @@ class Traffic:
         self._radius = radius
         self._room = self._room_at_rest = room or Distances()
         self._others = OtherRobots(name)
+        self._blockers = Blockers(session.map)
         self._speeds = self._others.speeds
         self._looked_at = -math.inf
         self._route: Plan | None = None
         self._routed_from: Pose2D | None = None
+        self._routed_on: object = None
         self._goal: Pose2D | None = None
         self._refuge: Pose2D | None = None
         self._moved = (-math.inf, Pose2D(0.0, 0.0, 0.0))
@@ -173,16 +181,25 @@ class Traffic:
             self._goal = goal
         if not session.hold_reason:
             self._route, self._routed_from = session.plan, pose
-            self._has_route = session.plan is not None or session.problem is None
+            # A search under way may be for a map that is newer than the plan.
+            is_searching = session.pending_goal is not None
+            self._routed_on = None if is_searching else session.map.planner.prepared
+            self._has_route = session.plan is not None or not _means_no_path(session.problem)
             return
         is_old = self._routed_from is None or pose.distance_to(self._routed_from) > _MOVED
+        is_old = is_old or self._routed_on is not session.map.planner.prepared
         if self._refuge is None and (is_old or self._route is None):
-            self._routed_from = pose
-            # Without one the path from before still says where the robot wants to go.
-            self._has_route = False
-            with contextlib.suppress(PlannerError):
-                self._route = session.map.planner.plan(pose, goal)
-                self._has_route = True
+            self._plan_route(pose, goal)
+
+    def _plan_route(self, pose: Pose2D, goal: Pose2D) -> None:
+        planner = self._session.map.planner
+        self._routed_from, self._routed_on = pose, planner.prepared
+        try:
+            self._route = planner.plan(pose, goal)
+            self._has_route = True
+        except PlannerError as error:
+            # The path from before still says where the robot wants to go.
+            self._has_route = not _means_no_path(error)
 
     def _look_at_bodies(self, time: float, own: RobotOnMap) -> None:
         """Plan around robots that stay where they are."""
@@ -214,25 +231,32 @@ class Traffic:
     def _look_whether_it_is_hopeless(self, time: float, own: RobotOnMap) -> None:
         """Give the goal up to which robots that stay have left no path for long."""
         assert self._goal is not None
-        settled = {n: o for n, o in self.others.items() if self._others.has_settled(n, time)}
-        at_goal = self._session.map.planner.clearance_radius
-        names = [
-            name
-            for name, other in sorted(settled.items())
-            if not self._has_route
-            or (
-                self._goal.distance_to(other.pose) < at_goal + other.radius
-                and self._stops(own, other)
-            )
-        ]
+        session = self._session
+        settled = [o for name, o in self.others.items() if self._others.has_settled(name, time)]
+        at_goal = session.map.planner.clearance_radius
+        names = sorted(
+            other.name
+            for other in settled
+            if self._goal.distance_to(other.pose) < at_goal + other.radius
+            and self._stops(own, other)
+        )
+        if not self._has_route:
+            names = names or self._blockers.names(own.pose, self._goal, settled)
         if not names:
             self._hopeless_since = math.inf
             return
         self._hopeless_since = min(self._hopeless_since, time)
         waited = time - self._hopeless_since
-        if waited > _HOPELESS:
-            self._end()
-            self._session.give_up_goal(RobotsInTheWay(names, waited))
+        if waited <= _HOPELESS:
+            return
+        if not self._has_route:
+            self._plan_route(own.pose, self._goal)
+            if self._has_route:
+                self._hopeless_since = math.inf
+                session.plan_again()
+                return
+        self._end()
+        session.give_up_goal(RobotsInTheWay(names, waited))
 
     def _do_duty(self, time: float, own: RobotOnMap) -> None:
         others = self.others.values()
@@ -241,6 +265,10 @@ class Traffic:
         duties = {other.name: self._duty(own, other, waits) for other in before}
         worst = max(duties.values(), default=Duty.NONE)
         names = ', '.join(sorted(name for name, duty in duties.items() if duty is worst))
+        if worst is Duty.LEAVE and self._has_fallen:
+            self._refuge = None
+            self._session.hold('it has fallen')
+            return
         if worst is Duty.LEAVE and not self.goes_first:
             self._leave(time, own, before, names)
             return
@@ -327,3 +355,8 @@ class Traffic:
         self._session.hold(self._session.hold_reason or 'waiting')
         self._routed_from = None
         self._note_route(own.pose, self._goal)
+
+
+def _means_no_path(problem: QuadError | None) -> bool:
+    """Return whether a search has ended without a path: one that was cut short has not."""
+    return problem is not None and not isinstance(problem, (PlannerTimedOut, PlanSuperseded))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from quad_common.errors import RobotLeftOut, RobotsInTheWay
+from quad_common.errors import PlannerTimedOut, RobotLeftOut, RobotsInTheWay
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D, distance_to_polyline
@@ -347,3 +347,119 @@ def test_when_time_goes_back_robots_from_before_are_forgotten():
     scene.time = 0.0
     scene.go_on()
     assert scene.traffic.others == {}
+
+
+def wall(*gaps):
+    """A wall across the floor at 4 m, with gaps in these rows."""
+    cells = np.zeros((80, 160), np.int8)
+    cells[:, 75:85] = OCCUPIED
+    for first, last in gaps:
+        cells[first:last, 75:85] = 0
+    return OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0))
+
+
+def test_a_door_closed_in_the_map_is_no_fault_of_a_robot_that_stands_elsewhere():
+    scene = Scene()
+    scene.go_on()
+    scene.session.take_grid(wall(), 'map')
+    for _ in range(20):
+        scene.tell('c', (0.6, 3.5))
+        scene.go_on(seconds=9.0)
+    assert scene.session.plan is None
+    assert scene.given.end is None
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+
+
+def test_only_robots_on_the_path_are_named():
+    scene = Scene(wall((29, 51)).cells)
+    for _ in range(18):
+        scene.tell('a', (4.0, 2.0))
+        scene.tell('c', (0.6, 3.5))
+        scene.go_on(seconds=9.0)
+    assert scene.given.end is GoalEnd.REFUSED
+    assert scene.session.problem.names == ['a']
+
+
+def test_a_search_that_runs_out_of_its_time_says_nothing_of_robots(monkeypatch):
+    scene = Scene()
+    scene.go_on()
+
+    def plan(start, goal):
+        raise PlannerTimedOut(1.0)
+
+    monkeypatch.setattr(scene.session.map.planner, 'plan', plan)
+    scene.session.take_grid(wall((29, 51)), 'map')
+    for _ in range(20):
+        scene.tell('a', (5.5, 2.0))
+        scene.go_on(seconds=9.0)
+    assert scene.given.end is None
+
+
+def test_a_passage_that_opens_in_the_map_is_walked_by_one_that_waits():
+    scene = Scene(wall((30, 52)).cells)
+    scene.go_on()
+    scene.go_on(Pose2D(2.6, 2.0, 0.0))
+    for _ in range(30):
+        scene.tell('c', (3.85, 2.05))
+        scene.go_on(seconds=1.0)
+    assert scene.session.hold_reason
+    scene.session.take_grid(wall((30, 52), (0, 24)), 'map')
+    for _ in range(2):
+        scene.tell('c', (3.85, 2.05))
+        scene.go_on(seconds=1.0)
+    assert scene.session.hold_reason == ''
+    assert scene.session.plan.poses[-1] == Pose2D(7.0, 2.0, 0.0)
+
+
+def test_before_a_goal_is_given_up_a_path_is_looked_for_once_more(monkeypatch):
+    scene = Scene(wall((29, 51)).cells)
+    planner = scene.session.map.planner
+    for _ in range(12):
+        scene.tell('a', (4.0, 2.0), has_fallen=True)
+        scene.go_on(seconds=9.0)
+    assert scene.session.plan is None
+    free = scene.session.map.plan_without_bodies(scene.session.pose, scene.session.goal)
+    monkeypatch.setattr(planner, 'plan', lambda start, goal: free)
+    for _ in range(6):
+        scene.tell('a', (4.0, 2.0), has_fallen=True)
+        scene.go_on(seconds=9.0)
+    assert scene.given.end is None
+    assert scene.session.plan is not None
+
+
+def test_one_that_has_fallen_itself_gives_way_to_nobody():
+    scene = giving_way()
+    count = len(scene.output.plans)
+    scene.traffic.take_tilt(math.radians(60.0))
+    for _ in range(8):
+        scene.tell('a', (2.5, 2.0), (0.5, 2.0))
+        scene.go_on()
+    assert scene.session.hold_reason == 'it has fallen'
+    assert scene.output.plans[count:] == [None]
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+    scene.traffic.take_tilt(0.0)
+    scene.tell('a', (2.5, 2.0), (0.5, 2.0))
+    scene.go_on()
+    assert scene.session.hold_reason == 'giving way to a'
+    assert scene.session.is_detour
+
+
+def test_after_a_pause_of_its_own_others_have_time_to_speak(monkeypatch):
+    scene = Scene()
+    for _ in range(4):
+        scene.tell('a', (4.0, 3.2), (7.0, 3.2))
+        scene.go_on()
+    bodies = []
+    put = scene.session.map.put_bodies
+    monkeypatch.setattr(
+        scene.session.map, 'put_bodies', lambda these: bodies.extend(these) or put(these)
+    )
+    # What comes meanwhile has the time of the last odometry.
+    scene.go_on(seconds=12.0)
+    scene.go_on()
+    assert not scene.traffic.others['a'].is_staying
+    assert bodies == []
+    for _ in range(25):
+        scene.go_on()
+    assert scene.traffic.others['a'].is_staying
+    assert len(bodies) > 0

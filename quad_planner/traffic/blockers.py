@@ -1,0 +1,81 @@
+"""
+Which robots leave no path to a goal, where the map alone leaves one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterable
+
+from quad_common.errors import PlannerError
+from quad_common.plan import Plan
+from quad_common.planar_pose import Pose2D, distance_to_polyline
+from quad_planner.session.planning_map import PlanningMap
+from quad_planner.traffic.robot_on_map import RobotOnMap
+
+_MOVED = 0.15
+"""Distance by which the robot has to move for the path to be planned again [m]."""
+
+_ROUNDED = 0.1
+"""Distance by which a body on the map may lie beside the robot: its place is rounded [m]."""
+
+
+class Blockers:
+    """
+    Tells the robots that block a goal from those that stand elsewhere.
+
+    Parameters
+    ----------
+    planning_map : PlanningMap
+        What is planned on, with the bodies of robots that stay.
+    """
+
+    def __init__(self, planning_map: PlanningMap) -> None:
+        self._map = planning_map
+        self._plan: Plan | None = None
+        self._planned: tuple[object, Pose2D, Pose2D] | None = None
+
+    def names(self, start: Pose2D, goal: Pose2D, robots: Iterable[RobotOnMap]) -> list[str]:
+        """
+        Return the names of robots on the path that there would be without any.
+
+        Parameters
+        ----------
+        start, goal : Pose2D
+            In the map; with the bodies there is no path between them.
+        robots : iterable of RobotOnMap
+            Those that stay where they are.
+
+        Returns
+        -------
+        list of str
+            Empty if the map leaves no path without them either, or none was found in time.
+        """
+        robots = list(robots)
+        plan = self._free_plan(start, goal) if robots else None
+        if plan is None:
+            return []
+        prepared = self._map.planner.prepared
+        assert prepared is not None
+        cell = prepared.grid.resolution
+        beyond = self._map.planner.clearance_radius + _ROUNDED + math.sqrt(2.0) * cell
+        return sorted(
+            robot.name
+            for robot in robots
+            if distance_to_polyline((robot.pose.x, robot.pose.y), plan.corners)
+            < beyond + robot.radius
+        )
+
+    def _free_plan(self, start: Pose2D, goal: Pose2D) -> Plan | None:
+        """Plan without bodies, once for a map, a goal and a place."""
+        on = self._map.planner.prepared
+        if self._planned is not None:
+            before, planned_from, planned_to = self._planned
+            is_near = start.distance_to(planned_from) <= _MOVED
+            if before is on and planned_to == goal and is_near:
+                return self._plan
+        self._plan, self._planned = None, (on, start, goal)
+        with contextlib.suppress(PlannerError):
+            self._plan = self._map.plan_without_bodies(start, goal)
+        return self._plan
