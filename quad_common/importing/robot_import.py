@@ -126,13 +126,14 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     order = corners(moved(to_base, axes.hips), path)
     chains, feet = [chains[k] for k in order], [feet[k] for k in order]
     at_zero = _at_zero(axes, order, feet, to_base)
-    hips = np.array([leg.hip for leg in at_zero])
     ranged = partial(_ranged_leg, leg_type=leg_type, knees=options.knees, notes=notes, path=path)
     legs = [ranged(leg, chain) for leg, chain in zip(at_zero, chains)]
     parts = find_parts(tree, chains, notes)
     masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))
-    box = body_box(tree, list(parts.body.links), to_base, hips, notes)
+    box = body_box(
+        tree, list(parts.body.links), to_base, np.array([leg.hip for leg in at_zero]), notes
+    )
     sizes = Sizes(*box, _radii(tree, chains, at_zero, feet, to_base, notes))
     initial = over_feet(legs, masses, stance(legs, sizes, foot_radius, path))
     legs = [in_window(*own, notes) for own in zip(legs, chains, initial)]

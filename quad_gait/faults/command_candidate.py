@@ -34,21 +34,6 @@ class Candidate:
     is_outdated: bool = False
     """Whether a later one was never followed and has ended."""
 
-    def match(self, time: float, before: float) -> None:
-        """
-        Note that all joints are on it.
-
-        Parameters
-        ----------
-        time : float
-            Time at which they were measured [s].
-        before : float
-            Time of the measurement before [s].
-        """
-        if self.matched < before or np.isinf(self.matched):
-            self.matched_since = time
-        self.matched = time
-
     def rows(self, time: float, age: float) -> tuple[Array, Array, Array]:
         """
         List where the joints may be if they follow it.

@@ -184,7 +184,7 @@ class CommandTracker:
             posture, allowed = candidate.path.at(time - candidate.delay)
             off = np.abs(positions - posture) > allowed - strictness
             if not off.any():
-                candidate.match(time, self._time_before)
+                self._match(candidate, time)
                 goes_on = len(begun) > 1 and self._settle_for(candidate, begun, time, positions)
                 self._followed = candidate
                 if candidate.path.starts_on_arrival:
@@ -192,6 +192,12 @@ class CommandTracker:
                 latest, sure = self._latest_and_sure(candidate, begun, goes_on)
                 return Explanation(posture, allowed, off, latest, sure, is_joined=True)
         return self._search(begun, time, positions, strictness)
+
+    def _match(self, candidate: Candidate, time: float) -> None:
+        """Note that all joints are on a trajectory."""
+        if candidate.matched < self._time_before or np.isinf(candidate.matched):
+            candidate.matched_since = time
+        candidate.matched = time
 
     def _bound_delay(self, candidate: Candidate, time: float, positions: Array) -> None:
         """
@@ -232,7 +238,7 @@ class CommandTracker:
                 postures, allowed, _ = candidate.rows(time, self._options.age)
                 fits = bool((np.abs(positions - postures) <= allowed).all(axis=1).any())
             if fits:
-                candidate.match(time, self._time_before)
+                self._match(candidate, time)
                 # They may be on this one, and on each in between next.
                 is_confirmed = False
             elif is_confirmed:
@@ -281,7 +287,7 @@ class CommandTracker:
             owner.delay = float(delays[row]) if owner.path.starts_on_arrival else 0.0
             self._followed = owner
             if least == 0:
-                owner.match(time, self._time_before)
+                self._match(owner, time)
                 if owner.path.starts_on_arrival:
                     self._bound_delay(owner, time, positions)
                 if owner in begun:

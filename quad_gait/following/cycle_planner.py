@@ -16,7 +16,7 @@ from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.motion_sequence import ScheduledCycle
 from quad_gait.following.slip_compensation import SlipCompensation
-from quad_gait.following.speed_change import balanced_motion, gathered, gripped_motion
+from quad_gait.following.speed_change import bearable_motion, gathered
 from quad_gait.following.step import Step
 from quad_gait.following.stoppable_cycle import (
     CycleRules,
@@ -113,8 +113,7 @@ class CyclePlanner:
                 step.exit.minus(exit), gear.acceleration_fraction * gear.period
             )
             motion = motion.minus(lost)
-        motion = balanced_motion(motion, (entry, exit), self._robot, gear.gait)
-        motion = gripped_motion(motion, (entry, exit), gear.gait)
+        motion = bearable_motion(motion, (entry, exit), self._robot, gear.gait)
         compensated = self._compensation.compensated
         speed = compensated(gear.gait, BodyMotion.during(exit, gear.period)).rate(gear.period)
         planned = generate_stoppable_cycle(

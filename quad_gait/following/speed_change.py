@@ -68,6 +68,31 @@ def natural_motion(entry: Twist2D, exit: Twist2D, gait: Gait) -> BodyMotion:
     return BodyMotion.during(mean, period)
 
 
+def bearable_motion(
+    motion: BodyMotion, ends: tuple[Twist2D, Twist2D], robot: Robot, gait: Gait
+) -> BodyMotion:
+    """
+    Take from a cycle's motion what would tilt the body too far, and what its feet would slip by.
+
+    Parameters
+    ----------
+    motion : BodyMotion
+        Motion that is wanted.
+    ends : pair of Twist2D
+        Velocities at the start and at the end of the cycle.
+    robot : Robot
+        The robot.
+    gait : Gait
+        The gait.
+
+    Returns
+    -------
+    BodyMotion
+        The motion, shortened as by :func:`balanced_motion` and :func:`gripped_motion`.
+    """
+    return gripped_motion(balanced_motion(motion, ends, robot, gait), ends, gait)
+
+
 def balanced_motion(
     motion: BodyMotion, ends: tuple[Twist2D, Twist2D], robot: Robot, gait: Gait
 ) -> BodyMotion:
