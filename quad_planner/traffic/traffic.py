@@ -252,7 +252,9 @@ class Traffic:
             return
         if not self._has_route and self._plan_route(own.pose, self._goal):
             self._hopeless_since = math.inf
-            session.plan_again()
+            # While it waits, its duty says when it goes on.
+            if not session.hold_reason:
+                session.plan_again()
             return
         self._end()
         session.give_up_goal(RobotsInTheWay(names, waited))
