@@ -191,7 +191,7 @@ class Traffic:
         if self._refuge is None and (is_old or self._route is None):
             self._plan_route(pose, goal)
 
-    def _plan_route(self, pose: Pose2D, goal: Pose2D) -> None:
+    def _plan_route(self, pose: Pose2D, goal: Pose2D) -> bool:
         planner = self._session.map.planner
         self._routed_from, self._routed_on = pose, planner.prepared
         try:
@@ -200,6 +200,7 @@ class Traffic:
         except PlannerError as error:
             # The path from before still says where the robot wants to go.
             self._has_route = not _means_no_path(error)
+        return self._has_route
 
     def _look_at_bodies(self, time: float, own: RobotOnMap) -> None:
         """Plan around robots that stay where they are."""
@@ -249,12 +250,12 @@ class Traffic:
         waited = time - self._hopeless_since
         if waited <= _HOPELESS:
             return
-        if not self._has_route:
-            self._plan_route(own.pose, self._goal)
-            if self._has_route:
-                self._hopeless_since = math.inf
+        if not self._has_route and self._plan_route(own.pose, self._goal):
+            self._hopeless_since = math.inf
+            # While it waits, its duty says when it goes on.
+            if not session.hold_reason:
                 session.plan_again()
-                return
+            return
         self._end()
         session.give_up_goal(RobotsInTheWay(names, waited))
 

@@ -463,3 +463,25 @@ def test_after_a_pause_of_its_own_others_have_time_to_speak(monkeypatch):
         scene.go_on()
     assert scene.traffic.others['a'].is_staying
     assert len(bodies) > 0
+
+
+def test_a_new_goal_without_a_path_past_robots_is_refused_at_once_and_the_one_before_stays():
+    scene = Scene(wall((29, 51)).cells)
+    scene.tell('a', (4.0, 2.0), has_fallen=True)
+    scene.go_on()
+    new = scene.session.give_goal('map', Pose2D(7.0, 2.2, 0.0))
+    assert new.end is GoalEnd.REFUSED
+    assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
+
+
+def test_a_goal_of_an_idle_robot_is_taken_whoever_is_in_the_way():
+    scene = Scene(wall((29, 51)).cells)
+    scene.session.withdraw_goal()
+    for _ in range(3):
+        scene.tell('a', (4.0, 2.0), has_fallen=True)
+        scene.go_on()
+    new = scene.session.give_goal('map', Pose2D(7.0, 2.2, 0.0))
+    scene.go_on()
+    assert new.end is None
+    assert scene.session.plan is None
+    assert scene.session.goal == Pose2D(7.0, 2.2, 0.0)
