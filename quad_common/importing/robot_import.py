@@ -131,10 +131,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     parts = find_parts(tree, chains, notes)
     masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))
-    box = body_box(
-        tree, list(parts.body.links), to_base, np.array([leg.hip for leg in at_zero]), notes
-    )
-    sizes = Sizes(*box, _radii(tree, chains, at_zero, feet, to_base, notes))
+    sizes = _sizes(tree, (list(parts.body.links), chains), at_zero, feet, to_base, notes)
     initial = over_feet(legs, masses, stance(legs, sizes, foot_radius, path))
     legs = [in_window(*own, notes) for own in zip(legs, chains, initial)]
     return ImportedRobot(
@@ -161,6 +158,20 @@ def _feet(tree: KinematicTree, chains: list[LegChain], axes: LegAxes, notes: Not
         find_foot(tree, chain, points[2], directions[2], notes)
         for chain, points, directions in zip(chains, axes.points, axes.directions)
     ]
+
+
+def _sizes(
+    tree: KinematicTree,
+    links: tuple[list[str], list[LegChain]],
+    at_zero: list[LegAtZero],
+    feet: list[Foot],
+    to_base: Array,
+    notes: Notes,
+) -> Sizes:
+    """Measure the body, by its links, and the legs, by theirs."""
+    of_body, chains = links
+    box = body_box(tree, of_body, to_base, np.array([leg.hip for leg in at_zero]), notes)
+    return Sizes(*box, _radii(tree, chains, at_zero, feet, to_base, notes))
 
 
 def _ranged_leg(

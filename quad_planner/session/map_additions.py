@@ -10,6 +10,7 @@ import numpy as np
 
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_planner.grid.keepout_mask import KeepoutMask, with_discs
+from quad_planner.grid.traversability import Ground
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,33 @@ class MapAdditions:
     """Places at which the robot found no footing, x and y in the map [m]."""
     bodies: tuple[tuple[float, float, float], ...] = ()
     """Other robots: x, y and radius of each in the map [m]."""
+
+    def combined(
+        self, grid: OccupancyGrid, ground: Ground | None, least: int, steps_over_low: bool
+    ) -> OccupancyGrid:
+        """
+        Return the map with all of it, and with the ground.
+
+        Parameters
+        ----------
+        grid : OccupancyGrid
+            The map.
+        ground : Ground, optional
+            The ground that the robot walks on.
+        least : int
+            Least occupancy of an obstacle [%].
+        steps_over_low : bool
+            Whether obstacles that the ground shows to be low are none.
+
+        Returns
+        -------
+        OccupancyGrid
+            What is planned on.
+        """
+        grid = self.with_zones(grid)
+        if ground is not None:
+            grid = ground.added_to(grid, least, steps_over_low)
+        return self.with_obstacles(grid)
 
     def with_zones(self, grid: OccupancyGrid) -> OccupancyGrid:
         """Return the map with zones to keep out of."""

@@ -62,10 +62,8 @@ class PlanningMap:
         """The planning method."""
         self.frame = frame
         """Relation of frames to the map's."""
-        self._limits = limits
-        self._occupied_threshold = occupied_threshold
-        self._steps_over_low = steps_over_low
-        self._warn = warn
+        self._limits, self._warn = limits, warn
+        self._occupied_threshold, self._steps_over_low = occupied_threshold, steps_over_low
         self._grid: OccupancyGrid | None = None
         self._ground: Ground | None = None
         self._waiting: tuple[HeightMap, str] | None = None
@@ -109,8 +107,9 @@ class PlanningMap:
         """Plan once between poses in the map as if there were no other robots; PlannerError."""
         if self._grid is None:
             raise NoMap()
-        added = replace(self._added, bodies=())
-        return self.planner.plan_on(self._combined(self._grid, self._ground, added), start, goal)
+        how = self._occupied_threshold, self._steps_over_low
+        alone = replace(self._added, bodies=()).combined(self._grid, self._ground, *how)
+        return self.planner.plan_on(alone, start, goal)
 
     def use(self, planner: Planner[Any], occupied_threshold: int) -> None:
         """
@@ -328,11 +327,5 @@ class PlanningMap:
         self.planner.set_map(self._combined(self._grid, self._ground))
         return True
 
-    def _combined(
-        self, grid: OccupancyGrid, ground: Ground | None, added: MapAdditions | None = None
-    ) -> OccupancyGrid:
-        added = added or self._added
-        grid = added.with_zones(grid)
-        if ground is not None:
-            grid = ground.added_to(grid, self._occupied_threshold, self._steps_over_low)
-        return added.with_obstacles(grid)
+    def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
+        return self._added.combined(grid, ground, self._occupied_threshold, self._steps_over_low)
