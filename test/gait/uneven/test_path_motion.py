@@ -1,10 +1,12 @@
 """A motion along paths is one that the last gate before the joints lets through, or is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from quad_common.errors import GaitError
+from quad_common.errors import GaitError, JointLimitExceeded
 from quad_common.robot_files.robot_file import load_robot
-from quad_common.trajectory.trajectory_gate import JointLimits
+from quad_common.trajectory.trajectory_gate import JointLimits, velocities_between
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.path_motion import PlannedPaths, motion_along
@@ -45,3 +47,32 @@ def test_what_is_not_refused_passes_the_gate_between_its_points_too():
             passed += 1
     assert passed > 20
     assert refused > 20
+
+
+def search(speed, period=0.02):
+    """Paths of a foot that goes down for the ground until its leg reaches no deeper."""
+    times = np.linspace(0.0, 2.0, round(2.0 / period) + 1)
+    feet = np.repeat(STANCE.feet[None], len(times), axis=0)
+    # It gathers speed within 0.2 s.
+    feet[:, 0, 2] -= speed * np.where(times < 0.2, 2.5 * times**2, times - 0.1)
+    return PlannedPaths(times, STANCE.body, np.zeros(len(times)), feet, sure=2)
+
+
+def test_a_search_that_ends_where_the_leg_does_is_given_out_with_the_time_to_come_to_rest():
+    limits, fast_ends = JointLimits.of(ROBOT), 0
+    for speed in np.linspace(0.08, 0.4, 33):
+        try:
+            motion = motion_along(ROBOT, UnevenOptions(), STANCE, None, search(float(speed)))
+        except JointLimitExceeded:
+            # Near the end of its reach a leg must be too fast from some speed on.
+            continue
+        count = len(motion.times)
+        assert count < 101
+        positions, velocities = (
+            values.reshape(count, -1) for values in (motion.positions, motion.velocities)
+        )
+        between = np.abs(velocities_between(motion.times, positions, velocities)).max(axis=1)
+        fast_ends += between[-1] > 1.05 * float(ROBOT.velocity.max()) >= between[:-1].max()
+        given = replace(motion, given=count - 1).trajectory(0.06)
+        limits.check(given.times, given.positions, given.velocities)
+    assert fast_ends > 0
