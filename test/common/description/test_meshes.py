@@ -15,7 +15,7 @@ def test_meshes_of_copied_descriptions_are_found_by_their_ends(tmp_path):
     mesh.parent.mkdir(parents=True)
     mesh.write_text('solid')
     description = tmp_path / 'urdf' / 'robot.urdf'
-    for name in ('/home/somebody/meshes/go/body.stl', f'package://{"a/" * 3000}meshes/go/body.stl'):
+    for name in ('/srv/somebody/meshes/go/body.stl', f'package://{"a/" * 3000}meshes/go/body.stl'):
         assert mesh_path(name, description) == mesh
 
 
