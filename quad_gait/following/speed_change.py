@@ -71,25 +71,7 @@ def natural_motion(entry: Twist2D, exit: Twist2D, gait: Gait) -> BodyMotion:
 def bearable_motion(
     motion: BodyMotion, ends: tuple[Twist2D, Twist2D], robot: Robot, gait: Gait
 ) -> BodyMotion:
-    """
-    Take from a cycle's motion what would tilt the body too far, and what its feet would slip by.
-
-    Parameters
-    ----------
-    motion : BodyMotion
-        Motion that is wanted.
-    ends : pair of Twist2D
-        Velocities at the start and at the end of the cycle.
-    robot : Robot
-        The robot.
-    gait : Gait
-        The gait.
-
-    Returns
-    -------
-    BodyMotion
-        The motion, shortened as by :func:`balanced_motion` and :func:`gripped_motion`.
-    """
+    """Take from a cycle's motion what `balanced_motion` and `gripped_motion` take, as they do."""
     return gripped_motion(balanced_motion(motion, ends, robot, gait), ends, gait)
 
 
@@ -120,14 +102,10 @@ def balanced_motion(
     if gait.pendulum_rate == 0.0:
         return motion
     natural = natural_motion(*ends, gait)
-    beyond = motion.minus(natural)
-    lowered = lowered_feet(beyond, robot, gait)
+    lowered = lowered_feet(motion.minus(natural), robot, gait)
     if lowered <= gait.swing_height:
         return motion
-    kept = gait.swing_height / lowered
-    return BodyMotion(
-        natural.forward + kept * beyond.forward, natural.left + kept * beyond.left, motion.turn
-    )
+    return _shortened(motion, natural, gait.swing_height / lowered)
 
 
 def gripped_motion(motion: BodyMotion, ends: tuple[Twist2D, Twist2D], gait: Gait) -> BodyMotion:
@@ -170,9 +148,7 @@ def gripped_motion(motion: BodyMotion, ends: tuple[Twist2D, Twist2D], gait: Gait
     along, size = float(lost @ more), float(more @ more)
     room = largest**2 - float(lost @ lost)
     kept = min(1.0, max(0.0, (math.sqrt(max(along**2 + size * room, 0.0)) - along) / size))
-    return BodyMotion(
-        natural.forward + kept * beyond.forward, natural.left + kept * beyond.left, motion.turn
-    )
+    return _shortened(motion, natural, kept)
 
 
 def lowered_feet(motion: BodyMotion, robot: Robot, gait: Gait) -> float:
@@ -207,6 +183,14 @@ def lowered_feet(motion: BodyMotion, robot: Robot, gait: Gait) -> float:
         tilt = abs(float(normal @ shift)) / (2.0 * height)
         most = max(most, tilt * float(np.abs((feet - first) @ normal).max()))
     return most
+
+
+def _shortened(motion: BodyMotion, natural: BodyMotion, kept: float) -> BodyMotion:
+    """Keep a fraction of the translation beyond the natural one, and the turn."""
+    beyond = motion.minus(natural)
+    return BodyMotion(
+        natural.forward + kept * beyond.forward, natural.left + kept * beyond.left, motion.turn
+    )
 
 
 @lru_cache(maxsize=32)
