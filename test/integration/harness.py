@@ -129,7 +129,7 @@ class Bench:
         self.time = 0.0
         """Simulated time, as last heard [s]."""
         self.elapsed = 0.0
-        """Simulated time that passed, over all simulators [s]."""
+        """Simulated time that was seen to pass, over all simulators [s]."""
         self._nodes = NodeProcesses(namespace)
         self.received = 0
         """Number of messages heard."""
@@ -441,7 +441,9 @@ class Bench:
         if now == 0.0:
             # It comes from the test itself.
             return
-        self.elapsed += max(0.0, now - self.time)
+        if self.odometry is not None:
+            # What went by before the first sample was not seen.
+            self.elapsed += max(0.0, now - self.time)
         self.time = now
         self.odometry = message
 
