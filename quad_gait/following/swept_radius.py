@@ -50,7 +50,7 @@ def swept_radius(robot: Robot, cycle: Cycle) -> float:
 
 def sweep_of_turns(robot: Robot, limits: MotionLimits) -> float:
     """
-    Work out how far the robot's parts leave its footprint when it turns on the spot.
+    Work out how far the robot's parts leave its circle when it turns on the spot.
 
     Parameters
     ----------
@@ -62,7 +62,8 @@ def sweep_of_turns(robot: Robot, limits: MotionLimits) -> float:
     Returns
     -------
     float
-        Of turns of any size to both sides; 0 if everything stays within the footprint [m].
+        Distance beyond `Robot.standing_radius`, of turns of any size to both sides; 0 if
+        everything stays within it [m].
     """
     radii = []
     for side, fraction in product((1.0, -1.0), _FRACTIONS):
@@ -70,4 +71,4 @@ def sweep_of_turns(robot: Robot, limits: MotionLimits) -> float:
         turn = BodyMotion(turn=side * fraction * largest)
         cycle = generate_largest_cycle(robot, limits.gait_for(turn), turn)
         radii.append(swept_radius(robot, cycle))
-    return max(0.0, max(radii) - robot.footprint_radius)
+    return max(0.0, max(radii) - robot.standing_radius)

@@ -128,5 +128,5 @@ class SceneModel:
             default_ranges(robot=robot_marker, goal=goal_marker) if ranges is None else ranges,
             MarkerShape.of_robot(robot_marker, robot.standing_height),
             MarkerShape.of_goal(goal_marker),
-            robot.footprint_radius + _AROUND_FEET,
+            robot.standing_radius + _AROUND_FEET,
         )

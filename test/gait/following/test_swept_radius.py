@@ -42,4 +42,4 @@ def test_turns_of_any_size_stay_within_the_sweep_that_the_planner_knows(name, ga
     for fraction in (-1.0, -0.6, -0.2, 0.2, 0.6, 1.0):
         turn = BodyMotion(turn=fraction * limits.largest_scale(BodyMotion(turn=np.sign(fraction))))
         cycle = generate_largest_cycle(robot, limits.gait_for(turn), turn)
-        assert swept_radius(robot, cycle) <= robot.footprint_radius + sweep + 5e-4
+        assert swept_radius(robot, cycle) <= robot.standing_radius + sweep + 5e-4
