@@ -163,7 +163,11 @@ def twist_from_message(message: Twist | TwistStamped) -> Twist2D:
     twist = Twist2D(float(linear.x), float(linear.y), float(angular.z))
     rest = (linear.z, angular.x, angular.y)
     if not twist.is_finite() or not np.all(np.isfinite(rest)):
-        raise InvalidMessage('cmd_vel', 'its numbers are not finite')
+        raise InvalidMessage(
+            'cmd_vel',
+            f'its numbers are not finite: linear {linear.x:g}, {linear.y:g}, {linear.z:g} m/s, '
+            f'angular {angular.x:g}, {angular.y:g}, {angular.z:g} rad/s',
+        )
     if not max(abs(twist.forward), abs(twist.left), abs(twist.turn)) <= _FASTEST:
         raise InvalidMessage(
             'cmd_vel',

@@ -213,7 +213,9 @@ def _is_refused(stage: Stage, attacker: Attacker, target: Interface, case: Nonse
     stage.spin(_WORDS_LAST)
     if _has_said_it(stage, case, known):
         return True
-    return _says_it(stage, attacker, target, case, _known(stage, case))
+    # What the case before was answered has come in by now: only what is still said is known.
+    stage.listener.refusals[case.node] = []
+    return _says_it(stage, attacker, target, case, {stage.said(case.node)})
 
 
 def _known(stage: Stage, case: Nonsense) -> set[str]:
