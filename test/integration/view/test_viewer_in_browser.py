@@ -26,8 +26,8 @@ pytestmark = [
     pytest.mark.skipif(find_chromium() is None, reason='no Chromium: sudo apt install chromium'),
 ]
 
-FLOOR = (330.0, 470.0)
-"""A place on the floor of the sample map as the page shows it at first [pixels]."""
+FLOOR = (290.0, 560.0)
+"""A place on the floor before the robot as the page shows it at first [pixels]."""
 
 OF_DRAGS = 'Unable to preventDefault inside passive event listener invocation.'
 """What Chromium says of viser's own drags; nothing comes of it."""
@@ -38,7 +38,7 @@ VALUES = "Array.from(document.querySelectorAll('input'), field => field.value)"
 """What is chosen on the page."""
 
 
-COARSE = 0.25
+COARSE = 0.1
 """Of each side of the picture: what is drawn is not looked at here, and takes most of the time."""
 
 
