@@ -17,8 +17,8 @@ from quad_planner.traffic.robot_on_map import RobotOnMap
 _MOVED = 0.15
 """Distance by which the robot has to move for the path to be planned again [m]."""
 
-_ROUNDED = 0.1
-"""Distance by which a body on the map may lie beside the robot: its place is rounded [m]."""
+_BESIDE = 0.02
+"""Distance by which a body on the map may lie beside the robot: it is moved seldom [m]."""
 
 
 class Blockers:
@@ -59,7 +59,7 @@ class Blockers:
         prepared = self._map.planner.prepared
         assert prepared is not None
         cell = prepared.grid.resolution
-        beyond = self._map.planner.clearance_radius + _ROUNDED + math.sqrt(2.0) * cell
+        beyond = self._map.planner.clearance_radius + _BESIDE + math.sqrt(2.0) * cell
         return sorted(
             robot.name
             for robot in robots

@@ -30,6 +30,10 @@ _AHEAD = 1.0
 """A stretch is left while the other robot is farther from it than this, at least [m]."""
 
 
+_CELL = 0.05
+"""By which a path around a body may be nearer to it than both radii: it is drawn in cells [m]."""
+
+
 class Duty(enum.IntEnum):
     """What a robot has to do because of another one."""
 
@@ -120,14 +124,31 @@ def duty_towards(
     return Duty.NONE
 
 
-def is_body_ahead(own: RobotOnMap, other: RobotOnMap, room: Distances) -> bool:
-    """Return whether another robot's body is on the next part of a robot's path."""
+def is_body_ahead(
+    own: RobotOnMap, other: RobotOnMap, room: Distances, is_obstacle: bool = False
+) -> bool:
+    """
+    Return whether another robot's body is on the next part of a robot's path.
+
+    Parameters
+    ----------
+    own, other : RobotOnMap
+        The two robots.
+    room : Distances
+        How much room they leave each other.
+    is_obstacle : bool
+        Whether paths lead around the body, as around a wall. Then the path itself keeps the
+        safety distance from it, and only one from before runs into it.
+    """
     places, along = sampled(own.line)
     ahead = places[along <= room.look]
     apart = np.linalg.norm(ahead - other.position, axis=1)
     # Where it only gets farther away, it may go.
     nearest = int(np.argmin(apart))
-    return nearest > 0 and bool(apart[nearest] < own.radius + other.radius + room.touching)
+    needed = own.radius + other.radius + room.touching
+    if is_obstacle:
+        needed = min(needed - room.touching - _CELL, apart[0] - 2.0 * _CELL)
+    return nearest > 0 and bool(apart[nearest] < needed)
 
 
 def is_clear_of(

@@ -28,6 +28,7 @@ from quad_planner.traffic.blockers import Blockers
 from quad_planner.traffic.other_robots import OtherRobots
 from quad_planner.traffic.right_of_way import Distances, Duty, duty_towards, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap, precedes
+from quad_planner.traffic.standing_bodies import StandingBodies
 from quad_planner.traffic.waiting_place import waiting_place
 
 _PERIOD = 0.2
@@ -89,6 +90,7 @@ class Traffic:
         self._room = self._room_at_rest = room or Distances()
         self._others = OtherRobots(name)
         self._blockers = Blockers(session.map)
+        self._bodies = StandingBodies()
         self._speeds = self._others.speeds
         self._looked_at = -math.inf
         self._route: Plan | None = None
@@ -152,6 +154,7 @@ class Traffic:
         session = self._session
         if session.pose is None or session.goal is None or not session.map.is_ready:
             self._end()
+            self._bodies.clear()
             session.map.put_bodies(())
             return
         if session.pending_goal is not None and (session.plan is None or session.is_detour):
@@ -207,25 +210,25 @@ class Traffic:
         assert self._goal is not None
         session, bodies = self._session, []
         clearance = session.map.planner.clearance_radius
+        prepared = session.map.planner.prepared
+        assert prepared is not None
         for name, other in sorted(self.others.items()):
             is_settled = self._others.has_settled(name, time)
             is_in_way = time - self._blocked_since > _BLOCKED and self._stops(own, other)
             is_in_way = is_in_way or name in self._in_way
             at_goal = self._goal.distance_to(other.pose) < clearance + other.radius
             if (is_settled or is_in_way) and not at_goal:
-                # The robot itself stays free, however near it stands.
-                apart = own.pose.distance_to(other.pose)
-                radius = min(other.radius, apart - clearance - 0.02)
-                bodies.append((round(other.pose.x, 1), round(other.pose.y, 1), round(radius, 2)))
-        bodies = [body for body in bodies if body[2] > 0.0]
-        if not session.map.put_bodies(tuple(bodies)):
+                bodies.append(other)
+        self._bodies.place(own.pose, bodies, clearance, prepared.grid.resolution)
+        discs = self._bodies.discs
+        if not session.map.put_bodies(discs):
             return
         # While the robot waits, its route is planned again at the next look.
         self._routed_from = None
         if session.plan is None and not session.hold_reason:
             session.plan_again()
             return
-        near = [distance_to_polyline(body[:2], own.line) < clearance + body[2] for body in bodies]
+        near = [distance_to_polyline(disc[:2], own.line) < clearance + disc[2] for disc in discs]
         if any(near) and not session.hold_reason:
             session.plan_on_new_map()
 
@@ -298,7 +301,7 @@ class Traffic:
         return duty_towards(own, other, self._room, waits, max(1.5, 1.5 * faster))
 
     def _stops(self, own: RobotOnMap, other: RobotOnMap) -> bool:
-        return is_body_ahead(own, other, self._room)
+        return is_body_ahead(own, other, self._room, other.name in self._bodies)
 
     def _leave(self, time: float, own: RobotOnMap, before: list[RobotOnMap], names: str) -> None:
         """Go to the nearest place off the others' paths; or stop, if a body is in the way."""

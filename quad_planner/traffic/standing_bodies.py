@@ -1,0 +1,83 @@
+"""
+Bodies of robots that stay where they are, as obstacles of the map.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from quad_common.planar_pose import Pose2D
+from quad_planner.traffic.robot_on_map import RobotOnMap
+
+_MOVED = 0.02
+"""Distance by which a robot has to move for its body to be moved on the map [m]."""
+
+_GROWN = 0.1
+"""Room that has to be gained before a body that was drawn smaller is drawn larger again [m]."""
+
+Disc = tuple[float, float, float]
+"""x, y and radius [m]."""
+
+
+class StandingBodies:
+    """
+    Discs that paths lead around, one for each robot that stays.
+
+    A disc changes as seldom as possible: whenever it does, the map is prepared again.
+    """
+
+    def __init__(self) -> None:
+        self._discs: dict[str, Disc] = {}
+
+    def __contains__(self, name: str) -> bool:
+        """Return whether paths lead around a robot."""
+        return name in self._discs
+
+    @property
+    def discs(self) -> tuple[Disc, ...]:
+        """The bodies, in the order of the robots' names."""
+        return tuple(disc for _, disc in sorted(self._discs.items()))
+
+    def place(
+        self, pose: Pose2D, robots: Iterable[RobotOnMap], clearance: float, resolution: float
+    ) -> None:
+        """
+        Take the robots that stay now; all others are none any more.
+
+        Parameters
+        ----------
+        pose : Pose2D
+            Where the robot itself is. Its place stays free, however near it stands: there the
+            body is drawn smaller.
+        robots : iterable of RobotOnMap
+            The robots that stay.
+        clearance : float
+            Distance that paths keep from obstacles [m].
+        resolution : float
+            Edge length of a cell of the map [m].
+        """
+        before, self._discs = self._discs, {}
+        for robot in robots:
+            disc = _disc(before.get(robot.name), robot, pose, clearance + resolution)
+            if disc[2] > 0.0:
+                self._discs[robot.name] = disc
+
+    def clear(self) -> None:
+        """Know of no robot that stays."""
+        self._discs = {}
+
+
+def _disc(known: Disc | None, robot: RobotOnMap, pose: Pose2D, needed: float) -> Disc:
+    x, y = robot.pose.x, robot.pose.y
+    if known is not None and math.hypot(known[0] - x, known[1] - y) <= _MOVED:
+        x, y = known[:2]
+    else:
+        known = None
+    room = math.hypot(pose.x - x, pose.y - y) - needed
+    radius = min(robot.radius, room)
+    # It is as large as there is room for, but not larger with every step.
+    is_smaller = known is not None and known[2] < robot.radius
+    if is_smaller and known is not None and known[2] <= room < known[2] + _GROWN:
+        radius = known[2]
+    return x, y, radius
