@@ -23,6 +23,7 @@ from urllib.parse import urlsplit
 from quad_common.errors import MissingOptionalDependency, QuadError
 from quad_common.process.end_signals import blocked_signals, released_at_last, shielded
 from quad_common.process.temporary_folder import temporary_folder
+from quad_lab.tools.workers import end_with_parent
 
 NAMES = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
 """What the program is called."""
@@ -266,6 +267,7 @@ class Chromium:
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 start_new_session=True,
+                preexec_fn=end_with_parent,
             )
         self._stack.enter_context(released_at_last(process.kill))
         return process
