@@ -69,7 +69,7 @@ view: venv
 # Two at a time: while the nodes of one test begin, another computes. A worker that has nothing left
 # to do takes tests over from the other. One at a time: make test ARGS='-n 0'
 test: venv
-	@$(BIN)/python -m pytest -n 2 --dist worksteal $(ARGS)
+	@$(BIN)/python -m pytest -n 2 --dist worksteal --durations=15 $(ARGS)
 
 # Some of the core: what depends on the version of Python is imports, compiled searches and wheels.
 SMOKE := test/common/trajectory test/common/maps test/planner/grid test/planner/search test/gait/following test/sim/engines/test_registry.py
