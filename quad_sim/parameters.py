@@ -143,9 +143,7 @@ class SimParameters:
     odom_position_noise: float = parameter(
         0.0, "Standard deviation of odom's position.", 'm', 0.0, 10.0
     )
-    odom_yaw_noise: float = parameter(
-        0.0, "Standard deviation of odom's heading.", 'rad', 0.0, 3.0
-    )
+    odom_yaw_noise: float = parameter(0.0, "Standard deviation of odom's heading.", 'rad', 0.0, 3.0)
     odom_drift: float = parameter(
         0.0,
         'Drift of odom as real odometry has it: fraction of the distance and of the angle turned, '

@@ -37,9 +37,7 @@ def test_robots_are_read_by_kind_name_and_place():
     assert robots_from_text(' ') == {}
 
 
-@pytest.mark.parametrize(
-    'text', ['a=a1; a=a1', '1a=a1@0,0,0', 'a=@0,0,0', 'a1@1,2', 'a1@x,0,0']
-)
+@pytest.mark.parametrize('text', ['a=a1; a=a1', '1a=a1@0,0,0', 'a=@0,0,0', 'a1@1,2', 'a1@x,0,0'])
 def test_what_names_no_robots_is_refused(text):
     with pytest.raises(ParameterError, match='names or files of robots'):
         robots_from_text(text)

@@ -83,7 +83,9 @@ def test_no_cell_of_a_kernel_is_out_of_reach():
 
 def test_cells_too_small_for_an_outline_are_refused_at_once():
     reach = outer_radius(TAIL) + 0.1
-    with pytest.raises(CellsTooSmall, match="cells of 0.0001 m are too small .* footprint 'circle'"):
+    with pytest.raises(
+        CellsTooSmall, match=r"cells of 0\.0001 m are too small .* footprint 'circle'"
+    ):
         kernels_of(TAIL, 0.1, 1e-4)
     with pytest.raises(CellsTooSmall) as refused:
         kernels_of(TAIL, 0.1, reach / 150.0)
