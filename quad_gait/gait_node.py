@@ -91,7 +91,7 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def update_status(self) -> None:
         """Report what the robot does, or why it does not move."""
-        notes = self._map.problem(), self._topics.cmd_vel_problem(), self.rest_note()
+        notes = self._map.problem(), *self._topics.problems(), self.rest_note()
         self.report_status(self._diagnosis.status(self.clock_check.problem(), *notes))
 
     def _rest(self) -> None:

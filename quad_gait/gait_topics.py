@@ -87,7 +87,21 @@ class GaitTopics:
         self._polygon_contacts = b''
         self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
 
-    def cmd_vel_problem(self) -> str:
+    def problems(self) -> tuple[str, ...]:
+        """Say what is wrong with who publishes what, as sentences; empty ones if nothing is."""
+        return self._cmd_vel_problem(), self._trajectory_problem()
+
+    def _trajectory_problem(self) -> str:
+        """Say that somebody else commands the same joints; empty if nobody does."""
+        publishers = self._node.count_publishers('joint_trajectory')
+        if publishers < 2:
+            return ''
+        return (
+            f'joint_trajectory has {publishers} publishers, and each takes the joints from the '
+            'others: end them, or give each robot a namespace or a ROS_DOMAIN_ID of its own'
+        )
+
+    def _cmd_vel_problem(self) -> str:
         """Say that steering is published as the type that is not subscribed to; empty if not."""
         other = 'Twist' if self._is_stamped else 'TwistStamped'
         publishers = self._node.get_publishers_info_by_topic('cmd_vel')

@@ -14,7 +14,7 @@ from quad_common.errors import ParameterError, PlaceTaken
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_sim.simulation import check_start
+from quad_sim.simulation import check_start, start_from
 
 _VALID = (
     'names or files of robots, as titan_viii, cuhk, a1; or each with a name and a place, as '
@@ -157,7 +157,4 @@ def _pose(text: str, whole: str) -> Pose2D:
         x, y, yaw = (float(part) for part in text.split(','))
     except ValueError:
         raise ParameterError('robots', whole, _VALID) from None
-    pose = Pose2D(x, y, yaw)
-    if not pose.is_finite():
-        raise ParameterError('robots', whole, _VALID)
-    return pose
+    return start_from('robots', (x, y, yaw))

@@ -131,19 +131,19 @@ class SimParameters:
         lower=1.0,
         upper=1000.0,
     )
-    friction: float = parameter(0.8, 'Coulomb friction between feet and ground.', lower=0.0)
+    friction: float = parameter(
+        0.8, 'Coulomb friction between feet and ground.', lower=0.0, upper=10.0
+    )
     gyroscope_noise: float = parameter(
-        0.002, "Standard deviation of the imu's angular velocity.", 'rad/s', lower=0.0
+        0.002, "Standard deviation of the imu's angular velocity.", 'rad/s', 0.0, 100.0
     )
     accelerometer_noise: float = parameter(
-        0.02, "Standard deviation of the imu's acceleration.", 'm/s^2', lower=0.0
+        0.02, "Standard deviation of the imu's acceleration.", 'm/s^2', 0.0, 1000.0
     )
     odom_position_noise: float = parameter(
-        0.0, "Standard deviation of odom's position.", 'm', lower=0.0
+        0.0, "Standard deviation of odom's position.", 'm', 0.0, 10.0
     )
-    odom_yaw_noise: float = parameter(
-        0.0, "Standard deviation of odom's heading.", 'rad', lower=0.0
-    )
+    odom_yaw_noise: float = parameter(0.0, "Standard deviation of odom's heading.", 'rad', 0.0, 3.0)
     odom_drift: float = parameter(
         0.0,
         'Drift of odom as real odometry has it: fraction of the distance and of the angle turned, '

@@ -17,7 +17,7 @@ from quad_common.vision.camera import CameraModel
 from quad_common.vision.color_parameters import color_from, markers_from
 from quad_sim.engines.registry import ENGINES, resolved
 from quad_sim.parameters import SimParameters
-from quad_sim.simulation import check_start
+from quad_sim.simulation import check_start, start_from
 from quad_sim.world.appearance import Appearance
 from quad_sim.world.random_room import random_room
 from quad_sim.world.simulated_camera import SimulatedCamera
@@ -85,7 +85,7 @@ def scenery_from(parameters: SimParameters, robot: Robot) -> Scenery:
 def _level_scenery(parameters: SimParameters, robot: Robot) -> Scenery:
     """Read a map, or draw a room."""
     p = parameters
-    start = Pose2D(*p.start_pose)
+    start = start_from('start_pose', p.start_pose)
     if p.room_seed >= 0:
         if p.map_file:
             raise ParameterError('room_seed', p.room_seed, f"-1 with 'map_file' {p.map_file!r}")

@@ -4,7 +4,7 @@ A robot under its trajectory controller in a simulator: what ``sim_node`` steps.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from quad_common.errors import (
 )
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_common.quantity import ANGLE, COORDINATE
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
@@ -36,6 +37,30 @@ from quad_sim.world.simulated_camera import Picture, SimulatedCamera
 from quad_sim.world.world import Obstacle
 
 Array = NDArray[np.float64]
+
+
+def start_from(name: str, numbers: Sequence[float]) -> Pose2D:
+    """
+    Make a start of its numbers.
+
+    Parameters
+    ----------
+    name : str
+        Name of the start, for the error.
+    numbers : sequence of float
+        x, y and yaw [m, m, rad].
+
+    Raises
+    ------
+    OutOfRange
+        If one is outside the range of places or headings.
+    """
+    x, y, yaw = numbers
+    return Pose2D(
+        COORDINATE.check(f'{name}.x', x),
+        COORDINATE.check(f'{name}.y', y),
+        ANGLE.check(f'{name}.yaw', yaw),
+    )
 
 
 def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:

@@ -43,6 +43,7 @@ from quad_common.errors.gaits import RobotStaysStill as RobotStaysStill
 from quad_common.errors.gaits import SingularPosture as SingularPosture
 from quad_common.errors.gaits import UnstableCycle as UnstableCycle
 from quad_common.errors.maps import CellCountOutOfRange as CellCountOutOfRange
+from quad_common.errors.maps import CellsTooSmall as CellsTooSmall
 from quad_common.errors.maps import CellValuesOutOfRange as CellValuesOutOfRange
 from quad_common.errors.maps import GroundUnknown as GroundUnknown
 from quad_common.errors.maps import HeightImageNotGray as HeightImageNotGray

@@ -169,6 +169,27 @@ class MapTooLarge(MapError):
 
 
 @dataclass(eq=False, repr=False)
+class CellsTooSmall(MapError):
+    """A map has cells that are too small to plan on it by a robot's outline."""
+
+    resolution: float
+    """Side of a cell [m]."""
+    count: int
+    """Number of cells, in a row, over which the robot reaches from its center."""
+    most: int
+    """Largest number of cells over which it may reach."""
+
+    def sentence(self) -> str:
+        """Say what to do about it."""
+        least = self.resolution * self.count / self.most
+        return (
+            f"the map's cells of {self.resolution:g} m are too small for footprint 'outline': the "
+            f'robot and its distance to obstacles reach over {self.count} of them, and {self.most} '
+            f"are the most. Use cells of {least:.2g} m, or footprint 'circle'"
+        )
+
+
+@dataclass(eq=False, repr=False)
 class ImageUnreadable(MapError):
     """An image of a map is damaged, or of another format."""
 

@@ -23,15 +23,13 @@ from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.state.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
+from quad_gait.state.reading_age import ReadingAge
 from quad_gait.state.series_check import SeriesCheck, Taken
 
 Array = NDArray[np.float64]
 
 RANGE_MARGIN = 0.25
 """Angle by which a measured joint may be beyond its range, for errors of its encoder [rad]."""
-
-LEAST_MISSED = 4
-"""Number of readings of the odometry without joint states, or imu, that make those missing."""
 
 _OVERLOAD = 100.0
 """Number of times its limits that a joint's measured velocity and effort may be, for noise."""
@@ -87,17 +85,15 @@ class SensorInputs:
         self._imu_check = SeriesCheck[Array]('imu', attitude_step)
         self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', pose_step)
         self._joints: JointReadings | None = None
-        # When they were measured or, without a stamp, came.
-        self._joints_time: float | None = None
+        timeouts = self._options.joint_timeout, self._options.imu_timeout
+        self._joints_age = ReadingAge('joint states', 'joint states', timeouts[0])
         self._imu: tuple[Array | None, float | None] = (None, None)
         self._imu_motion: ImuMotion | None = None
-        self._imu_time: float | None = None
+        self._imu_age = ReadingAge('imu', "the imu's readings", timeouts[1])
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
-        # Odometry that has come since the last joint states, and since the last of the imu.
-        self._without_joints = self._without_imu = 0
         self.imu_problem = ''
-        """That the imu has fallen silent, as a sentence; empty while it has not."""
+        """That the imu does not tell of now, as a sentence; empty while it does."""
         self._was_moved = False
 
     def imu_at(self, time: float) -> tuple[Array | None, float | None]:
@@ -114,10 +110,7 @@ class SensorInputs:
         tuple of ndarray (4,) or None, and float or None
             Orientation, quaternion xyzw, and yaw rate [rad/s].
         """
-        since = self._imu_time
-        if since is None or time - since > self._options.imu_timeout:
-            return None, None
-        return self._imu
+        return self._imu if self._imu_age.is_recent(time) else (None, None)
 
     def take_joints(self, readings: JointReadings) -> bool:
         """
@@ -145,9 +138,8 @@ class SensorInputs:
             return False
         self._was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._joint_refusal = ''
-        self._without_joints = 0
         self._joints = readings
-        self._joints_time = self._pose_check.time if readings.time is None else readings.time
+        self._joints_age.take(readings.time)
         return True
 
     def take_imu(
@@ -184,8 +176,7 @@ class SensorInputs:
             )
         self._imu = (orientation, yaw_rate)
         self._imu_motion = motion
-        self._without_imu = 0
-        self._imu_time = self._pose_check.time if time is None else time
+        self._imu_age.take(time)
 
     def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
         """
@@ -215,9 +206,9 @@ class SensorInputs:
             return None
         was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._was_moved = False
-        self._without_joints += 1
-        self._without_imu += 1
-        self.imu_problem = self._silence_of_imu(time)
+        self._joints_age.advance(time)
+        self._imu_age.advance(time)
+        self.imu_problem = self._problem_of_imu()
         joints, imu = self._joints, self.imu_at(time)[0]
         return Measurement(
             time=time,
@@ -230,48 +221,37 @@ class SensorInputs:
             orientation=orientation if imu is None else imu,
             joint_efforts=None if joints is None else joints.efforts,
             joint_time=None if joints is None else joints.time,
-            problem=self._problem(time),
+            problem=self._problem(),
             was_moved=was_moved,
             imu=None if imu is None else self._imu_motion,
         )
 
-    def _silence_of_imu(self, time: float) -> str:
-        """Say that an imu no longer publishes; empty if it does."""
-        options, since = self._options, self._imu_time
-        if since is None or time - since <= options.imu_timeout:
+    def _problem_of_imu(self) -> str:
+        """Say that an imu does not tell of now, and what follows from it; empty if it does."""
+        options, problem = self._options, self._imu_age.problem
+        if not problem:
             return ''
-        # After a pause of the machine odometry may be the first to come.
-        if self._without_imu < LEAST_MISSED:
-            return ''
-        silence = f'no imu for {time - since:.1f} s'
         if options.odometry_has_attitude:
-            return f"{silence}: odometry's attitude takes its place"
+            return f"{problem}: odometry's attitude takes its place"
         if options.needs_attitude:
-            return f'{silence}, and odometry by legs does not tell roll and pitch'
-        return f'{silence}: the body is taken to be level'
+            return f'{problem}, and odometry by legs does not tell roll and pitch'
+        return f'{problem}: the body is taken to be level'
 
-    def _problem(self, time: float) -> str:
+    def _problem(self) -> str:
         """Say what is missing for a walk; empty if nothing is."""
-        problem = self._silence_of_joints(time)
+        problem = self._problem_of_joints()
         options = self._options
         if not problem and options.needs_attitude and not options.odometry_has_attitude:
             return self.imu_problem
         return problem
 
-    def _silence_of_joints(self, time: float) -> str:
-        """Say that joint states are missing; empty if they are not."""
+    def _problem_of_joints(self) -> str:
+        """Say that nothing is known of the joints now; empty if it is."""
         if self._joints is None:
             return self._joint_refusal or 'no joint states yet'
-        if self._joints_time is None:
-            # They came before anything told the time.
-            self._joints_time = time
-        since = self._joints_time
-        is_old = time - since > self._options.joint_timeout
-        # After a pause of the machine odometry may be the first to come.
-        if not is_old or self._without_joints < LEAST_MISSED:
-            return ''
+        problem = self._joints_age.problem
         # What is refused comes, and still nothing is known of the joints.
-        return self._joint_refusal or f'no joint states for {time - since:.1f} s'
+        return problem and (self._joint_refusal or problem)
 
     def _check_ranges(self, readings: JointReadings) -> None:
         limits, positions = self._limits, readings.positions

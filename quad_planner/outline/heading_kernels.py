@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import CellsTooSmall
 from quad_planner.outline.robot_outline import convex_hull
 
 Array = NDArray[np.float64]
@@ -27,6 +28,11 @@ STEP = 2.0 * math.pi / CLASSES
 
 _SLACK = 1e-6
 """Relative slack of the distance, as of the inflation by circles."""
+
+
+_MOST_ROWS = 128
+"""Cells over which the robot may reach from its center: the time for kernels grows by the square of
+their number, and maps are taken where goals and heartbeats wait."""
 
 
 class Kernels(NamedTuple):
@@ -89,9 +95,16 @@ def kernels_of(outline: Array, distance: float, resolution: float) -> Kernels:
     Kernels
         All cells, some point of which is nearer than the distance to the outline of a robot
         whose center is at some point of a cell, at some heading of the class.
+
+    Raises
+    ------
+    CellsTooSmall
+        If the robot reaches over too many of them.
     """
     reach = np.linalg.norm(outline, axis=1).max() / math.cos(STEP / 2.0) + distance
     rows = math.ceil(reach / resolution) + 1
+    if rows > _MOST_ROWS:
+        raise CellsTooSmall(resolution, rows, _MOST_ROWS)
     offsets = np.arange(-rows, rows + 1, dtype=float)
     x, y = np.meshgrid(offsets, offsets)
     low = np.ones((CLASSES, len(offsets)), dtype=np.int64)

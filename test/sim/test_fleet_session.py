@@ -37,12 +37,16 @@ def test_robots_are_read_by_kind_name_and_place():
     assert robots_from_text(' ') == {}
 
 
-@pytest.mark.parametrize(
-    'text', ['a=a1; a=a1', '1a=a1@0,0,0', 'a=@0,0,0', 'a1@1,2', 'a1@x,0,0', 'a1@nan,0,0']
-)
+@pytest.mark.parametrize('text', ['a=a1; a=a1', '1a=a1@0,0,0', 'a=@0,0,0', 'a1@1,2', 'a1@x,0,0'])
 def test_what_names_no_robots_is_refused(text):
     with pytest.raises(ParameterError, match='names or files of robots'):
         robots_from_text(text)
+
+
+@pytest.mark.parametrize('place', ['nan,0,0', '0,1e300,0', '0,0,1e17', '-inf,0,0'])
+def test_robots_at_no_place_are_refused(place):
+    with pytest.raises(ParameterError, match=r"'robots\.(x|y|yaw)' is .* it must be"):
+        robots_from_text(f'a1@{place}')
 
 
 def test_every_robot_is_measured_in_frames_of_its_own_and_time_is_one():

@@ -1,5 +1,6 @@
 """What the parameters say of world and camera is what is built."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -102,6 +103,20 @@ def test_ground_that_does_not_exist_is_refused():
 def test_what_contradicts_itself_is_refused(changes, told):
     with pytest.raises(ParameterError, match=told):
         scenery_from(parameters(**changes), ROBOT)
+
+
+@pytest.mark.parametrize(
+    ('pose', 'told'),
+    [
+        ([1e300, 0.0, 0.0], "'start_pose.x' is 1e+300"),
+        ([0.0, -2e9, 0.0], "'start_pose.y' is -2000000000.0"),
+        ([0.0, 0.0, 1e17], "'start_pose.yaw' is 1e+17"),
+    ],
+)
+@pytest.mark.parametrize('map_file', ['', 'none'])
+def test_a_start_that_is_no_place_is_refused(pose, told, map_file):
+    with pytest.raises(ParameterError, match=re.escape(told)):
+        scenery_from(parameters(start_pose=pose, map_file=map_file), ROBOT)
 
 
 def test_the_defaults_are_those_of_the_appearance_and_of_the_markers():

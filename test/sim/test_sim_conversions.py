@@ -17,6 +17,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage, TrajectoryError
 from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.parameters import parameters_of
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.image_conversions import (
@@ -179,6 +180,26 @@ def test_the_imu_measures_gravity_upward_with_the_noise_that_it_admits():
     ):
         assert np.reshape(covariance, (3, 3)) == pytest.approx(sigma**2 * np.eye(3))
     assert message.header.frame_id == 'base_link'
+
+
+@pytest.mark.parametrize(
+    'name', ['odom_position_noise', 'odom_yaw_noise', 'gyroscope_noise', 'accelerometer_noise']
+)
+def test_the_largest_noise_that_may_be_asked_for_is_measured_in_finite_numbers(name):
+    noisy = next(one for one in parameters_of(SimParameters) if one.name == name)
+    largest = 1e300 if noisy.upper is None else noisy.upper
+    parameters = replace(SimParameters(), **{name: noisy.check(largest)})
+    drawn = np.full((2, 3), 6.0)
+    imu = imu_message(observation(), parameters, drawn, STAMP)
+    legs = odometry_message(observation(), parameters, np.full(4, 6.0), STAMP)
+    vectors = (imu.angular_velocity, imu.linear_acceleration, legs.pose.pose.position)
+    assert all(np.isfinite(numbers(vector)).all() for vector in vectors)
+    for covariance in (
+        imu.angular_velocity_covariance,
+        imu.linear_acceleration_covariance,
+        legs.pose.covariance,
+    ):
+        assert np.isfinite(covariance).all()
 
 
 def test_joint_states_come_back_whatever_their_order():

@@ -25,7 +25,7 @@ def rolled(angle):
 
 def standing_inputs(until=1.0, **options):
     inputs = SensorInputs(ROBOT, InputOptions(**options))
-    for time in np.arange(0.0, until + 1e-9, 0.02):
+    for time in np.arange(until - 1.0, until + 1e-9, 0.02):
         inputs.take_joints(readings(time))
         inputs.take_odometry(time, ORIGIN, LEVEL)
     return inputs
@@ -113,6 +113,57 @@ def test_odometry_that_is_the_first_to_come_after_a_pause_does_not_make_joints_m
         assert inputs.take_odometry(time, ORIGIN, LEVEL).problem == ''
     inputs.take_joints(readings(2.02))
     assert inputs.take_odometry(2.04, ORIGIN, LEVEL).problem == ''
+
+
+@pytest.mark.parametrize(
+    ('behind', 'words'),
+    [
+        (1000.0, 'joint states are 1000.0 s older than the odometry'),
+        (0.5, 'joint states are 0.5 s older than the odometry'),
+        (-1000.0, 'joint states are stamped 1000.0 s after the odometry: do their clocks differ?'),
+    ],
+)
+def test_joint_states_of_another_time_than_the_odometry_are_missing_though_they_come(behind, words):
+    inputs = SensorInputs(ROBOT)
+    for time in np.arange(2000.0, 2001.0, 0.02):
+        inputs.take_joints(readings(time - behind))
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert now.problem == words
+    # Together they may be of any time, and old ones are forgiven to a machine that has paused.
+    inputs = standing_inputs()
+    for time in np.arange(1.5, 1.6, 0.02):
+        inputs.take_joints(readings(time - 0.48))
+        assert inputs.take_odometry(time, ORIGIN, LEVEL).problem == ''
+
+
+@pytest.mark.parametrize('ahead', [0.0, 3.0, 1000.0])
+def test_joint_states_that_fall_silent_are_missed_however_they_were_stamped(ahead):
+    inputs = SensorInputs(ROBOT)
+    for time in np.arange(0.0, 1.01, 0.02):
+        inputs.take_joints(readings(time + ahead))
+        inputs.take_odometry(time, ORIGIN, LEVEL)
+    for time in np.arange(1.02, 2.0, 0.02):
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert now.problem == 'no joint states for 1.0 s'
+
+
+@pytest.mark.parametrize('attitude', [None, LEVEL])
+@pytest.mark.parametrize(
+    ('behind', 'words'),
+    [(1000.0, "1000.0 s older than the odometry: odometry's attitude"), (-1000.0, 'clocks differ')],
+)
+def test_an_imu_of_another_time_than_the_odometry_tells_nothing(behind, words, attitude):
+    inputs = standing_inputs(2000.0)
+    for time in np.arange(2000.02, 2001.0, 0.02):
+        inputs.take_imu(time - behind, attitude, 0.5)
+        inputs.take_joints(readings(time))
+        inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert words in inputs.imu_problem
+    assert inputs.imu_at(2000.98) == (None, None)
+    for time in np.arange(2001.0, 2002.0, 0.02):
+        inputs.take_joints(readings(time))
+        inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert inputs.imu_problem.startswith('no imu for')
 
 
 def test_an_imu_that_falls_silent_gives_way_to_the_odometry():

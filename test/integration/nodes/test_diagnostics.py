@@ -19,6 +19,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
 
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -194,6 +195,17 @@ def test_steering_of_the_type_that_is_not_received_is_said(
     log = bench.processes['gait_node'].log_tail(1000)
     assert log.count('that steering is not received') <= 2
     bench.node.destroy_publisher(publisher)
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+
+
+def test_somebody_else_who_commands_the_joints_is_said_for_as_long_as_he_does(bench: Bench):
+    bench.start('sim_node', map_file='none')
+    bench.start('gait_node')
+    bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+    other = bench.node.create_publisher(JointTrajectory, 'joint_trajectory', 10)
+    said = bench.wait_for_status('gait_node', 'joint_trajectory has 2 publishers', level=WARN)
+    assert said.message.startswith('standing: no plan to follow; ')
+    bench.node.destroy_publisher(other)
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
 
 

@@ -3,11 +3,12 @@ Kernels of an outline: every cell that it can reach, at any heading of a class, 
 """
 
 import math
+import re
 
 import numpy as np
 import pytest
 
-from quad_common.errors import ParameterError
+from quad_common.errors import CellsTooSmall, ParameterError
 from quad_common.robot_files.robot_file import load_robot
 from quad_planner.outline.heading_kernels import CLASSES, STEP, class_of, kernels_of
 from quad_planner.outline.robot_outline import (
@@ -78,6 +79,18 @@ def test_no_cell_of_a_kernel_is_out_of_reach():
         if kernels.low[k, row] <= kernels.high[k, row]
     }
     assert edge <= reached
+
+
+def test_cells_too_small_for_an_outline_are_refused_at_once():
+    reach = outer_radius(TAIL) + 0.1
+    with pytest.raises(
+        CellsTooSmall, match=r"cells of 0\.0001 m are too small .* footprint 'circle'"
+    ):
+        kernels_of(TAIL, 0.1, 1e-4)
+    with pytest.raises(CellsTooSmall) as refused:
+        kernels_of(TAIL, 0.1, reach / 150.0)
+    least = float(re.search(r'Use cells of (\S+) m', str(refused.value))[1])
+    assert kernels_of(TAIL, 0.1, 1.05 * least).rows <= refused.value.most
 
 
 def test_classes_go_round():

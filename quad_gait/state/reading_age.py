@@ -1,0 +1,90 @@
+"""
+How old a sensor's readings are, in the time of the odometry.
+
+They may fall silent, come late, or be stamped by another clock than the odometry: none of them says
+how the robot is now.
+"""
+
+from __future__ import annotations
+
+from quad_gait.state.series_check import LONGEST_GAP
+
+LEAST_MISSED = 4
+"""Number of readings of the odometry without one of the sensor that make those missing."""
+
+_LEAST_OLD = 10
+"""Number of readings of the odometry in a row at which those of the sensor are old, though they
+come, that make them missing: after a pause of the machine odometry may be the first to come."""
+
+
+class ReadingAge:
+    """
+    Compares a sensor's readings with the odometry.
+
+    Parameters
+    ----------
+    what : str
+        What is missing in silence, for the sentence.
+    readings : str
+        The readings, several of them, for the sentence.
+    timeout : float
+        Age at which readings are old [s].
+    """
+
+    def __init__(self, what: str, readings: str, timeout: float) -> None:
+        self._what = what
+        self._readings = readings
+        self._timeout = timeout
+        self._now: float | None = None
+        self._stamp: float | None = None
+        # When the last reading was measured or, if no odometry is as late as that, came.
+        self._since: float | None = None
+        self._is_new = False
+        self._missed = self._old = 0
+        self.problem = ''
+        """What is wrong with the readings, as a sentence; empty if nothing is."""
+
+    def take(self, stamp: float | None) -> None:
+        """Note that a reading has come, measured at a time [s]; None if it has no stamp."""
+        self._stamp = stamp
+        self._since = self._now if stamp is None else stamp
+        self._is_new = True
+        self._missed = 0
+
+    def advance(self, time: float) -> None:
+        """Note that odometry of a time [s] has come."""
+        self._now = time
+        if self._is_new:
+            # A stamp of the future says nothing of when they fall silent.
+            self._since = time if self._since is None else min(self._since, time)
+            self._is_new = False
+        self._missed += 1
+        age = 0.0 if self._stamp is None else time - self._stamp
+        self._old = self._old + 1 if age > self._timeout else 0
+        self.problem = self._problem(time, age)
+
+    def is_recent(self, time: float) -> bool:
+        """Return whether there is a reading that tells of now [s]."""
+        since = self._since
+        return since is not None and time - since <= self._timeout and not self._is_ahead()
+
+    def _is_ahead(self) -> bool:
+        """Return whether the last reading is stamped by another clock, which is ahead."""
+        if self._stamp is None or self._now is None:
+            return False
+        return self._stamp - self._now > LONGEST_GAP
+
+    def _problem(self, time: float, age: float) -> str:
+        if self._since is None:
+            return ''
+        silence = time - self._since
+        if silence > self._timeout and self._missed >= LEAST_MISSED:
+            return f'no {self._what} for {silence:.1f} s'
+        if self._is_ahead():
+            return (
+                f'{self._readings} are stamped {-age:.1f} s after the odometry: '
+                'do their clocks differ?'
+            )
+        if self._old >= _LEAST_OLD:
+            return f'{self._readings} are {age:.1f} s older than the odometry'
+        return ''
