@@ -230,9 +230,9 @@ def _import(arguments: argparse.Namespace) -> int:
     wanted = speed_to_trot(robot)
     if arguments.json:
         said = {'found': imported.notes.found, 'assumed': imported.notes.assumed}
-        said['speed_to_trot'] = wanted
+        speed = {'speed_to_trot': wanted}
         files = {'written': [str(file) for file in written]}
-        print(json.dumps({'name': robot.name, **said, **files, **figures}))
+        print(json.dumps({'name': robot.name, **said, **speed, **files, **figures}))
         return 0
     console = Console()
     console.print(_legs_table(robot))

@@ -157,7 +157,8 @@ def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
         'masses': _number(masses.parts[index], stated),
         'centers_of_mass': _number(masses.centers[index].reshape(-1), stated),
         'inertias': _number(
-            masses.inertias[index][(slice(None), *np.triu_indices(3))].reshape(-1), f'{stated}, or replaced'
+            masses.inertias[index][(slice(None), *np.triu_indices(3))].reshape(-1),
+            f'{stated}, or replaced',
         ),
     }
 

@@ -170,7 +170,7 @@ def exact_masses(number: RobotNumbers) -> ExactMasses:
     centers = [number.vector(f'legs.{leg}.centers_of_mass', 9) for leg in LEGS]
     inertias = None
     # Older files have none.
-    if any([number.has(f'legs.{leg}.inertias') for leg in LEGS]):
+    if any(number.has(f'legs.{leg}.inertias') for leg in LEGS):
         inertias = np.array([_inertias(number, leg) for leg in LEGS])
     return ExactMasses(
         body=number('body.mass'),

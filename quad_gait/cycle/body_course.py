@@ -122,11 +122,12 @@ def give_way_to_legs(
     """
     period = float(schedule.times[-1])
     rate = 4.0 * np.pi / period
-    height = reaction * (motion.forward, motion.left)
+    own = np.array([motion.forward, motion.left])
+    height = reaction * own
     wave = np.sin(rate * schedule.times)[:, None] * height
     wave_rate = rate * np.cos(rate * schedule.times)[:, None] * height
     before, after = (
-        rate * reaction * (period * np.array([end.forward, end.left]) - (motion.forward, motion.left))
+        rate * reaction * (period * np.array([end.forward, end.left]) - own)
         for end in (ends.entry, ends.exit)
     )
     yaw = course.pose[:, 2]

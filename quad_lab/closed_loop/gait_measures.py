@@ -5,6 +5,7 @@ What can be measured of a gait in physics: how far, how straight, how stable, at
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -149,12 +150,9 @@ def _steady_walk(
     drift = veer = 0.0
     cost = math.nan
     if stride and ends:
-        # The course is that of the start: at the end of any one cycle the body may be turned.
         course = start.yaw + math.atan2(asked.left, asked.forward)
-        x, y = ends[-1].x - ends[0].x, ends[-1].y - ends[0].y
-        across = y * math.cos(course) - x * math.sin(course)
         turned = (ends[0].inverse() @ ends[-1]).yaw
-        drift, veer = abs(across) / walked, abs(turned) / walked
+        drift, veer = aside(ends, course) / walked, abs(turned) / walked
         speed = stride / period
         cost = float(np.mean(record.power)) / (robot.mass * _GRAVITY * speed)
     joints = np.array(record.joints).reshape(-1, 4, 3)
@@ -176,6 +174,27 @@ def _steady_walk(
         ),
         contacts=tuple(sorted(map(str, walk.simulation.contacts_seen))),
     )
+
+
+def aside(poses: Sequence[Pose2D], course: float) -> float:
+    """
+    Say how far a robot went to one side of its course.
+
+    Parameters
+    ----------
+    poses : sequence of Pose2D
+        Poses of the robot on its way. Its heading in any of them does not count: a body turns to
+        and fro within its cycles.
+    course : float
+        Direction in which it was to go [rad].
+
+    Returns
+    -------
+    float
+        [m]
+    """
+    x, y = poses[-1].x - poses[0].x, poses[-1].y - poses[0].y
+    return abs(y * math.cos(course) - x * math.sin(course))
 
 
 @dataclass(frozen=True)
