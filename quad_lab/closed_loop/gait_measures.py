@@ -5,7 +5,6 @@ What can be measured of a gait in physics: how far, how straight, how stable, at
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline
+from quad_common.planar_pose import Pose2D, Twist2D, distance_aside, distance_to_polyline
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.body_motion import BodyMotion
@@ -152,7 +151,7 @@ def _steady_walk(
     if stride and ends:
         course = start.yaw + math.atan2(asked.left, asked.forward)
         turned = (ends[0].inverse() @ ends[-1]).yaw
-        drift, veer = aside(ends, course) / walked, abs(turned) / walked
+        drift, veer = distance_aside(ends, course) / walked, abs(turned) / walked
         speed = stride / period
         cost = float(np.mean(record.power)) / (robot.mass * _GRAVITY * speed)
     joints = np.array(record.joints).reshape(-1, 4, 3)
@@ -174,27 +173,6 @@ def _steady_walk(
         ),
         contacts=tuple(sorted(map(str, walk.simulation.contacts_seen))),
     )
-
-
-def aside(poses: Sequence[Pose2D], course: float) -> float:
-    """
-    Say how far a robot went to one side of its course.
-
-    Parameters
-    ----------
-    poses : sequence of Pose2D
-        Poses of the robot on its way. Its heading in any of them does not count: a body turns to
-        and fro within its cycles.
-    course : float
-        Direction in which it was to go [rad].
-
-    Returns
-    -------
-    float
-        [m]
-    """
-    x, y = poses[-1].x - poses[0].x, poses[-1].y - poses[0].y
-    return abs(y * math.cos(course) - x * math.sin(course))
 
 
 @dataclass(frozen=True)

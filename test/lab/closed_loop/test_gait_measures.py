@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from quad_common.errors import QuadError
-from quad_common.planar_pose import STILL, Pose2D, Twist2D
+from quad_common.planar_pose import STILL, Twist2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.closed_loop import SENSOR_PERIOD, ClosedLoop, DoesNotWalk
 from quad_lab.closed_loop.controllers import measuring_controller
-from quad_lab.closed_loop.gait_measures import aside, fitted_radius, steady_walk
+from quad_lab.closed_loop.gait_measures import fitted_radius, steady_walk
 from quad_lab.closed_loop.loop_record import Record
 
 CUHK = load_robot('cuhk')
@@ -238,10 +238,3 @@ def test_the_controller_for_measuring_turns_with_the_gait_that_gait_node_takes()
     assert measuring_controller(CUHK, crawl).gait_pair.of_twist(turn).gait == load_gait(
         'turn', CUHK
     )
-
-
-@pytest.mark.parametrize('course', [0.0, 0.7, -2.5])
-def test_a_robot_on_its_course_has_no_drift_however_its_body_is_turned(course):
-    along = [Pose2D(d * math.cos(course), d * math.sin(course), d) for d in (0.0, 0.4, 1.7)]
-    assert aside(along, course) == pytest.approx(0.0, abs=1e-12)
-    assert aside(along, course + 0.1) == pytest.approx(1.7 * math.sin(0.1))
