@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from quad_cli.arguments import folder_argument, output_argument, quantity_argument
-from quad_common.errors import ParameterError
+from quad_common.errors import GaitError, JointLimitExceeded, ParameterError
 from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import check_target, is_file, user_path
 from quad_common.importing.options import DIRECTIONS, KNEES, ImportOptions
@@ -24,6 +26,9 @@ from quad_common.robot.robot_figures import derived_figures
 from quad_common.robot.urdf import published_urdf
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot_files.ros2_control import MOCK_PLUGIN, ExportOptions, export_robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.gait_generator import generate_steady_cycle
 
 EXAMPLES = f"""examples:
   quadwalk robot import my_robot.urdf --effort 33.5 --speed 21
@@ -42,6 +47,9 @@ if TYPE_CHECKING:
 
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
 _SPEED = Quantity(0.01, 200.0, 'rad/s')
+
+_LITTLE = 0.01
+"""Motion of a trot of which is asked whether joints are fast enough, over the hips' height."""
 
 _PLUGIN = re.compile(r'[A-Za-z]\w*/\w+(::\w+)*|\w+(::\w+)+')
 """Names of pluginlib: ``package/Class``, or a class with its namespace."""
@@ -219,10 +227,12 @@ def _import(arguments: argparse.Namespace) -> int:
 
         written.append(draw_robot(robot, data_file.with_suffix('.png')))
     figures = derived_figures(robot)
+    wanted = speed_to_trot(robot)
     if arguments.json:
         said = {'found': imported.notes.found, 'assumed': imported.notes.assumed}
+        speed = {'speed_to_trot': wanted}
         files = {'written': [str(file) for file in written]}
-        print(json.dumps({'name': robot.name, **said, **files, **figures}))
+        print(json.dumps({'name': robot.name, **said, **speed, **files, **figures}))
         return 0
     console = Console()
     console.print(_legs_table(robot))
@@ -238,8 +248,45 @@ def _import(arguments: argparse.Namespace) -> int:
         highlight=False,
     )
     print(f'written: {", ".join(str(file) for file in written)}')
+    if wanted is not None:
+        print(
+            f'too slow to trot: knees of {float(robot.velocity.min()):g} rad/s; if the motors are '
+            f'faster than the file says: quadwalk robot import {shlex.quote(arguments.file)} '
+            f'--speed {_rounded_up(wanted):g}'
+        )
     print(f'next: quadwalk demo --robot {data_file}')
     return 0
+
+
+def speed_to_trot(robot: Robot) -> float | None:
+    """
+    Say which speed of the joints gives a trot, if a robot's own joints are too slow for any.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+
+    Returns
+    -------
+    float or None
+        Twice what the least of a trot takes [rad/s]; None if joints are fast enough, or something
+        else forbids it.
+    """
+    trot = load_gait('trot', robot)
+    try:
+        generate_steady_cycle(robot, trot, BodyMotion(forward=_LITTLE * robot.hip_height))
+    except JointLimitExceeded as error:
+        return 2.0 * abs(error.value) if error.unit == 'rad/s' else None
+    except GaitError:
+        pass
+    return None
+
+
+def _rounded_up(value: float) -> float:
+    """Return a number with two digits that is no smaller."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return round(math.ceil(value / step) * step, 9)
 
 
 def _legs_table(robot: Robot) -> Table:

@@ -9,6 +9,7 @@ C in B, ``a @ b`` is the pose of C in A.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -126,6 +127,27 @@ class Twist2D:
 
 STILL = Twist2D()
 """No movement."""
+
+
+def distance_aside(poses: Sequence[Pose2D], course: float) -> float:
+    """
+    Say how far a robot went to one side of its course.
+
+    Parameters
+    ----------
+    poses : sequence of Pose2D
+        Poses of the robot on its way. Its heading in any of them does not count: a body turns to
+        and fro within its cycles.
+    course : float
+        Direction in which it was to go [rad].
+
+    Returns
+    -------
+    float
+        [m]
+    """
+    x, y = poses[-1].x - poses[0].x, poses[-1].y - poses[0].y
+    return abs(y * math.cos(course) - x * math.sin(course))
 
 
 def distance_to_polyline(point: tuple[float, float], corners: NDArray[np.float64]) -> float:

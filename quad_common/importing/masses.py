@@ -137,7 +137,7 @@ def _replaced(tree: KinematicTree, link: str, mass: Mass, extent: float) -> Mass
 
 def exact_masses(parts: Parts, legs: list[Leg], to_base: Array) -> ExactMasses:
     """
-    Give masses and centers in the axes of :class:`ExactMasses`.
+    Give masses, centers and inertias in the axes of :class:`ExactMasses`.
 
     Parameters
     ----------
@@ -148,15 +148,16 @@ def exact_masses(parts: Parts, legs: list[Leg], to_base: Array) -> ExactMasses:
     to_base : ndarray, shape (4, 4)
         Takes points of the root's frame to base_link's.
     """
-    amounts, centers = np.empty((4, 3)), np.empty((4, 3, 3))
+    amounts, centers, inertias = np.empty((4, 3)), np.empty((4, 3, 3)), np.empty((4, 3, 3, 3))
     for k, (leg, own) in enumerate(zip(legs, parts.legs)):
         starts, axes = _frames_at_zero(leg)
         for j, part in enumerate(own):
-            center = moved(to_base, part.mass.center)
-            amounts[k, j] = part.mass.amount
-            centers[k, j] = axes[j] @ (center - starts[j])
+            mass = part.mass.moved(to_base)
+            amounts[k, j] = mass.amount
+            centers[k, j] = axes[j] @ (mass.center - starts[j])
+            inertias[k, j] = axes[j] @ mass.inertia @ axes[j].T
     body = moved(to_base, parts.body.mass.center)
-    return ExactMasses(parts.body.mass.amount, body, amounts, centers)
+    return ExactMasses(parts.body.mass.amount, body, amounts, centers, inertias)
 
 
 def _frames_at_zero(leg: Leg) -> tuple[list[Array], list[Array]]:

@@ -144,6 +144,7 @@ def robot_document(robot: ImportedRobot, urdf: str) -> dict[str, Any]:
 def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
     ranged = robot.legs[index]
     leg, masses = ranged.leg, robot.masses
+    assert masses.inertias is not None
     return {
         **_geometry(leg, stated),
         'lower': _number(ranged.lower, f'{stated}, or assumed'),
@@ -155,6 +156,10 @@ def _leg(robot: ImportedRobot, index: int, stated: str) -> dict[str, Any]:
         ),
         'masses': _number(masses.parts[index], stated),
         'centers_of_mass': _number(masses.centers[index].reshape(-1), stated),
+        'inertias': _number(
+            masses.inertias[index][(slice(None), *np.triu_indices(3))].reshape(-1),
+            f'{stated}, or replaced',
+        ),
     }
 
 

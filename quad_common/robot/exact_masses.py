@@ -35,6 +35,9 @@ class ExactMasses:
     """Masses of hip, thigh and calf of each leg, the foot's in the calf's, shape (4, 3) [kg]."""
     centers: Array
     """Centers of these masses, each in its part's own axes, shape (4, 3, 3) [m]."""
+    inertias: Array | None = None
+    """Inertias about these centers, each in its part's own axes, shape (4, 3, 3, 3) [kg m^2]; None
+    where they are not known."""
 
     @cached_property
     def total(self) -> float:
@@ -62,14 +65,30 @@ class ExactMasses:
         """
         moment: Array = np.zeros(())
         for part, (start, axes) in enumerate(legs.part_frames(joint_angles, chain)):
-            moment = moment + self._moments(part, start, axes)
+            place = self.places(part, start, axes)
+            moment = moment + np.sum(self.parts[:, part, None] * place, axis=-2)
         center: Array = (moment + self.body * self.body_center) / self.total
         return center
 
-    def _moments(self, part: int, start: Array, axes: tuple[Array, ...]) -> Array:
-        """Add mass times place of one part of all legs, (..., 3), that starts at (..., 4, 3)."""
+    def places(self, part: int, start: Array, axes: tuple[Array, ...]) -> Array:
+        """
+        Place the centers of one part of all legs.
+
+        Parameters
+        ----------
+        part : int
+            Hip, thigh or calf: 0, 1 or 2.
+        start : ndarray, shape (..., 4, 3)
+            Where it begins, as :meth:`Leg.part_frames` gives it [m].
+        axes : tuple of ndarray
+            Its three axes, of shape (..., 4, 3) or (4, 3) each.
+
+        Returns
+        -------
+        ndarray, shape (..., 4, 3)
+            [m]
+        """
         place = start
         for k, axis in enumerate(axes):
             place = place + self.centers[:, part, k, None] * axis
-        moments: Array = np.sum(self.parts[:, part, None] * place, axis=-2)
-        return moments
+        return place

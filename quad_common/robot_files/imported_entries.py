@@ -166,14 +166,28 @@ def imported_links(number: RobotNumbers) -> dict[str, LinkShape]:
 
 
 def exact_masses(number: RobotNumbers) -> ExactMasses:
-    """Read the masses of all parts, and their centers."""
+    """Read the masses of all parts, their centers, and their inertias where there are any."""
     centers = [number.vector(f'legs.{leg}.centers_of_mass', 9) for leg in LEGS]
+    inertias = None
+    # Older files have none.
+    if any(number.has(f'legs.{leg}.inertias') for leg in LEGS):
+        inertias = np.array([_inertias(number, leg) for leg in LEGS])
     return ExactMasses(
         body=number('body.mass'),
         body_center=number.vector('body.center_of_mass'),
         parts=np.array([number.vector(f'legs.{leg}.masses') for leg in LEGS]),
         centers=np.reshape(centers, (len(LEGS), JOINTS_PER_LEG, 3)),
+        inertias=inertias,
     )
+
+
+def _inertias(number: RobotNumbers, leg: str) -> Array:
+    """Read the inertias of a leg's parts, xx, xy, xz, yy, yz and zz each, as (3, 3, 3)."""
+    given = number.vector(f'legs.{leg}.inertias', 18).reshape(JOINTS_PER_LEG, 6)
+    rows, columns = np.triu_indices(3)
+    inertias = np.empty((JOINTS_PER_LEG, 3, 3))
+    inertias[:, rows, columns] = inertias[:, columns, rows] = given
+    return inertias
 
 
 def part_names(document: Mapping[str, Any], path: Path) -> PartNames:

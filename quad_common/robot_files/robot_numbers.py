@@ -33,6 +33,7 @@ _OFFSET = Quantity(-2.0, 2.0, 'm')
 _MASS = Quantity(1e-4, 1e4, 'kg')
 _SPEED = Quantity(0.01, 200.0, 'rad/s')
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
+_INERTIA = Quantity(-1e4, 1e4, 'kg m^2')
 
 QUANTITIES: Mapping[str, Quantity] = {
     'body.hip_half_length': _LENGTH,
@@ -74,6 +75,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     'legs.*.initial_posture': ANGLE,
     'legs.*.masses': Quantity(0.0, 1e4, 'kg'),
     'legs.*.centers_of_mass': _OFFSET,
+    'legs.*.inertias': _INERTIA,
     'gait.roughness': Quantity(0.0, 2.0, 'm'),
     'gaits.*.cycle_period': CYCLE_PERIOD,
     'gaits.*.largest_fractions': Quantity(0.01, 1.0),

@@ -93,6 +93,65 @@ def body_course(
     return BodyCourse(body, velocity)
 
 
+def give_way_to_legs(
+    course: BodyCourse, schedule: Schedule, motion: BodyMotion, ends: CycleEnds, reaction: Array
+) -> BodyCourse:
+    """
+    Let the body advance and fall back within each support, so that moving legs do not tilt it.
+
+    Over both supports of a cycle it does so by a wave, which is zero where supports begin, stand
+    in their middle, and end. Its speed there goes with the body's own.
+
+    Parameters
+    ----------
+    course : BodyCourse
+        Pose and velocity of the body, as if legs had no mass.
+    schedule : Schedule
+        The gait's curves, n samples.
+    motion : BodyMotion
+        Motion of the body in the cycle.
+    ends : CycleEnds
+        Speeds at the cycle's ends.
+    reaction : ndarray, shape (2,)
+        Height of the wave, forward and to the left, as fractions of the body's motion.
+
+    Returns
+    -------
+    BodyCourse
+        Pose and velocity of the body.
+    """
+    period = float(schedule.times[-1])
+    rate = 4.0 * np.pi / period
+    own = np.array([motion.forward, motion.left])
+    height = reaction * own
+    wave = np.sin(rate * schedule.times)[:, None] * height
+    wave_rate = rate * np.cos(rate * schedule.times)[:, None] * height
+    before, after = (
+        rate * reaction * (period * np.array([end.forward, end.left]) - own)
+        for end in (ends.entry, ends.exit)
+    )
+    yaw = course.pose[:, 2]
+    pose, velocity = course.pose.copy(), course.velocity.copy()
+    pose[:, :2] += _turned(wave, yaw)
+    turning = course.velocity[:, 2, None] * np.stack([-wave[:, 1], wave[:, 0]], axis=1)
+    velocity[:, :2] += _turned(wave_rate + turning, yaw)
+    for change, at, curve, curve_rate in (
+        (before, 0, schedule.entry, schedule.entry_rate),
+        (after, -1, schedule.exit, schedule.exit_rate),
+    ):
+        moved = _turned(change[None], yaw[at, None])
+        pose[:, :2] += curve[:, None] * moved
+        velocity[:, :2] += curve_rate[:, None] * moved
+    return BodyCourse(pose, velocity)
+
+
+def _turned(vectors: Array, yaw: Array) -> Array:
+    """Turn vectors (n, 2) by angles (n,) [rad]."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    x, y = vectors[:, 0], vectors[:, 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=1)
+
+
 def _velocity(twist: Twist2D, heading: float) -> Array:
     """Write a velocity in the ground frame, shape (3,)."""
     cos, sin = np.cos(heading), np.sin(heading)

@@ -13,13 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError, UnstableCycle
+from quad_common.robot.exact_masses import ExactMasses
+from quad_common.robot.leg_moments import LegCycle, leg_moments
 from quad_common.robot.robot import Robot
-from quad_gait.cycle.body_course import body_course
+from quad_gait.cycle.body_course import body_course, give_way_to_legs
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import AT_REST, Cycle, CycleEnds
 from quad_gait.cycle.foot_paths import FootPaths, rolled_paths
@@ -38,6 +41,21 @@ Array = NDArray[np.float64]
 FootTracking = Callable[[Robot, Array, Array, Array], tuple[Array, Array]]
 """Robot, times (n,), feet and their velocities in the body frame (n, 4, 3), to joint
 positions and velocities (n, 4, 3)."""
+
+
+_GRAVITY = 9.80665
+"""[m/s^2]"""
+
+_REACTION_SAMPLES = 128
+"""Instants of a cycle at which the legs' masses are looked at."""
+
+_LITTLE = 0.02
+"""Motion of such a cycle, as a fraction of the hips' height: what is found is in proportion."""
+
+_NO_REACTION = np.zeros(2)
+
+_REACTIONS: WeakKeyDictionary[ExactMasses, dict[Gait, Array]] = WeakKeyDictionary()
+"""What was found of the gaits of robots, by their masses, for as long as there are these."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +110,9 @@ def generate_cycle(
     schedule = schedule_of(gait, options.sample_period)
     footholds = footholds_between(robot, gait, motion, ends)
     course = body_course(gait, legs_in_order(gait), schedule, motion, ends, footholds)
+    reaction = leg_reaction(robot, gait)
+    if np.any(reaction):
+        course = give_way_to_legs(course, schedule, motion, ends, reaction)
     feet = rolled_paths(robot, schedule, footholds, course)
     positions, velocities = _joint_motion(robot, schedule.times, feet, options.track)
     chain = robot.stacked_legs.chain(positions)
@@ -185,6 +206,73 @@ def generate_largest_cycle(
             fraction -= 0.125
             if fraction < 0.0 or (fraction == 0.0 and not ends.entry):
                 raise
+
+
+def leg_reaction(robot: Robot, gait: Gait) -> Array:
+    """
+    Find by which wave a body on two feet makes up for the weight and inertia of its legs.
+
+    A body of mass m with legs that move as they do in a slow steady walk is a pendulum
+    c'' - omega^2 c = W / (m h), W being what the legs exert
+    (:func:`~quad_common.robot.leg_moments.leg_moments`): its first wave over a support is
+    answered by one of the body.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        The gait, fitted to it.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        Height of the wave, forward and to the left, as fractions of the body's motion in a cycle;
+        0 for static gaits, for supports that are not half of the cycle, and where the masses and
+        inertias of the legs are not known.
+    """
+    masses = robot.exact_masses
+    if gait.pendulum_rate == 0.0 or masses is None or masses.inertias is None:
+        return _NO_REACTION
+    known = _REACTIONS.setdefault(masses, {})
+    if gait not in known:
+        known[gait] = _found_reaction(robot, masses, gait)
+    return known[gait]
+
+
+def _found_reaction(robot: Robot, masses: ExactMasses, gait: Gait) -> Array:
+    halves = np.array([0.0, 0.5, 1.0]) * gait.cycle_period
+    edges = gait.support_edges
+    if len(edges) != len(halves) or not np.allclose(edges, halves, atol=1e-6):
+        return _NO_REACTION
+    little = _LITTLE * robot.hip_height
+    reaction = np.empty(2)
+    try:
+        for side, motion in enumerate((BodyMotion(forward=little), BodyMotion(left=little))):
+            # Whatever does not turn round with the motion is the same in place.
+            there, back = (
+                leg_moments(robot.stacked_legs, masses, _leg_cycle(robot, gait, own))[:, side]
+                for own in (motion, motion.scaled(-1.0))
+            )
+            wave = np.fft.rfft((there - back) / (2.0 * little))[2]
+            reaction[side] = -2.0 * wave.imag / len(there)
+    except GaitError:
+        return _NO_REACTION
+    height = _GRAVITY / gait.pendulum_rate**2
+    rate = 4.0 * np.pi / gait.cycle_period
+    return -reaction / (robot.mass * height * (rate**2 + gait.pendulum_rate**2))
+
+
+def _leg_cycle(robot: Robot, gait: Gait, motion: BodyMotion) -> LegCycle:
+    """Move the legs as in the midst of many equal cycles, by a body that does not mind them."""
+    schedule = schedule_of(gait, gait.cycle_period / _REACTION_SAMPLES)
+    ends = steady_ends(robot, gait, motion)
+    footholds = footholds_between(robot, gait, motion, ends)
+    course = body_course(gait, legs_in_order(gait), schedule, motion, ends, footholds)
+    feet = rolled_paths(robot, schedule, footholds, course)
+    joints = robot.stacked_legs.inverse(feet.in_body)
+    heights = robot.standing_height + schedule.body_lift
+    return LegCycle(joints[:-1], heights[:-1], gait.cycle_period)
 
 
 def margins_of_orders(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, Twist2D, distance_to_polyline
+from quad_common.planar_pose import Pose2D, Twist2D, distance_aside, distance_to_polyline
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.body_motion import BodyMotion
@@ -40,7 +40,7 @@ class SteadyWalk:
     done: BodyMotion
     """Mean of one cycle."""
     drift: float
-    """Sideways, per metre walked [m/m]; 0 for a turn."""
+    """Distance by which the robot leaves its course, per metre walked [m/m]; 0 for a turn."""
     veer: float
     """Change of heading that was not asked for, per metre [rad/m]; 0 for a turn."""
     slip: float
@@ -128,17 +128,19 @@ def steered_walk(
     if asked is None:
         asked = direction.scaled(0.6 * gear.largest_scale(direction))
     controller.set_twist(asked.rate(period))
+    ends = [walk.record.poses[-1]]
     walk.run(0.5)
-    ends = []
     while walk.time < duration and not walk.record.has_fallen:
         ends.append(walk.next_cycle_end())
-    return _steady_walk(walk.robot, walk, asked, period, ends[2:])
+    return _steady_walk(walk.robot, walk, asked, period, ends)
 
 
 def _steady_walk(
-    robot: Robot, walk: ClosedLoop, asked: BodyMotion, period: float, ends: list[Pose2D]
+    robot: Robot, walk: ClosedLoop, asked: BodyMotion, period: float, poses: list[Pose2D]
 ) -> SteadyWalk:
+    """Measure a walk by the poses at its start and at the ends of its cycles."""
     record = walk.record
+    start, ends = poses[0], poses[3:]
     steps = [BodyMotion.reaching(a.inverse() @ b) for a, b in pairwise(ends)]
     parts = np.array([(s.forward, s.left, s.turn) for s in steps]).reshape(-1, 3)
     mean = parts.mean(axis=0) if len(parts) else np.full(3, math.nan)
@@ -147,10 +149,9 @@ def _steady_walk(
     drift = veer = 0.0
     cost = math.nan
     if stride and ends:
-        course = math.atan2(asked.left, asked.forward)
-        moved = ends[0].inverse() @ ends[-1]
-        across = moved.y * math.cos(course) - moved.x * math.sin(course)
-        drift, veer = abs(across) / walked, abs(moved.yaw) / walked
+        course = start.yaw + math.atan2(asked.left, asked.forward)
+        turned = (ends[0].inverse() @ ends[-1]).yaw
+        drift, veer = distance_aside(ends, course) / walked, abs(turned) / walked
         speed = stride / period
         cost = float(np.mean(record.power)) / (robot.mass * _GRAVITY * speed)
     joints = np.array(record.joints).reshape(-1, 4, 3)

@@ -1,6 +1,7 @@
 """The command exports robots for ros2_control, and imports them from MJCF."""
 
 import json
+import shlex
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,6 +10,7 @@ import pytest
 pytest.importorskip('rich')
 
 from quad_cli.main import main
+from quad_common.robot.urdf import urdf_from_robot
 from quad_common.robot_files.robot_file import load_robot, robot_file
 
 FILES = ['titan_viii.urdf', 'controllers.yaml', 'joint_limits.yaml', 'bringup.launch.py']
@@ -74,3 +76,18 @@ def test_a_robot_is_imported_from_mjcf_and_can_be_exported(tmp_path, capsys, mon
     assert all(Path(name.removeprefix('file://')).is_file() for name in meshes)
     joints = [joint.get('name') for joint in root.findall('ros2_control/joint')]
     assert tuple(joints) == load_robot('classy.yaml').joint_names
+
+
+def test_of_joints_that_are_too_slow_to_trot_the_speed_is_said_that_gives_one(tmp_path, capsys):
+    pytest.importorskip('yourdfpy')
+    description = tmp_path / 'slow robot.urdf'
+    description.write_text(urdf_from_robot(load_robot('genibo')))
+    importing = ['robot', 'import', str(description), '--no-picture']
+    importing += ['--output', str(tmp_path / 'slow.yaml')]
+    assert main([*importing, '--speed', '1']) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if 'too slow to trot' in line]
+    command = shlex.split(said[0].partition('quadwalk ')[2])
+    assert command[:3] == importing[:3]
+    # The command as it was printed, and it is not said again.
+    assert main([*command, *importing[3:]]) == 0
+    assert 'too slow to trot' not in capsys.readouterr().out

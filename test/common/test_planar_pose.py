@@ -10,6 +10,7 @@ from quad_common.planar_pose import (
     STILL,
     Pose2D,
     Twist2D,
+    distance_aside,
     distance_to_polyline,
     distances_to_polyline,
     wrap_angle,
@@ -189,3 +190,10 @@ def test_scaling_a_twist_scales_all_its_parts():
         assert twist.scaled(3.0).scaled(0.5) == Twist2D(*(1.5 * row))
         assert twist.scaled(0.0) == STILL
     assert STILL.scaled(5.0) == STILL
+
+
+@pytest.mark.parametrize('course', [0.0, 0.7, -2.5])
+def test_a_robot_on_its_course_has_no_drift_however_its_body_is_turned(course):
+    along = [Pose2D(d * math.cos(course), d * math.sin(course), d) for d in (0.0, 0.4, 1.7)]
+    assert distance_aside(along, course) == pytest.approx(0.0, abs=1e-12)
+    assert distance_aside(along, course + 0.1) == pytest.approx(1.7 * math.sin(0.1))
