@@ -23,6 +23,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.gait import Gait
 from quad_gait.state.foot_forces import GRAVITY
 from quad_gait.state.stance import Stance
+from quad_gait.uneven.felt_ground import FeltGround
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.stride_goal import StrideGoal
@@ -73,6 +74,8 @@ class UnevenStride:
         Of the ground, in the plan's frame; without one the feet feel for the ground.
     options : UnevenOptions
         How.
+    felt : FeltGround, optional
+        What feet have met so far; nothing if not given.
     """
 
     def __init__(
@@ -82,8 +85,10 @@ class UnevenStride:
         goal: StrideGoal,
         height_map: HeightMap | None,
         options: UnevenOptions,
+        felt: FeltGround | None = None,
     ) -> None:
         self._robot = robot
+        self._felt = felt or FeltGround(robot)
         self._options = options
         self._planner = SwingPlanner(robot, options, swing_height)
         self._order = list(goal.order)
@@ -195,7 +200,9 @@ class UnevenStride:
         if self._touched is not None:
             is_second = now is not self._touched
             if is_second or fraction > _SURE * self._options.contact_fraction:
-                return self._land(as_touched(self._robot, leg, self._untouched, self._touched, now))
+                met = as_touched(self._robot, leg, self._untouched, self._touched, now)
+                self._felt.note_contact(leg, met, self.height_map)
+                return self._land(met)
             return None
         if not motion.is_done:
             return self._give_more(now)
@@ -211,6 +218,7 @@ class UnevenStride:
                 deeper = self._planner.search_deeper(now, self._commanded, leg, swing.depth)
                 return self._begin(deeper)
         # No ground here: back to where the foot stood.
+        self._felt.note_gap(leg, now, self.height_map)
         self._return_to = self._left[leg]
         return self._swing(now)
 
@@ -355,4 +363,4 @@ class UnevenStride:
         """Find the ground under the feet that stand."""
         standing = [leg for leg in range(len(LEGS)) if leg != but]
         under = now.feet[standing] - np.array([0.0, 0.0, self._robot.foot_radius])
-        return GroundModel.through(under, self.height_map)
+        return self._felt.model(under, self.height_map)
