@@ -20,7 +20,6 @@ from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
 from quad_gait.state.robot_state import RobotState
-from quad_gait.uneven.felt_ground import FeltGround
 from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.uneven_stride import UnevenStride
 
@@ -36,8 +35,6 @@ class UnevenWalk(Walk):
         self._stride: UnevenStride | None = None
         self._begun: RobotState | None = None
         self._height_map: HeightMap | None = None
-        self.felt = FeltGround(shared.robot)
-        """Ground as feet have met it."""
         # What kept the last stride from being what it was to be.
         self._limit = ''
         self._goal: StrideGoal | None = None
@@ -54,7 +51,7 @@ class UnevenWalk(Walk):
         """Take a map of the ground."""
         if isinstance(wish, UseHeightMap):
             self._height_map = wish.height_map
-            self.felt.forget_map()
+            self._guidance.felt.forget_map()
             if self._route is not None:
                 self._route.take_map(wish.height_map)
             if self._stride is not None:
@@ -98,7 +95,7 @@ class UnevenWalk(Walk):
             step = Step(step.is_turn, BodyMotion.reaching(state.pose.inverse() @ goal.place))
         self._goal = goal
         self._stride = UnevenStride(
-            self._robot, gait.swing_height, goal, self._height_map, options, self.felt
+            self._robot, gait.swing_height, goal, self._height_map, options, guidance.felt
         )
         self._begun = state
         guidance.note_begun(state, step, PlannedMotion(step.motion, goal.place))

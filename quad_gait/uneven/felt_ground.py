@@ -40,7 +40,7 @@ _WINDOW, _MOVED = 1.2, 0.3
 """Half the side of the part of a map that is looked at around a robot, and distance after which
 it is another one [m, of TITAN-VIII]."""
 
-_MOST_POINTS = 2000
+_MOST_POINTS = 1000
 """Number of places that are remembered."""
 
 
@@ -79,6 +79,16 @@ class FeltGround:
     def map_error(self) -> float:
         """Distance by which the map seems to be off; infinite if no distance explains it [m]."""
         return max(self._off, default=0.0)
+
+    @property
+    def remark(self) -> str:
+        """What feet say of the map, as a sentence; empty as long as they agree with it."""
+        error = self.map_error
+        if error == 0.0:
+            return ''
+        if math.isinf(error):
+            return 'the height map does not show what the feet met: they feel their way without it'
+        return f'the height map is off by up to {error:.2f} m where the feet met the ground'
 
     def forget_map(self) -> None:
         """Believe the map again: it is another one."""
@@ -158,7 +168,7 @@ class FeltGround:
         assert heights is not None
         side, tolerance = heights.resolution, self._scale * _TOLERANCE
         own = float(heights.height_at(met[:2])) + ground.shift - met[2]
-        if math.isnan(own) or own < tolerance and (own > -tolerance or not is_floor):
+        if math.isnan(own) or (own < tolerance and (own > -tolerance or not is_floor)):
             return 0.0
         reach = math.ceil(self._scale * _FARTHEST / side)
         steps = np.arange(-reach, reach + 1) * side
@@ -181,8 +191,10 @@ class FeltGround:
         """Return the map around the feet: to look far around in all of it takes too long."""
         center = under[:, :2].mean(axis=0)
         whole, at = self._seen
-        if self._window is None or whole is not height_map or (
-            math.dist(center, at) > self._scale * _MOVED
+        if (
+            self._window is None
+            or whole is not height_map
+            or (math.dist(center, at) > self._scale * _MOVED)
         ):
             half = self._scale * _WINDOW
             self._window = height_map.part_within((*(center - half), *(center + half)))

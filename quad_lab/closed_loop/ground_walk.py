@@ -77,6 +77,9 @@ _TIMEOUT = 1500.0
 _WAYS = tuple(way.value for way in WayOut)
 """What begins a sentence that says which way out is tried."""
 
+_EXACT = LocalisationOptions()
+"""Odometry that does not drift."""
+
 _ALARMS = frozenset({Activity.LAME, Activity.NOT_EXECUTED, Activity.FALLEN, Activity.BLOCKED})
 """Activities with which a sound robot raises a false alarm."""
 
@@ -219,7 +222,7 @@ class Knowledge:
 
     height_map: HeightMap | None
     """Heights of the ground; None if there is no map of it."""
-    localisation: LocalisationOptions = LocalisationOptions()
+    localisation: LocalisationOptions = _EXACT
     """Odometry, and what corrects it; exact if not given."""
 
 
