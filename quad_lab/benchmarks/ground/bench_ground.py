@@ -2,7 +2,8 @@
 ``quadwalk bench ground``: random walks over random ground, as users ask for them.
 
 Without topics; starts, goals and ground are drawn, and the planner decides where to turn.
-Staircases and stepping stones are crossed straight on, and footsteps planned over them.
+Staircases and stepping stones are crossed straight on, and footsteps planned over them. The same
+walks are made by height maps that are wrong.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from quad_lab.benchmarks.ground.foothold_courses import (
     foothold_course,
     plan_footsteps,
 )
+from quad_lab.benchmarks.ground.wrong_maps import WRONG_MAP, walk_by_wrong_maps
 from quad_lab.closed_loop.ground_walk import TERRAINS, GroundOutcome, make_scene, walk_scene
 from quad_lab.closed_loop.terrain_walk import TerrainOutcome, walk_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
@@ -37,7 +39,7 @@ CLIMBER = 'a1'
 FOOTSTEPS = 'footsteps'
 """Part that plans footsteps, and walks nowhere."""
 
-PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS)
+PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS, WRONG_MAP)
 """Robots and terrains to which ``--only`` limits it; of what is not named all are walked."""
 
 PREFERRED_BACKEND = 'mujoco'
@@ -102,6 +104,12 @@ def measure(
     bars, details = _cross(console, quick, seed, wanted)
     robots = wanted & set(ROBOTS) or set(ROBOTS)
     terrains = wanted & set(TERRAINS)
+    if WRONG_MAP in wanted:
+        chosen = tuple(r for r in ROBOTS if r in robots), tuple(terrains or TERRAINS)
+        wrong, details['wrong_map'] = walk_by_wrong_maps(console, quick, seed, *chosen)
+        bars += wrong
+        if only:
+            return bars, details
     if not terrains and not wanted & {*COURSES, FOOTSTEPS, CLIMBER}:
         terrains = set(TERRAINS)
     jobs = [(*job, seed) for job in _QUICK] if quick else list(_jobs(seed))

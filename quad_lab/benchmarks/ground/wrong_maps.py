@@ -1,20 +1,44 @@
 """
-Height maps as real ones are: shifted, with holes, for a robot whose odometry drifts; or none.
+Walks by height maps as real ones are: shifted, with holes, or none; and by odometry that drifts.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
+from rich.console import Console
 
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
-from quad_lab.closed_loop.ground_walk import Knowledge, Scene
+from quad_common.robot_files.robot_file import load_robot
+from quad_lab.closed_loop.ground_walk import (
+    TERRAINS,
+    GroundOutcome,
+    Knowledge,
+    Scene,
+    make_scene,
+    walk_scene,
+)
+from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
+from quad_lab.tools.workers import worker_pool
 from quad_sim.simulated_localisation import LocalisationOptions
+
+WRONG_MAP = 'wrong_map'
+"""Part of ``quadwalk bench ground`` that walks by wrong maps."""
 
 FAULTS = ('shifted', 'holes', 'none')
 """What is wrong with a map; odometry drifts with each."""
+
+_SAID = {
+    'shifted': 'map shifted, odometry drifts',
+    'holes': 'map with holes, odometry drifts',
+    'none': 'no height map, odometry drifts',
+}
+"""The same in words."""
 
 _SHIFT = 0.02
 """Distance by which a shifted map is off along x, y and z [m, of TITAN-VIII]."""
@@ -24,6 +48,113 @@ _DRIFT = 0.03
 
 _HOLE, _UNKNOWN = 0.12, 0.2
 """Radius of holes [m, of TITAN-VIII], and fraction of the ground that they cover."""
+
+_WALKS = {'shifted': 100, 'holes': 30, 'none': 30}
+"""Walks of each robot; the terrains take turns."""
+
+_NEEDED = 0.95
+"""Fraction of them that is to arrive."""
+
+_QUICK = ('titan_viii', 'boxes', 'shifted')
+"""The walk of the quick run."""
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """One walk, and how it went."""
+
+    robot: str
+    terrain: str
+    fault: str
+    seed: int
+    outcome: GroundOutcome
+
+
+def walk_by_wrong_maps(
+    console: Console, quick: bool, seed: int, robots: tuple[str, ...], terrains: tuple[str, ...]
+) -> tuple[list[Criterion], list[dict[str, Any]]]:
+    """
+    Walk between random places over random ground, by maps that are wrong.
+
+    Parameters
+    ----------
+    console : Console
+        Where progress is shown.
+    quick : bool
+        One walk only.
+    seed : int
+        Seed of the first walk on each terrain; the next ones follow it.
+    robots, terrains : tuple of str
+        Who walks over what.
+
+    Returns
+    -------
+    bars : list of Criterion
+        What was measured.
+    walks : list of dict
+        Every walk.
+    """
+    jobs = list(_jobs(robots, terrains, seed))
+    if quick:
+        jobs = [(*_QUICK, seed)] if _QUICK[0] in robots and _QUICK[1] in terrains else []
+    walks: list[_Walk] = []
+    if jobs:
+        with worker_pool() as pool:
+            for walk in pool.map(_walked, *zip(*jobs)):
+                walks.append(walk)
+                console.print(f'wrong map, walk {len(walks)} of {len(jobs)}, {_described(walk)}')
+    bars = []
+    for robot in robots:
+        for fault in FAULTS:
+            chosen = [w.outcome for w in walks if (w.robot, w.fault) == (robot, fault)]
+            bars += _bars(f'{robot}, {_SAID[fault]}', chosen) if chosen else []
+    return bars, [asdict(walk) for walk in walks]
+
+
+def _jobs(
+    robots: tuple[str, ...], terrains: tuple[str, ...], seed: int
+) -> Iterator[tuple[str, str, str, int]]:
+    kinds = list(TERRAINS)
+    for fault, count in _WALKS.items():
+        for number in range(count):
+            terrain = kinds[number % len(kinds)]
+            if terrain in terrains:
+                yield from ((robot, terrain, fault, seed + number // len(kinds)) for robot in robots)
+
+
+def _walked(robot: str, terrain: str, fault: str, seed: int) -> _Walk:
+    loaded = load_robot(robot)
+    scene = make_scene(loaded, terrain, seed)
+    knowledge = faulty_knowledge(loaded, scene, fault)
+    outcome = walk_scene(loaded, scene, knowledge=knowledge)
+    return _Walk(robot, terrain, fault, seed, outcome)
+
+
+def _bars(name: str, outcomes: list[GroundOutcome]) -> list[Criterion]:
+    count = len(outcomes)
+    arrived, needed = sum(o.arrived for o in outcomes), math.ceil(count * _NEEDED - 1e-9)
+    return [
+        at_least(f'{name}: arrived, of {count}', arrived, '', needed),
+        at_most(f'{name}: falls', sum(o.has_fallen for o in outcomes), '', 0),
+        figure(
+            f'{name}: walks with contacts of anything but feet',
+            sum(bool(o.contacts) for o in outcomes),
+            '',
+        ),
+        figure(f'{name}: walks with false alarms', sum(bool(o.alarms) for o in outcomes), ''),
+        figure(f'{name}: largest tilt', math.degrees(max(o.largest_tilt for o in outcomes)), 'deg'),
+        figure(
+            f'{name}: truly off its goal, at most', 1e3 * max(o.distance for o in outcomes), 'mm'
+        ),
+    ]
+
+
+def _described(walk: _Walk) -> str:
+    outcome = walk.outcome
+    end = f'arrived in {outcome.duration:.0f} s' if outcome.arrived else outcome.problem
+    parts = (end, 'FELL' if outcome.has_fallen else '', '; '.join(outcome.contacts))
+    said = ', '.join(part for part in parts if part)
+    return f'{walk.robot} over {walk.terrain}, {_SAID[walk.fault]} (seed {walk.seed}): {said}'
 
 
 def faulty_knowledge(robot: Robot, scene: Scene, fault: str) -> Knowledge:
