@@ -119,7 +119,9 @@ def _jobs(
         for number in range(count):
             terrain = kinds[number % len(kinds)]
             if terrain in terrains:
-                yield from ((robot, terrain, fault, seed + number // len(kinds)) for robot in robots)
+                yield from (
+                    (robot, terrain, fault, seed + number // len(kinds)) for robot in robots
+                )
 
 
 def _walked(robot: str, terrain: str, fault: str, seed: int) -> _Walk:
@@ -201,7 +203,13 @@ def with_holes(heights: HeightMap, radius: float, rng: np.random.Generator) -> H
     count = math.ceil(-math.log(1.0 - _UNKNOWN) * area / (math.pi * radius * radius))
     holes = rng.uniform((x_min, y_min), (x_max, y_max), (count, 2))
     known = heights.heights.copy()
-    centers = heights.centers
-    for hole in holes:
-        known[np.hypot(*np.moveaxis(centers - hole, -1, 0)) < radius] = math.nan
+    reach = math.ceil(radius / heights.resolution)
+    steps = np.arange(-reach, reach + 1)
+    around = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    around = around[np.hypot(*around.T) * heights.resolution < radius]
+    cells = ((holes - heights.origin) / heights.resolution).astype(int)
+    columns, rows = np.clip(
+        (cells[:, None] + around).reshape(-1, 2), 0, (heights.columns - 1, heights.rows - 1)
+    ).T
+    known[rows, columns] = math.nan
     return heights.with_heights(known)
