@@ -116,16 +116,28 @@ class GroundModel:
         float
             [m]
         """
-        # No farther apart than cells: a corner between two points is in the way all the same.
-        apart = _ALONG if self.height_map is None else self.height_map.resolution
-        count = 2 + int(np.hypot(*(end - start)) / apart)
-        path = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        path = self._path(start, end)
         highest = float(np.max(self.height(path)))
         if self.height_map is not None:
             reach = radius + self.map_error + self.height_map.resolution / 2.0
             near = self.height_map.highest_within(path, reach) + self.shift
             highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
         return highest
+
+    def is_known_between(self, start: Array, end: Array) -> bool:
+        """Tell whether a map shows all of a straight path, from (2,) to (2,) [m]."""
+        heights = self.height_map
+        if heights is None:
+            return False
+        return bool(np.isfinite(heights.height_at(self._path(start, end))).all())
+
+    def _path(self, start: Array, end: Array) -> Array:
+        """Return points along a path, shape (n, 2) [m]."""
+        # No farther apart than cells: a corner between two points is in the way all the same.
+        apart = _ALONG if self.height_map is None else self.height_map.resolution
+        count = 2 + int(np.hypot(*(end - start)) / apart)
+        path: Array = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        return path
 
     def range_at(self, place: Array) -> tuple[float, float]:
         """
@@ -139,10 +151,13 @@ class GroundModel:
         Returns
         -------
         lowest, highest : float
-            Its height twice where the map is not off, or unknown [m].
+            Its height twice where the map is not off; infinite where no map shows it [m].
         """
+        if not self.is_known_between(place, place):
+            return -np.inf, np.inf
+        assert self.height_map is not None
         height = float(self.height(place))
-        if self.height_map is None or self.map_error == 0.0:
+        if self.map_error == 0.0:
             return height, height
         lowest = float(self.height_map.lowest_within(place, self.map_error)) + self.shift
         highest = float(self.height_map.highest_within(place, self.map_error)) + self.shift

@@ -289,10 +289,8 @@ class SwingPlanner:
         top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
         depth = 0.0
         if now.loads is not None:
-            depth = 1.1 * robot.step_height
-            if ground.height_map is not None:
-                lower = float(ground.height(target[:2])) - ground.range_at(target[:2])[0]
-                depth = min(depth, 0.5 * robot.roughness + lower)
+            lower = float(ground.height(target[:2])) - ground.range_at(target[:2])[0]
+            depth = min(0.5 * robot.roughness + lower, 1.1 * robot.step_height)
         # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
@@ -318,8 +316,8 @@ class SwingPlanner:
         given = len(times) - 1
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
-            is_sure = ground.height_map is not None and ground.map_error == 0.0
-            given = sure if is_sure else int(np.searchsorted(times, low))
+            lowest, highest = ground.range_at(target[:2])
+            given = sure if lowest == highest else int(np.searchsorted(times, low))
         begun = lifted_at if stands and now.loads is not None else given
         paths = PlannedPaths(times, body, progress, path, sure + 1, begun)
         motion = self._motion_along(now, commanded, paths)
@@ -356,14 +354,12 @@ class SwingPlanner:
         radius = robot.foot_radius
         highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
         highest = max(highest, float(start[2]), float(target[2]))
-        if ground.height_map is not None:
+        # Where no map shows the ground it may be anywhere on the way down: all of it is slow.
+        top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
+        if ground.is_known_between(start[:2], target[:2]):
             top = highest + scale * clearance * options.clearance
-            higher = ground.range_at(target[:2])[1] - float(ground.height(target[:2]))
-            above = min(scale * options.search_above + higher, top - float(target[2]))
-        else:
-            # It may meet the ground anywhere on its way down: all of it is slow.
-            top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
-            above = top - float(target[2])
+        higher = ground.range_at(target[:2])[1] - float(ground.height(target[:2]))
+        above = min(scale * options.search_above + higher, top - float(target[2]))
         return top, above if feels else 0.0
 
     def _balanced_over(self, body: BodyPose, now: Stance, leg: int) -> BodyPose:
