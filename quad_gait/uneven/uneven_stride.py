@@ -38,12 +38,13 @@ _SURE = 3.0
 
 
 def check_suits_uneven_ground(gait: Gait) -> None:
-    """Raise ParameterError for a gait whose cycles do not begin and end at rest."""
-    if gait.is_steady or not gait.is_static:
+    """Raise ParameterError for a gait in which a robot could not stop at any time."""
+    if not gait.is_static:
         raise ParameterError(
             'gait',
             gait.name,
-            'one that rests between its cycles where the ground is uneven, as crawl and crab do',
+            'one with three feet on the ground at any time where that is uneven, as crawl and '
+            'wave have',
         )
 
 

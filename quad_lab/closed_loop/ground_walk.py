@@ -22,7 +22,7 @@ from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
-from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.gait import load_gait, resting
 from quad_gait.uneven.ways_out import WayOut
 from quad_lab.closed_loop.closed_loop import ClosedLoop, Place
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
@@ -240,6 +240,8 @@ class GroundWalk:
         One of :data:`quad_sim.engines.registry.BACKENDS`.
     knowledge : Knowledge, optional
         What it is told of the scene; the truth if not given.
+    gait_name : str
+        Name of its gait.
     """
 
     def __init__(
@@ -248,12 +250,13 @@ class GroundWalk:
         scene: Scene,
         backend: str = AUTO,
         knowledge: Knowledge | None = None,
+        gait_name: str = 'crawl',
     ) -> None:
         self.scene = scene
         """What is walked."""
         knowledge = knowledge or Knowledge(scene.height_map)
         self._localisation = SimulatedLocalisation(knowledge.localisation)
-        gait = load_gait('crawl', robot)
+        gait = resting(load_gait(gait_name, robot))
         self.controller = controller_for(robot, gait, for_uneven_ground(SupervisorOptions()))
         """What moves the robot."""
         self.loop = ClosedLoop(robot, self.controller, backend, scene.world, scene.start)
@@ -322,7 +325,11 @@ class GroundWalk:
 
 
 def walk_scene(
-    robot: Robot, scene: Scene, backend: str = AUTO, knowledge: Knowledge | None = None
+    robot: Robot,
+    scene: Scene,
+    backend: str = AUTO,
+    knowledge: Knowledge | None = None,
+    gait_name: str = 'crawl',
 ) -> GroundOutcome:
     """
     Walk in a scene.
@@ -337,13 +344,15 @@ def walk_scene(
         One of :data:`quad_sim.engines.registry.BACKENDS`.
     knowledge : Knowledge, optional
         What the robot is told of the scene; the truth if not given.
+    gait_name : str
+        Name of its gait.
 
     Returns
     -------
     GroundOutcome
         How it went.
     """
-    walk = GroundWalk(robot, scene, backend, knowledge)
+    walk = GroundWalk(robot, scene, backend, knowledge, gait_name)
     try:
         return walk.run()
     finally:
