@@ -17,6 +17,7 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.parameters import GaitParameters
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
@@ -288,6 +289,30 @@ def test_the_measured_margin_counts_the_tilt():
     assert tilt_from_quaternion(tilted.orientation) == pytest.approx(2.0 * half)
     polygon = judge(level).support_polygon(standing)
     assert polygon == pytest.approx(TITAN.neutral_feet[[0, 2, 3, 1], :2], abs=1e-9)
+
+
+def test_the_wave_walks_uneven_ground_in_its_own_order_of_legs():
+    parameters = GaitParameters(gait='wave', ground='uneven')
+    controller = Supervisor.from_parameters(parameters, TITAN)
+    walk = ClosedLoop(TITAN, controller, 'kinematic')
+    swung = []
+    try:
+        walk.run(0.5)
+        controller.set_plan(Plan.through([[0.0, 0.0], [0.4, 0.0]], 0.0))
+
+        def is_over():
+            standing = controller.in_contact_at(walk.time)
+            if not standing.all() and (not swung or swung[-1] != int(np.argmin(standing))):
+                swung.append(int(np.argmin(standing)))
+            return controller.activity is Activity.ARRIVED
+
+        assert walk.run(60.0, is_over)
+        assert walk.simulation.observe().pose.distance_to(Pose2D(0.4, 0.0, 0.0)) < 0.02
+    finally:
+        walk.close()
+    order = [LEGS.index(swing.leg) for swing in load_gait('wave', TITAN).swings]
+    assert len(swung) >= 8
+    assert swung == (order * len(swung))[: len(swung)]
 
 
 def test_a_gait_on_two_feet_is_refused():
