@@ -2,10 +2,11 @@
 What feet have met of the ground, and how far a height map may be off by that.
 
 A map is compared with each place where a foot met the ground. Where it shows another height, it
-may show the right one a little aside: the least distance at which it does is how far it is off
-there, if it is a map of this ground at all. The largest of these distances over the last strides
-is what a robot should reckon with. Where no place near explains what a foot met, the map is wrong
-by more than that, and feet find their ground better without it.
+may show the right one a little aside. If one shift along the ground makes it fit the last strides,
+the map is moved by that: odometry has drifted. Else the least distance at which it shows the height
+is how far it is off there, if it is a map of this ground at all. The largest of these distances
+over the last strides is what a robot should reckon with. If no place near explains what a foot met,
+the map is wrong by more than that, and feet find their ground better without it.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
+from quad_gait.uneven.map_registration import registered
 
 Array = NDArray[np.float64]
 
@@ -35,6 +37,12 @@ _NEGLIGIBLE = 1.6
 
 _LANDINGS = 40
 """Number of landings for which a map is not believed as before: ten strides."""
+
+_RECENT = 24
+"""Number of landings by which a map is moved: six strides, in which odometry hardly drifts."""
+
+_NOWHERE = HeightMap(np.zeros((1, 1)), 1.0, (0.0, 0.0))
+"""A map of no use."""
 
 _WINDOW, _MOVED = 1.2, 0.3
 """Half the side of the part of a map that is looked at around a robot, and distance after which
@@ -60,8 +68,12 @@ class FeltGround:
         self._points: deque[tuple[float, float, float]] = deque(maxlen=_MOST_POINTS)
         self._stood = np.full(len(LEGS), math.nan)
         self._off: deque[float] = deque(maxlen=_LANDINGS)
+        self._recent: deque[Array] = deque(maxlen=_RECENT)
+        self.map_shift: Array = np.zeros(2)
+        """Distance by which the map is moved back to fit what was felt, along x and y [m]."""
         self._window: HeightMap | None = None
         self._seen: tuple[HeightMap | None, Array] = (None, np.zeros(2))
+        self._shifted: tuple[HeightMap | None, Array, HeightMap] = (None, np.zeros(2), _NOWHERE)
         self.count = 0
         """Number of places that were felt so far."""
 
@@ -93,7 +105,7 @@ class FeltGround:
     def forget_map(self) -> None:
         """Believe the map again: it is another one."""
         self._off.clear()
-        self._window = None
+        self._window, self.map_shift = None, np.zeros(2)
 
     def model(self, under: Array, height_map: HeightMap | None) -> GroundModel:
         """
@@ -111,11 +123,11 @@ class FeltGround:
         GroundModel
         """
         error = self.map_error
-        if height_map is None or error == 0.0:
+        if height_map is None or (error == 0.0 and not self.map_shift.any()):
             return GroundModel.through(under, height_map)
         if math.isinf(error):
             return GroundModel.through(under)
-        return GroundModel.through(under, self._part(under, height_map), error)
+        return GroundModel.through(under, self._part(under, self._moved(height_map)), error)
 
     def note_contact(self, leg: int, now: Stance, height_map: HeightMap | None) -> None:
         """
@@ -130,33 +142,72 @@ class FeltGround:
         height_map : HeightMap or None
             Map of the ground.
         """
-        under = self._under(now)
-        others = np.arange(len(LEGS)) != leg
-        believed = GroundModel.through(under[others], height_map)
-        if believed.height_map is None:
-            known = others & np.isfinite(self._stood)
-            if not known.any():
-                self._stood[others] = under[others, 2] - under[others, 2].mean()
-                known = others
-            level = float(np.median(self._stood[known] - under[known, 2]))
-        else:
-            level = -believed.shift
-            self._off.append(self._distance_off(believed, under[leg], is_floor=True))
-        self._stood[others] = under[others, 2] + level
-        self._stood[leg] = under[leg, 2] + level
-        self._points.append((float(under[leg, 0]), float(under[leg, 1]), float(self._stood[leg])))
+        place = self._felt_place(leg, now)
+        self._stood[leg] = place[2]
+        self._recent.append(place)
         self.count += 1
+        ground = None if height_map is None else self._fitted(height_map)
+        if ground is not None and height_map is not None:
+            self._judge(ground, place, height_map)
+            place = place - np.array([0.0, 0.0, ground.shift])
+        self._points.append((float(place[0]), float(place[1]), float(place[2])))
 
     def note_gap(self, leg: int, now: Stance, height_map: HeightMap | None) -> None:
         """Take that a foot has met no ground as deep as it is now."""
-        under = self._under(now)
-        believed = GroundModel.through(np.delete(under, leg, axis=0), height_map)
-        if believed.height_map is not None:
-            self._off.append(self._distance_off(believed, under[leg], is_floor=False))
+        place = self._felt_place(leg, now)
+        ground = None if height_map is None else self._fitted(height_map)
+        if ground is not None:
+            self._off.append(self._distance_off(ground, place, is_floor=False))
 
-    def _under(self, now: Stance) -> Array:
+    def _felt_place(self, leg: int, now: Stance) -> Array:
+        """Return where a foot is, with a height over where the robot began, shape (3,) [m]."""
         below: Array = now.feet - np.array([0.0, 0.0, self._robot.foot_radius])
-        return below
+        others = np.arange(len(LEGS)) != leg
+        known = others & np.isfinite(self._stood)
+        if not known.any():
+            self._stood[others] = below[others, 2] - below[others, 2].mean()
+            self._recent.extend(np.column_stack([below[:, :2], self._stood])[others])
+            known = others
+        level = float(np.median(self._stood[known] - below[known, 2]))
+        self._stood[others] = below[others, 2] + level
+        place: Array = below[leg] + np.array([0.0, 0.0, level])
+        return place
+
+    def _fitted(self, height_map: HeightMap) -> GroundModel | None:
+        """Return the map, at the height at which it fits what was felt; None if unknown there."""
+        felt, moved = np.array(self._recent).reshape(-1, 3), self._moved(height_map)
+        off = felt[:, 2] - moved.height_at(felt[:, :2])
+        if not np.isfinite(off).any():
+            return None
+        return GroundModel(felt[-1], np.zeros(2), moved, float(np.nanmedian(off)))
+
+    def _judge(self, ground: GroundModel, met: Array, height_map: HeightMap) -> None:
+        """Compare the map with what a foot has met; move it where it fits better elsewhere."""
+        off = self._distance_off(ground, met, is_floor=True)
+        self._off.append(off)
+        if off == 0.0:
+            return
+        felt, scale = np.array(self._recent), self._scale
+        reach, tolerance = scale * _FARTHEST, scale * _TOLERANCE
+        fit = registered(height_map, felt, self.map_shift, reach, tolerance)
+        if fit is None:
+            return
+        self.map_shift, self._window = fit.shift, None
+        fitted = self._fitted(height_map)
+        if fitted is not None:
+            self._off.clear()
+            self._off.extend(self._distance_off(fitted, place, is_floor=True) for place in felt)
+
+    def _moved(self, height_map: HeightMap) -> HeightMap:
+        """Return the map where it fits what was felt."""
+        if not self.map_shift.any():
+            return height_map
+        whole, shift, moved = self._shifted
+        if whole is not height_map or shift is not self.map_shift:
+            x, y = (np.array(height_map.origin) - self.map_shift).tolist()
+            moved = HeightMap(height_map.heights, height_map.resolution, (x, y))
+            self._shifted = height_map, self.map_shift, moved
+        return moved
 
     def _distance_off(self, ground: GroundModel, met: Array, is_floor: bool) -> float:
         """

@@ -25,7 +25,7 @@ def hills():
     """Smooth ground of a few waves."""
     level = HeightMap.level((-2.0, -2.0, 2.0, 2.0), CELL)
     x, y = np.moveaxis(level.centers, -1, 0)
-    return level.with_heights(0.03 * np.sin(4.0 * x) + 0.02 * np.cos(5.0 * y + x))
+    return level.with_heights(0.06 * np.sin(4.0 * x) + 0.05 * np.cos(5.0 * y + x))
 
 
 def kerb(at=0.0):
@@ -45,11 +45,23 @@ def standing(ground, x=0.0, y=0.0, feet=None):
     return Stance(0.0, body, feet, ROBOT.initial_joint_angles, lambda: None)
 
 
+def crawled(felt, truth, shown, start=-0.8, end=0.8):
+    """Crawl over the ground with a map that shows other ground; yield after each landing."""
+    feet, k = standing(truth, start).feet, 0
+    while start < end:
+        feet = feet.copy()
+        feet[k % 4, :2] = ROBOT.neutral_feet[k % 4, :2] + (start, 0.0)
+        stance = standing(truth, feet=feet)
+        felt.note_contact(k % 4, stance, shown)
+        yield stance
+        start, k = start + 0.05, k + 1
+
+
 def test_a_map_that_is_right_is_believed_as_it_is_whatever_its_zero():
     truth, felt = hills(), FeltGround(ROBOT)
     raised = truth.with_heights(truth.heights + 3.0)
-    for k in range(60):
-        felt.note_contact(k % 4, standing(truth, *RNG.uniform(-1.0, 1.0, 2)), raised)
+    for _ in crawled(felt, truth, raised):
+        assert not felt.map_shift.any()
     assert felt.map_error == 0.0
     assert felt.remark == ''
     under = standing(truth).feet
@@ -59,19 +71,42 @@ def test_a_map_that_is_right_is_believed_as_it_is_whatever_its_zero():
     assert model.shift == GroundModel.through(under, raised).shift
 
 
-@pytest.mark.parametrize('off', [0.05, 0.08, 0.1])
+def moved(heights, shift):
+    """Return a map that shows everything so much farther."""
+    return HeightMap(heights.heights, heights.resolution, tuple(heights.origin + shift))
+
+
+@pytest.mark.parametrize('shift', [(0.06, -0.08), (-0.1, 0.04), (0.0, 0.1)])
+def test_a_map_of_hills_is_moved_back_by_what_feet_meet(shift):
+    truth, felt = hills(), FeltGround(ROBOT)
+    shown = moved(truth, np.array(shift))
+    stance = list(crawled(felt, truth, shown))[-1]
+    assert np.hypot(*(felt.map_shift - shift)) < 0.5 * np.hypot(*shift)
+    assert felt.map_error <= 2.0 * CELL
+    under = stance.feet - (0.0, 0.0, ROBOT.foot_radius)
+    off = felt.model(under, shown).height(under[:, :2]) - under[:, 2]
+    assert abs(off).max() < 0.012
+
+
+@pytest.mark.parametrize('off', [0.06, 0.1])
 @pytest.mark.parametrize('side', [-1.0, 1.0])
-def test_the_error_of_a_shifted_map_is_found_where_feet_meet_the_difference(off, side):
-    felt, shown = FeltGround(ROBOT), kerb(side * off)
-    front = ROBOT.neutral_feet[:2, 0].max()
-    for x in np.arange(-0.5, 0.5, 0.01):
-        felt.note_contact(0, standing(kerb(), x - front), shown)
+def test_a_kerb_is_found_where_feet_meet_it(off, side):
+    felt, shown = FeltGround(ROBOT), moved(kerb(), np.array([side * off, 0.0]))
+    noticed = False
+    for _ in crawled(felt, kerb(), shown):
         assert felt.map_error <= off + 2.0 * CELL
-        if felt.map_error > 0.6 * off:
-            break
-    else:
-        pytest.fail('no foot met the difference')
-    assert f'{felt.map_error:.2f} m' in felt.remark
+        noticed |= felt.map_error > 0.0 or felt.map_shift.any()
+    assert noticed
+    if felt.map_shift.any():
+        # It lies somewhere between two footholds.
+        assert felt.map_shift[0] == pytest.approx(side * off, abs=0.06)
+
+
+def test_level_ground_moves_no_map():
+    level, felt = HeightMap.level((-2.0, -2.0, 2.0, 2.0), CELL), FeltGround(ROBOT)
+    for _ in crawled(felt, level, level):
+        assert not felt.map_shift.any()
+        assert felt.map_error == 0.0
 
 
 def test_a_map_of_other_ground_is_not_used_until_ten_strides_agree_with_it():
