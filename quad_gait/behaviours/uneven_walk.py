@@ -68,6 +68,7 @@ class UnevenWalk(Walk):
     def forget(self) -> None:
         """Leave the stride as it is."""
         self._stride = None
+        self._guidance.felt.forget()
 
     def begin(self, state: RobotState, done: Done) -> Command | Done:
         """Begin a stride, or what is tried in its place where strides lead nowhere."""

@@ -66,7 +66,7 @@ class FeltGround:
         self._robot = robot
         self._scale = robot.relative_size
         self._points: deque[tuple[float, float, float]] = deque(maxlen=_MOST_POINTS)
-        self._stood = np.full(len(LEGS), math.nan)
+        self._stood: Array = np.full(len(LEGS), math.nan)
         self._off: deque[float] = deque(maxlen=_LANDINGS)
         self._recent: deque[Array] = deque(maxlen=_RECENT)
         self.map_shift: Array = np.zeros(2)
@@ -106,6 +106,12 @@ class FeltGround:
         """Believe the map again: it is another one."""
         self._off.clear()
         self._window, self.map_shift = None, np.zeros(2)
+
+    def forget(self) -> None:
+        """Know nothing of where feet stood last: something else has moved the robot."""
+        self.forget_map()
+        self._recent.clear()
+        self._stood = np.full(len(LEGS), math.nan)
 
     def model(self, under: Array, height_map: HeightMap | None) -> GroundModel:
         """
@@ -159,19 +165,35 @@ class FeltGround:
         if ground is not None:
             self._off.append(self._distance_off(ground, place, is_floor=False))
 
+    def note_stance(self, now: Stance) -> None:
+        """Take where the feet are while all of them stand."""
+        below = self._below(now)
+        known = np.isfinite(self._stood)
+        if known.any():
+            self._stood = below + float(np.median(self._stood[known] - below[known]))
+            return
+        self._stood = below - below.mean()
+        self._recent.extend(np.column_stack([now.feet[:, :2], self._stood]))
+
+    def slip(self, now: Stance, leg: int) -> float:
+        """Return by how much a foot other than that leg's is off the height at which it stood."""
+        others = np.arange(len(LEGS)) != leg
+        off = self._below(now)[others] - self._stood[others]
+        return 0.0 if np.isnan(off).any() else float(np.abs(off - np.median(off)).max())
+
+    def _below(self, now: Stance) -> Array:
+        """Return the heights of the ground below the feet, from base_link, shape (4,) [m]."""
+        heights: Array = now.feet[:, 2] - self._robot.foot_radius
+        return heights
+
     def _felt_place(self, leg: int, now: Stance) -> Array:
         """Return where a foot is, with a height over where the robot began, shape (3,) [m]."""
-        below: Array = now.feet - np.array([0.0, 0.0, self._robot.foot_radius])
-        others = np.arange(len(LEGS)) != leg
-        known = others & np.isfinite(self._stood)
-        if not known.any():
-            self._stood[others] = below[others, 2] - below[others, 2].mean()
-            self._recent.extend(np.column_stack([below[:, :2], self._stood])[others])
-            known = others
-        level = float(np.median(self._stood[known] - below[known, 2]))
-        self._stood[others] = below[others, 2] + level
-        place: Array = below[leg] + np.array([0.0, 0.0, level])
-        return place
+        if np.isnan(self._stood).any():
+            self.note_stance(now)
+        below, others = self._below(now), np.arange(len(LEGS)) != leg
+        level = float(np.median(self._stood[others] - below[others]))
+        self._stood[others] = below[others] + level
+        return np.array([*now.feet[leg, :2], below[leg] + level])
 
     def _fitted(self, height_map: HeightMap) -> GroundModel | None:
         """Return the map, at the height at which it fits what was felt; None if unknown there."""

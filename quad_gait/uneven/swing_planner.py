@@ -23,6 +23,8 @@ from quad_gait.uneven.candidates import (
     LEANS,
     LOWEST,
     POSTURES,
+    QUICK_SEARCHES,
+    SEARCHES,
     VARIANTS,
     first_possible,
 )
@@ -44,7 +46,6 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
-
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -164,10 +165,8 @@ class SwingPlanner:
         target = self._foot_on(ground, place)
 
         def plan(tilt: float, lower: float, clearance: float, pace: float) -> PlannedSwing:
-            swing, posture = (
-                _Swing(leg, target, pace, stands=True),
-                _Posture(tilt, lower, clearance),
-            )
+            swing = _Swing(leg, target, pace, stands=True)
+            posture = _Posture(tilt, lower, clearance)
             return self._swing_to(now, commanded, ground, swing, posture)
 
         return first_possible(plan, IN_PLACE)[0]
@@ -183,16 +182,22 @@ class SwingPlanner:
 
         return first_possible(plan, POSTURES)[0]
 
-    def search(self, now: Stance, commanded: Array | None, legs: list[int]) -> JointMotion:
-        """Plan how feet that bear nothing are lowered, a little more than the ground is rough."""
-        depth = 1.5 * self._robot.roughness
-        speed = self._scale * self._options.search_speed
-        times = self._times(depth / speed + ramp(depth))
-        feet = np.repeat(now.feet[None], len(times), axis=0)
-        feet[:, legs, 2] -= searched(times, speed, depth)[:, None]
-        still = np.zeros(len(times))
-        paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
-        return self._motion_along(now, commanded, paths)
+    def search(
+        self, now: Stance, commanded: Array | None, legs: list[int], quickly: bool = False
+    ) -> JointMotion:
+        """Plan how feet that bear nothing are lowered; quickly, and deep, where another slips."""
+        depth = 2.0 * self._robot.step_height if quickly else 1.5 * self._robot.roughness
+
+        def plan(factor: float) -> JointMotion:
+            speed = factor * self._scale * self._options.search_speed
+            times = self._times(depth / speed + ramp(depth))
+            feet = np.repeat(now.feet[None], len(times), axis=0)
+            feet[:, legs, 2] -= searched(times, speed, depth)[:, None]
+            still = np.zeros(len(times))
+            paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
+            return self._motion_along(now, commanded, paths)
+
+        return first_possible(plan, QUICK_SEARCHES if quickly else SEARCHES)[0]
 
     def search_deeper(
         self, now: Stance, commanded: Array | None, leg: int, depth: float
@@ -204,8 +209,7 @@ class SwingPlanner:
         times = self._times(shift + depth / speed + ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, 2] -= searched(times - shift, speed, depth)
-        progress = minimum_jerk(0.0, shift, times)[0]
-        sure = int(np.searchsorted(times, shift))
+        sure, progress = int(np.searchsorted(times, shift)), minimum_jerk(0.0, shift, times)[0]
         paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
         motion = self._motion_along(now, commanded, paths)
         return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
