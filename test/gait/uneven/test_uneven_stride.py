@@ -89,6 +89,7 @@ class Legs:
         self.joints = TITAN.initial_joint_angles.copy()
         self.ground = TITAN.neutral_feet[:, 2] + heights
         self.trajectory = None
+        self.orientation = LEVEL
         self.edge = math.inf
         """Beyond this x there is no ground [m]."""
 
@@ -96,9 +97,9 @@ class Legs:
         feet = TITAN.foot_positions(self.joints)
         ground = np.where(feet[:, 0] > self.edge, -1.0, self.ground)
         under = np.clip(ground - feet[:, 2] + SOFT, 0.0, None)
-        return Stance.measured(TITAN, self.time, ORIGIN, LEVEL, self.joints.reshape(-1), None), (
-            np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
-        )
+        return Stance.measured(
+            TITAN, self.time, ORIGIN, self.orientation, self.joints.reshape(-1), None
+        ), np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
 
     def measure(self):
         stance, loads = self.stance()
@@ -171,6 +172,25 @@ def test_a_foot_stops_where_it_meets_the_ground(height):
         legs.run(stride, 0.02)
         feet.append(legs.measure().feet[2, 2])
     assert feet[-1] == pytest.approx(legs.ground[2], abs=0.008)
+
+
+@pytest.mark.parametrize('lean, slips', [(0.02, False), (0.12, True), (-0.12, True)])
+def test_feet_are_put_down_at_once_where_another_one_slips(lean, slips):
+    legs, stride = Legs(), stride_for()
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    legs.run(stride, 0.3)
+    # The body tips over two feet: seen from the level, those on its sides stand otherwise.
+    legs.orientation = np.array([math.sin(lean / 2.0), 0.0, 0.0, math.cos(lean / 2.0)])
+    legs.run(stride, 0.02)
+    assert ('a foot has slipped, so lh is put down again' in stride.limit) == slips
+    if slips:
+        ends = legs.trajectory.positions.reshape(-1, 4, 3)[[0, -1]]
+        start, end = (TITAN.foot_positions(joints) for joints in ends)
+        assert end[2, 2] < start[2, 2] - 0.005
+        assert np.delete(end - start, 2, axis=0) == pytest.approx(np.zeros((3, 3)), abs=0.004)
+    legs.orientation = LEVEL
+    assert legs.run(stride, 30.0)
 
 
 def test_a_foot_that_finds_no_ground_goes_back_to_where_it_stood():
