@@ -174,7 +174,7 @@ def test_a_foot_stops_where_it_meets_the_ground(height):
     assert feet[-1] == pytest.approx(legs.ground[2], abs=0.008)
 
 
-@pytest.mark.parametrize('lean, slips', [(0.02, False), (0.12, True), (-0.12, True)])
+@pytest.mark.parametrize(('lean', 'slips'), [(0.02, False), (0.12, True), (-0.12, True)])
 def test_feet_are_put_down_at_once_where_another_one_slips(lean, slips):
     legs, stride = Legs(), stride_for()
     while stride.in_contact[2]:
