@@ -95,12 +95,14 @@ class FeltGround:
     @property
     def remark(self) -> str:
         """What feet say of the map, as a sentence; empty as long as they agree with it."""
-        error = self.map_error
-        if error == 0.0:
-            return ''
+        error, shift = self.map_error, float(np.hypot(*self.map_shift))
         if math.isinf(error):
             return 'the height map does not show what the feet met: they feel their way without it'
-        return f'the height map is off by up to {error:.2f} m where the feet met the ground'
+        if error > 0.0:
+            return f'the height map is off by up to {error:.2f} m where the feet met the ground'
+        if shift > 0.0:
+            return f'the height map fits what the feet met where it is moved by {shift:.2f} m'
+        return ''
 
     def forget_map(self) -> None:
         """Believe the map again: it is another one."""

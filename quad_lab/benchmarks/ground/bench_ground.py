@@ -120,12 +120,12 @@ def measure(
     bars, details = _cross(console, quick, seed, wanted)
     robots = [robot for robot in _WALKS if robot in wanted] or list(_WALKS)
     terrains = [terrain for terrain in TERRAINS if terrain in wanted] or list(TERRAINS)
-    if WRONG_MAP in wanted:
+    if WRONG_MAP in wanted and (only or not quick):
         wrong, details[WRONG_MAP] = walk_by_wrong_maps(
             console, quick, seed, tuple(r for r in ROBOTS if r in robots), tuple(terrains)
         )
         bars += wrong
-    jobs = [job for gait in _gaits(set(only)) for job in _jobs(gait, quick, seed)]
+    jobs = [job for gait in _gaits(set(only), quick) for job in _jobs(gait, quick, seed)]
     jobs = [job for job in jobs if job[0] in robots and job[1] in terrains]
     missing = [robot for robot in robots if not _is_there(robot, console)] if jobs else []
     bars += [at_least(f'{robot}: arrived', None, '', _WALKS[robot]) for robot in missing]
@@ -143,11 +143,12 @@ def measure(
     return bars, {**details, 'walks': [asdict(walk) for walk in walks]}
 
 
-def _gaits(named: set[str]) -> list[str]:
+def _gaits(named: set[str], quick: bool) -> list[str]:
     """Return the gaits of the random walks, by the parts that are named."""
     others = named & {*COURSES, FOOTSTEPS, WAVE, WRONG_MAP}
     crawls = not others or (named & set(TERRAINS) and not others & {WAVE, WRONG_MAP})
-    return [_USUAL] * bool(crawls) + [WAVE] * (not named or WAVE in named)
+    waves = WAVE in named or not (named or quick)
+    return [_USUAL] * bool(crawls) + [WAVE] * waves
 
 
 def _cross(

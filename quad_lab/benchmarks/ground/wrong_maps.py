@@ -102,7 +102,8 @@ def walk_by_wrong_maps(
         with worker_pool() as pool:
             for walk in pool.map(_walked, *zip(*jobs)):
                 walks.append(walk)
-                console.print(f'wrong map, walk {len(walks)} of {len(jobs)}, {_described(walk)}')
+                said = f'wrong map, walk {len(walks)} of {len(jobs)}, {_described(walk)}'
+                console.print(said, highlight=False)
     bars = []
     for robot in robots:
         for fault in FAULTS:

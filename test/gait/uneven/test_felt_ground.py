@@ -83,6 +83,7 @@ def test_a_map_of_hills_is_moved_back_by_what_feet_meet(shift):
     stance = list(crawled(felt, truth, shown))[-1]
     assert np.hypot(*(felt.map_shift - shift)) < 0.5 * np.hypot(*shift)
     assert felt.map_error <= 2.0 * CELL
+    assert felt.remark
     under = stance.feet - (0.0, 0.0, ROBOT.foot_radius)
     off = felt.model(under, shown).height(under[:, :2]) - under[:, 2]
     assert abs(off).max() < 0.012
