@@ -196,7 +196,8 @@ class UnevenStride:
         motion = self._motion
         if motion is None or motion.done < swing.lifted_at or self._catches == _MOST_CATCHES:
             return False
-        return self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        slip = self._felt.slip(now, self.leg)
+        return slip > self._robot.relative_size * _SLIP and now.loads is not None
 
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
@@ -304,8 +305,7 @@ class UnevenStride:
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
-        self._return_to = None
-        self._searches = 0
+        self._return_to, self._searches = None, 0
         self._next += 1
         return self._swing(now) if self._next < len(self._order) else self._finish(now)
 

@@ -193,6 +193,17 @@ def test_feet_are_put_down_at_once_where_another_one_slips(lean, slips):
     assert legs.run(stride, 30.0)
 
 
+def test_a_step_up_is_no_slip_where_motors_tell_no_loads():
+    level = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
+    kerb = level.with_heights(np.where(level.centers[..., 0] > 0.3, 0.05, 0.0))
+    legs, stride = Legs(), stride_for(height_map=kerb)
+    legs.measure = lambda: replace(legs.stance()[0], find_loads=lambda: None)
+    assert legs.run(stride, 30.0)
+    assert 'slipped' not in stride.limit
+    heights = legs.measure().feet[:, 2]
+    assert np.ptp(heights) == pytest.approx(0.05, abs=0.002)
+
+
 def test_a_foot_that_finds_no_ground_goes_back_to_where_it_stood():
     legs, stride = Legs(), stride_for()
     start = legs.measure().feet[2].copy()
