@@ -55,7 +55,7 @@ class GaitStatus:
         self._received_at: float | None = None
         self._is_time_still = False
         self._distance_left = 0.0
-        self._said: tuple[str, str, str, bool] | None = None
+        self._said: tuple[str, str, str, str, bool] | None = None
 
     def take_odometry(self, is_new: bool) -> None:
         """Note that odometry came, and whether it is another reading than the one before."""
@@ -67,7 +67,8 @@ class GaitStatus:
         """Return whether there is something else to say than last time, with the robot here."""
         supervisor = self._supervisor
         is_silent = bool(self._estimator.imu_problem)
-        said = supervisor.reason, supervisor.limit, supervisor.unbalanced, is_silent
+        remark = supervisor.felt_ground.remark
+        said = supervisor.reason, supervisor.limit, supervisor.unbalanced, remark, is_silent
         if said == self._said:
             return False
         self._said = said
@@ -111,4 +112,5 @@ class GaitStatus:
             },
             is_waiting=activity is Activity.WAITING,
         )
-        return status.with_notes(supervisor.limit, missing, supervisor.unbalanced, *notes)
+        own = supervisor.limit, missing, supervisor.unbalanced, supervisor.felt_ground.remark
+        return status.with_notes(*own, *notes)

@@ -15,6 +15,7 @@ from geometry_msgs.msg import PolygonStamped, PoseStamped
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Bool, Float64, Header
 from std_srvs.srv import SetBool, Trigger
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
@@ -30,6 +31,7 @@ from quad_gait.parameters import GaitParameters
 from quad_gait.ros_conversions import (
     foothold_markers,
     leg_odometry_message,
+    point_cloud_message,
     polygon_message,
     trajectory_message,
 )
@@ -81,8 +83,10 @@ class GaitTopics:
         self._followed_plans = node.create_publisher(Path, 'plan/followed', _LATCHED)
         self._heartbeats = node.create_publisher(Header, 'gait/heartbeat', 10)
         self._impassable: Pose2D | None = None
+        self._felt_count = 0
         if parameters.is_uneven:
             self._no_footing = node.create_publisher(PoseStamped, 'plan/impassable', 10)
+            self._felt = node.create_publisher(PointCloud2, 'height_map/felt', _LATCHED)
         self._last_heartbeat = self._last_polygon = -math.inf
         self._polygon_contacts = b''
         self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
@@ -123,6 +127,7 @@ class GaitTopics:
         self._publish_stability(state, frame, stamp)
         if self._is_uneven:
             self._publish_impassable(frame, stamp)
+            self._publish_felt(frame, stamp)
         self.publish_followed()
         self._publish_heartbeat(state.time, stamp)
 
@@ -170,6 +175,13 @@ class GaitTopics:
             header = Header(frame_id=frame, stamp=stamp)
             self._no_footing.publish(PoseStamped(header=header, pose=pose_message(place)))
         self._impassable = place
+
+    def _publish_felt(self, frame: str, stamp: Time) -> None:
+        """Publish where feet have met the ground, when one more has."""
+        felt = self._supervisor.felt_ground
+        if felt.count != self._felt_count:
+            self._felt_count = felt.count
+            self._felt.publish(point_cloud_message(felt.points, frame, stamp))
 
     def _publish_footholds(self, frame: str, stamp: Time) -> None:
         """Publish the next footholds when they are others: on uneven ground they seldom are."""

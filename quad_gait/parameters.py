@@ -10,7 +10,7 @@ from quad_common.plan import LONGEST_PLAN
 from quad_common.robot.robot import Robot
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.behaviours.options import SupervisorOptions
-from quad_gait.cycle.gait import Gait, load_gait, turning_gait_for
+from quad_gait.cycle.gait import Gait, load_gait, resting, turning_gait_for
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.state.sensor_inputs import InputOptions
 from quad_gait.state.state_estimator import EstimatorOptions
@@ -224,6 +224,7 @@ class GaitParameters:
         gait = load_gait(self.gait, robot)
         if self.is_uneven:
             check_suits_uneven_ground(gait)
+            gait = resting(gait)
         return gait, turning_gait_for(gait, robot, self.turning_gait)
 
     @property

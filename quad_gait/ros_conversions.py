@@ -11,7 +11,7 @@ from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point32, PolygonStamped, Pose, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, PointCloud2, PointField
 from std_msgs.msg import ColorRGBA
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -266,6 +266,20 @@ def polygon_message(corners: Array, frame: str, stamp: Time) -> PolygonStamped:
     message.header.frame_id = frame
     message.header.stamp = stamp
     message.polygon.points = [Point32(x=float(x), y=float(y)) for x, y in corners]
+    return message
+
+
+def point_cloud_message(points: Array, frame: str, stamp: Time) -> PointCloud2:
+    """Write points as a cloud that is not organized, shape (n, 3) [m]."""
+    message = PointCloud2(height=1, width=len(points), is_bigendian=False, is_dense=True)
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    message.fields = [
+        PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
+        for index, name in enumerate('xyz')
+    ]
+    message.point_step, message.row_step = 12, 12 * len(points)
+    message.data = array('B', points.astype('<f4').tobytes())
     return message
 
 

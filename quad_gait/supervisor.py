@@ -46,6 +46,7 @@ from quad_gait.guards.frozen import Frozen
 from quad_gait.parameters import GaitParameters
 from quad_gait.state.robot_state import RobotState
 from quad_gait.transitions import GUARDS, ROUTINE
+from quad_gait.uneven.felt_ground import FeltGround
 
 
 class Supervisor:
@@ -127,6 +128,11 @@ class Supervisor:
     def impassable(self) -> Pose2D | None:
         """Pose, heading to where there was no footing, from which another path was asked for."""
         return self._guidance.impassable
+
+    @property
+    def felt_ground(self) -> FeltGround:
+        """Ground as feet have met it, and what it says of the height map."""
+        return self._guidance.felt
 
     @property
     def gait_pair(self) -> GaitPair:

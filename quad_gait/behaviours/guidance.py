@@ -22,6 +22,7 @@ from quad_gait.following.steering import Steering
 from quad_gait.following.step import Departure, Step
 from quad_gait.following.stuck_detector import Begun, StuckDetector
 from quad_gait.state.robot_state import RobotState
+from quad_gait.uneven.felt_ground import FeltGround
 from quad_gait.uneven.ways_out import WaysOut
 
 _NOWHERE = Pose2D(0.0, 0.0, 0.0)
@@ -75,6 +76,8 @@ class Guidance:
         self._is_uneven = options.uneven is not None
         self.ways_out = WaysOut(robot.largest_stride)
         """What is tried where strides over uneven ground lead nowhere."""
+        self.felt = FeltGround(robot)
+        """Ground as feet have met it."""
         self.impassable: Pose2D | None = None
         """Pose from which no stride ahead was possible; None before there is one."""
         self.gaits = GaitChoice(robot, gaits, options)

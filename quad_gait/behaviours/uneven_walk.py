@@ -51,6 +51,7 @@ class UnevenWalk(Walk):
         """Take a map of the ground."""
         if isinstance(wish, UseHeightMap):
             self._height_map = wish.height_map
+            self._guidance.felt.forget_map()
             if self._route is not None:
                 self._route.take_map(wish.height_map)
             if self._stride is not None:
@@ -67,6 +68,7 @@ class UnevenWalk(Walk):
     def forget(self) -> None:
         """Leave the stride as it is."""
         self._stride = None
+        self._guidance.felt.forget()
 
     def begin(self, state: RobotState, done: Done) -> Command | Done:
         """Begin a stride, or what is tried in its place where strides lead nowhere."""
@@ -93,7 +95,9 @@ class UnevenWalk(Walk):
         else:
             step = Step(step.is_turn, BodyMotion.reaching(state.pose.inverse() @ goal.place))
         self._goal = goal
-        self._stride = UnevenStride(self._robot, gait.swing_height, goal, self._height_map, options)
+        self._stride = UnevenStride(
+            self._robot, gait.swing_height, goal, self._height_map, options, guidance.felt
+        )
         self._begun = state
         guidance.note_begun(state, step, PlannedMotion(step.motion, goal.place))
         self._report.limit = chosen.remark or self._report.limit

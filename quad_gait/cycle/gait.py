@@ -256,6 +256,26 @@ def turning_gait_for(gait: Gait, robot: Robot, turning_gait: str = 'auto') -> Ga
     return gait if gait.is_steady else load_gait('turn', robot)
 
 
+def resting(gait: Gait) -> Gait:
+    """
+    Return a static gait as one that rests between its cycles.
+
+    Parameters
+    ----------
+    gait : Gait
+        With three feet on the ground at any time.
+
+    Returns
+    -------
+    Gait
+        With the same swings; its cycles end in the initial posture. Itself if it rests already.
+    """
+    if not gait.is_steady:
+        return gait
+    progress = ((0.0, 0.0), (gait.cycle_period, 1.0))
+    return replace(gait, body_progress=progress, footholds='initial_posture')
+
+
 def _check(gait: Gait) -> Gait:
     period = gait.cycle_period
     if sorted(swing.leg for swing in gait.swings) != sorted(LEGS):

@@ -66,6 +66,9 @@ LEANS = sorted(
 ) + list(product(_FRACTIONS, _TILTS, _HIGHER))
 """Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
 
+SEARCHES, QUICK_SEARCHES = ((1.0,),), ((3.0,), (2.0,), (1.0,))
+"""Multiples of its speed at which a foot is lowered, usually and where another one slips."""
+
 POSTURES = tuple(product(_TILTS, LOWERINGS))
 """Tilts and lowerings, in the order in which they are tried."""
 

@@ -40,9 +40,13 @@ class GroundModel:
     """Height map of the ground; None if there is none."""
     shift: float = 0.0
     """Height that is added to the map's heights [m]."""
+    map_error: float = 0.0
+    """Distance by which the map may be off, along the ground [m]."""
 
     @classmethod
-    def through(cls, points: Array, height_map: HeightMap | None = None) -> GroundModel:
+    def through(
+        cls, points: Array, height_map: HeightMap | None = None, map_error: float = 0.0
+    ) -> GroundModel:
         """
         Find the ground on which feet stand.
 
@@ -52,6 +56,8 @@ class GroundModel:
             Where they touch it, x and y in the map's frame, n > 0 [m].
         height_map : HeightMap, optional
             Of the ground.
+        map_error : float
+            Distance by which it may be off [m].
 
         Returns
         -------
@@ -72,7 +78,7 @@ class GroundModel:
                 shift = float(np.median(known))
             else:
                 height_map = None
-        return cls(center, slope, height_map, shift)
+        return cls(center, slope, height_map, shift, map_error)
 
     def height(self, points: Array) -> Array:
         """
@@ -110,16 +116,52 @@ class GroundModel:
         float
             [m]
         """
-        # No farther apart than cells: a corner between two points is in the way all the same.
-        apart = _ALONG if self.height_map is None else self.height_map.resolution
-        count = 2 + int(np.hypot(*(end - start)) / apart)
-        path = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        path = self._path(start, end)
         highest = float(np.max(self.height(path)))
         if self.height_map is not None:
-            reach = radius + self.height_map.resolution / 2.0
+            reach = radius + self.map_error + self.height_map.resolution / 2.0
             near = self.height_map.highest_within(path, reach) + self.shift
             highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
         return highest
+
+    def is_known_between(self, start: Array, end: Array) -> bool:
+        """Tell whether a map shows all of a straight path, from (2,) to (2,) [m]."""
+        heights = self.height_map
+        if heights is None:
+            return False
+        return bool(np.isfinite(heights.height_at(self._path(start, end))).all())
+
+    def _path(self, start: Array, end: Array) -> Array:
+        """Return points along a path, shape (n, 2) [m]."""
+        # No farther apart than cells: a corner between two points is in the way all the same.
+        apart = _ALONG if self.height_map is None else self.height_map.resolution
+        count = 2 + int(np.hypot(*(end - start)) / apart)
+        path: Array = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+        return path
+
+    def range_at(self, place: Array) -> tuple[float, float]:
+        """
+        Return between which heights the ground may be at a place.
+
+        Parameters
+        ----------
+        place : ndarray, shape (2,)
+            [m]
+
+        Returns
+        -------
+        lowest, highest : float
+            Its height twice where the map is not off; infinite where no map shows it [m].
+        """
+        if not self.is_known_between(place, place):
+            return -np.inf, np.inf
+        assert self.height_map is not None
+        height = float(self.height(place))
+        if self.map_error == 0.0:
+            return height, height
+        lowest = float(self.height_map.lowest_within(place, self.map_error)) + self.shift
+        highest = float(self.height_map.highest_within(place, self.map_error)) + self.shift
+        return float(np.fmin(height, lowest)), float(np.fmax(height, highest))
 
     def best_foothold(self, wanted: Array, choice: FootholdChoice) -> Array:
         """
@@ -142,7 +184,7 @@ class GroundModel:
             return wanted
         places = wanted + choice.offsets
         height = self.height(places)
-        rough = heights.step_at(places, choice.radius)
+        rough = heights.step_at(places, choice.radius + self.map_error)
         # What is not known is no good place, but for want of a better one.
         rough = np.where(np.isnan(rough), 2.0 * choice.largest_step, rough)
         off = np.abs(height - (self.center[2] + (places - self.center[:2]) @ self.slope))

@@ -108,7 +108,8 @@ def _check_speeds(robot: Robot, times: Array, joints: Array, velocities: Array) 
     between = velocities_between(times, joints.reshape(count, -1), velocities.reshape(count, -1))
     # The last interval is given out with the time that the joints need to come to rest.
     kept = between[:-1].reshape(-1, *joints.shape[1:])
-    robot.check_joint_speeds(kept / (1.0 + VELOCITY_TOLERANCE))
+    if len(kept):
+        robot.check_joint_speeds(kept / (1.0 + VELOCITY_TOLERANCE))
 
 
 def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:

@@ -23,6 +23,8 @@ from quad_gait.uneven.candidates import (
     LEANS,
     LOWEST,
     POSTURES,
+    QUICK_SEARCHES,
+    SEARCHES,
     VARIANTS,
     first_possible,
 )
@@ -44,7 +46,6 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
-
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -164,10 +165,8 @@ class SwingPlanner:
         target = self._foot_on(ground, place)
 
         def plan(tilt: float, lower: float, clearance: float, pace: float) -> PlannedSwing:
-            swing, posture = (
-                _Swing(leg, target, pace, stands=True),
-                _Posture(tilt, lower, clearance),
-            )
+            swing = _Swing(leg, target, pace, stands=True)
+            posture = _Posture(tilt, lower, clearance)
             return self._swing_to(now, commanded, ground, swing, posture)
 
         return first_possible(plan, IN_PLACE)[0]
@@ -183,16 +182,22 @@ class SwingPlanner:
 
         return first_possible(plan, POSTURES)[0]
 
-    def search(self, now: Stance, commanded: Array | None, legs: list[int]) -> JointMotion:
-        """Plan how feet that bear nothing are lowered, a little more than the ground is rough."""
-        depth = 1.5 * self._robot.roughness
-        speed = self._scale * self._options.search_speed
-        times = self._times(depth / speed + ramp(depth))
-        feet = np.repeat(now.feet[None], len(times), axis=0)
-        feet[:, legs, 2] -= searched(times, speed, depth)[:, None]
-        still = np.zeros(len(times))
-        paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
-        return self._motion_along(now, commanded, paths)
+    def search(
+        self, now: Stance, commanded: Array | None, legs: list[int], quickly: bool = False
+    ) -> JointMotion:
+        """Plan how feet that bear nothing are lowered; quickly, and deep, where another slips."""
+        depth = 2.0 * self._robot.step_height if quickly else 1.5 * self._robot.roughness
+
+        def plan(factor: float) -> JointMotion:
+            speed = factor * self._scale * self._options.search_speed
+            times = self._times(depth / speed + ramp(depth))
+            feet = np.repeat(now.feet[None], len(times), axis=0)
+            feet[:, legs, 2] -= searched(times, speed, depth)[:, None]
+            still = np.zeros(len(times))
+            paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
+            return self._motion_along(now, commanded, paths)
+
+        return first_possible(plan, QUICK_SEARCHES if quickly else SEARCHES)[0]
 
     def search_deeper(
         self, now: Stance, commanded: Array | None, leg: int, depth: float
@@ -204,8 +209,7 @@ class SwingPlanner:
         times = self._times(shift + depth / speed + ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, 2] -= searched(times - shift, speed, depth)
-        progress = minimum_jerk(0.0, shift, times)[0]
-        sure = int(np.searchsorted(times, shift))
+        sure, progress = int(np.searchsorted(times, shift)), minimum_jerk(0.0, shift, times)[0]
         paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
         motion = self._motion_along(now, commanded, paths)
         return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
@@ -289,8 +293,8 @@ class SwingPlanner:
         top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
         depth = 0.0
         if now.loads is not None:
-            known = ground.height_map is not None
-            depth = 0.5 * robot.roughness if known else 1.1 * robot.step_height
+            lower = float(ground.height(target[:2])) - ground.range_at(target[:2])[0]
+            depth = min(0.5 * robot.roughness + lower, 1.1 * robot.step_height)
         # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
@@ -316,7 +320,8 @@ class SwingPlanner:
         given = len(times) - 1
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
-            given = sure if ground.height_map is not None else int(np.searchsorted(times, low))
+            lowest, highest = ground.range_at(target[:2])
+            given = sure if lowest == highest else int(np.searchsorted(times, low))
         begun = lifted_at if stands and now.loads is not None else given
         paths = PlannedPaths(times, body, progress, path, sure + 1, begun)
         motion = self._motion_along(now, commanded, paths)
@@ -353,13 +358,12 @@ class SwingPlanner:
         radius = robot.foot_radius
         highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
         highest = max(highest, float(start[2]), float(target[2]))
-        if ground.height_map is not None:
+        # Where no map shows the ground it may be anywhere on the way down: all of it is slow.
+        top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
+        if ground.is_known_between(start[:2], target[:2]):
             top = highest + scale * clearance * options.clearance
-            above = min(scale * options.search_above, top - float(target[2]))
-        else:
-            # It may meet the ground anywhere on its way down: all of it is slow.
-            top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
-            above = top - float(target[2])
+        higher = ground.range_at(target[:2])[1] - float(ground.height(target[:2]))
+        above = min(scale * options.search_above + higher, top - float(target[2]))
         return top, above if feels else 0.0
 
     def _balanced_over(self, body: BodyPose, now: Stance, leg: int) -> BodyPose:

@@ -21,8 +21,10 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.cycle.gait import Gait
-from quad_gait.state.foot_forces import GRAVITY
 from quad_gait.state.stance import Stance
+from quad_gait.uneven.candidates import first_possible
+from quad_gait.uneven.felt_ground import FeltGround
+from quad_gait.uneven.foot_loads import load_fraction, unloaded_legs
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.stride_goal import StrideGoal
@@ -37,17 +39,25 @@ _SURE = 3.0
 
 
 def check_suits_uneven_ground(gait: Gait) -> None:
-    """Raise ParameterError for a gait whose cycles do not begin and end at rest."""
-    if gait.is_steady or not gait.is_static:
+    """Raise ParameterError for a gait in which a robot could not stop at any time."""
+    if not gait.is_static:
         raise ParameterError(
             'gait',
             gait.name,
-            'one that rests between its cycles where the ground is uneven, as crawl and crab do',
+            'one with three feet on the ground at any time where that is uneven, as crawl and '
+            'wave have',
         )
 
 
 _MOST_SEARCHES = 3
 """Searches for the ground before a foot is lifted all the same: the swing may free the others."""
+
+
+_SLIP = 0.02
+"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII]."""
+
+_MOST_CATCHES = 4
+"""Number of slips in a stride at which feet are put down."""
 
 
 class _Phase(enum.Enum):
@@ -73,6 +83,8 @@ class UnevenStride:
         Of the ground, in the plan's frame; without one the feet feel for the ground.
     options : UnevenOptions
         How.
+    felt : FeltGround, optional
+        What feet have met so far; nothing if not given.
     """
 
     def __init__(
@@ -82,22 +94,22 @@ class UnevenStride:
         goal: StrideGoal,
         height_map: HeightMap | None,
         options: UnevenOptions,
+        felt: FeltGround | None = None,
     ) -> None:
         self._robot = robot
+        self._felt = felt or FeltGround(robot)
         self._options = options
         self._planner = SwingPlanner(robot, options, swing_height)
         self._order = list(goal.order)
-        self._place = goal.place
-        self._footholds = goal.footholds
+        self._place, self._footholds = goal.place, goal.footholds
         self._is_exact = goal.is_exact
         self.height_map = height_map
-        self._phase = _Phase.SEEKING
-        self._next = 0
+        self._phase, self._next = _Phase.SEEKING, 0
         self._untouched: Stance | None = None
         self._touched: Stance | None = None
         self._seeking: list[int] = []
         self._sought: set[int] = set()
-        self._searches = 0
+        self._searches = self._catches = 0
         self._return_to: Array | None = None
         self._has_lowered = False
         self._swinging: PlannedSwing | None = None
@@ -175,9 +187,27 @@ class UnevenStride:
                 self._phase = _Phase.OVER
             return None
         assert self._swinging is not None
+        if self._is_slipping(now, self._swinging):
+            return self._catch(now)
         return self._feel(now, self._swinging)
 
-    # What to do next
+    def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
+        """Tell whether one of the three feet that stand slides off what it stood on."""
+        motion = self._motion
+        if motion is None or motion.done < swing.lifted_at or self._catches == _MOST_CATCHES:
+            return False
+        slip = self._felt.slip(now, self.leg)
+        return slip > self._robot.relative_size * _SLIP and now.loads is not None
+
+    def _catch(self, now: Stance) -> JointTrajectory:
+        """Lower all feet that bear nothing at once: on two of them a robot tips over."""
+        self._catches += 1
+        self._seeking = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
+        self._sought.clear()
+        self._return_to, self._phase = None, _Phase.SEEKING
+        self.limit = f'a foot has slipped, so {LEGS[self.leg]} is put down again'
+        self._motion = self._planner.search(now, self._commanded, self._seeking, True)
+        return self._motion.trajectory(self._options.reaction_time)
 
     def _feel(self, now: Stance, swing: PlannedSwing) -> JointTrajectory | None:
         """Go on when the foot that swings has met the ground, or should have."""
@@ -187,15 +217,16 @@ class UnevenStride:
             return self._lift(now, motion, swing, leg)
         if motion.done < swing.feels_from:
             return None
-        fraction = self._load_fraction(now, leg)
+        fraction = load_fraction(self._robot, now, leg)
         if fraction <= self._options.contact_fraction:
             self._untouched, self._touched = now, None
         elif self._touched is None:
             self._touched = now
         if self._touched is not None:
-            is_second = now is not self._touched
-            if is_second or fraction > _SURE * self._options.contact_fraction:
-                return self._land(as_touched(self._robot, leg, self._untouched, self._touched, now))
+            if now is not self._touched or fraction > _SURE * self._options.contact_fraction:
+                met = as_touched(self._robot, leg, self._untouched, self._touched, now)
+                self._felt.note_contact(leg, met, self.height_map)
+                return self._land(met)
             return None
         if not motion.is_done:
             return self._give_more(now)
@@ -211,6 +242,7 @@ class UnevenStride:
                 deeper = self._planner.search_deeper(now, self._commanded, leg, swing.depth)
                 return self._begin(deeper)
         # No ground here: back to where the foot stood.
+        self._felt.note_gap(leg, now, self.height_map)
         self._return_to = self._left[leg]
         return self._swing(now)
 
@@ -227,7 +259,7 @@ class UnevenStride:
         lifting = motion.extended(now.time, reaction, swing.given - motion.given)
         if lifting is None:
             return None
-        unloaded = [] if now.loads is None else self._unloaded(now.loads)
+        unloaded = unloaded_legs(self._robot, now, self._options)
         self._seeking = [other for other in unloaded if other != leg]
         if self._seeking and self._searches < _MOST_SEARCHES:
             self._searches += 1
@@ -239,11 +271,6 @@ class UnevenStride:
                 return trajectory
         self._motion = lifting
         return lifting.trajectory(reaction)
-
-    def _unloaded(self, loads: Array) -> list[int]:
-        """Return the legs whose feet bear next to nothing."""
-        little = 0.2 * self._options.contact_fraction * self._robot.mass * GRAVITY
-        return [leg for leg in range(len(LEGS)) if loads[leg] < little]
 
     def _search(self, now: Stance) -> JointTrajectory:
         """Begin to lower the feet that are to be."""
@@ -259,36 +286,26 @@ class UnevenStride:
         self._motion = more
         return more.trajectory(self._options.reaction_time)
 
-    def _load_fraction(self, now: Stance, leg: int) -> float:
-        """Return what a foot bears, as a fraction of the robot's weight."""
-        if now.loads is None:
-            return 0.0
-        return float(now.loads[leg]) / (self._robot.mass * GRAVITY)
-
-    def _has_load(self, now: Stance, leg: int) -> bool:
-        return self._load_fraction(now, leg) > self._options.contact_fraction
-
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
         motion = self._motion
         if motion is not None:
-            found = [leg for leg in self._seeking if self._has_load(now, leg)]
+            least = self._options.contact_fraction
+            found = [leg for leg in self._seeking if load_fraction(self._robot, now, leg) > least]
             if not found and not motion.is_done:
                 return self._give_more(now)
             self._sought.update(found or self._seeking)
-        if now.loads is None:
-            self._seeking = []
-        else:
-            self._seeking = [leg for leg in self._unloaded(now.loads) if leg not in self._sought]
+        unloaded = unloaded_legs(self._robot, now, self._options)
+        self._seeking = [leg for leg in unloaded if leg not in self._sought]
         if not self._seeking:
+            self._felt.note_stance(now)
             self._phase = _Phase.SWINGING
             return self._swing(now)
         return self._search(now)
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
-        self._return_to = None
-        self._searches = 0
+        self._return_to, self._searches = None, 0
         self._next += 1
         return self._swing(now) if self._next < len(self._order) else self._finish(now)
 
@@ -296,9 +313,8 @@ class UnevenStride:
         """Bring the body to its place; feet that have not swung stay where they are."""
         self._phase = _Phase.FINISHING
         self._next = len(self._order) - 1
-        self._motion = self._planner.shift(
-            now, self._commanded, self._ground(now, None), self._place
-        )
+        ground = self._ground(now, None)
+        self._motion = self._planner.shift(now, self._commanded, ground, self._place)
         return self._motion.trajectory(self._options.reaction_time)
 
     def _swing(self, now: Stance) -> JointTrajectory:
@@ -324,24 +340,19 @@ class UnevenStride:
 
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
-        problem: GaitError | None = None
         ahead, plan = self._order[self._next :], self._planner.swing
         if self._is_exact:
             ahead, plan = ahead[:1], self._planner.swing_onto
-        for leg in ahead:
-            place = self._footholds[leg]
-            try:
-                swing = plan(now, self._commanded, ground, leg, place)
-            except GaitError as error:
-                problem = problem or error
-                continue
-            if problem is not None:
-                self._order.remove(leg)
-                self._order.insert(self._next, leg)
-                self.limit = self.limit or f'another foot goes first: {problem}'
-            return swing
-        assert problem is not None
-        raise problem
+
+        def planned(leg: int) -> tuple[int, PlannedSwing]:
+            return leg, plan(now, self._commanded, ground, leg, self._footholds[leg])
+
+        (leg, swing), problem = first_possible(planned, [(leg,) for leg in ahead])
+        if problem is not None:
+            self._order.remove(leg)
+            self._order.insert(self._next, leg)
+            self.limit = self.limit or f'another foot goes first: {problem}'
+        return swing
 
     def _begin(self, swing: PlannedSwing) -> JointTrajectory:
         self._swinging, self._motion = swing, swing.motion
@@ -355,4 +366,4 @@ class UnevenStride:
         """Find the ground under the feet that stand."""
         standing = [leg for leg in range(len(LEGS)) if leg != but]
         under = now.feet[standing] - np.array([0.0, 0.0, self._robot.foot_radius])
-        return GroundModel.through(under, self.height_map)
+        return self._felt.model(under, self.height_map)

@@ -22,9 +22,9 @@ from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
-from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.gait import load_gait, resting
 from quad_gait.uneven.ways_out import WayOut
-from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.closed_loop import ClosedLoop, Place
 from quad_lab.closed_loop.controllers import controller_for, for_uneven_ground
 from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.closed_loop.planner_in_loop import PlannerInLoop
@@ -36,6 +36,7 @@ from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import planner_from_parameters
 from quad_sim.engines.registry import AUTO
 from quad_sim.engines.simulator import Observation
+from quad_sim.simulated_localisation import LocalisationOptions, SimulatedLocalisation
 from quad_sim.world.terrain import Terrain
 from quad_sim.world.terrain_spec import make_terrain, specs_from_text
 from quad_sim.world.world import World, world_from_map
@@ -75,6 +76,9 @@ _TIMEOUT = 1500.0
 
 _WAYS = tuple(way.value for way in WayOut)
 """What begins a sentence that says which way out is tried."""
+
+_EXACT = LocalisationOptions()
+"""Odometry that does not drift."""
 
 _ALARMS = frozenset({Activity.LAME, Activity.NOT_EXECUTED, Activity.FALLEN, Activity.BLOCKED})
 """Activities with which a sound robot raises a false alarm."""
@@ -212,6 +216,16 @@ def _plan_length(planner: Planner[Any], start: Pose2D, goal: Pose2D) -> float | 
         return None
 
 
+@dataclass(frozen=True)
+class Knowledge:
+    """What a robot is told of the ground and of its place."""
+
+    height_map: HeightMap | None
+    """Heights of the ground; None if there is no map of it."""
+    localisation: LocalisationOptions = _EXACT
+    """Odometry, and what corrects it; exact if not given."""
+
+
 class GroundWalk:
     """
     A robot in a scene, its planner's session and its gait.
@@ -224,22 +238,38 @@ class GroundWalk:
         The scene.
     backend : str
         One of :data:`quad_sim.engines.registry.BACKENDS`.
+    knowledge : Knowledge, optional
+        What it is told of the scene; the truth if not given.
+    gait_name : str
+        Name of its gait.
     """
 
-    def __init__(self, robot: Robot, scene: Scene, backend: str = AUTO) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        scene: Scene,
+        backend: str = AUTO,
+        knowledge: Knowledge | None = None,
+        gait_name: str = 'crawl',
+    ) -> None:
         self.scene = scene
         """What is walked."""
-        gait = load_gait('crawl', robot)
+        knowledge = knowledge or Knowledge(scene.height_map)
+        self._localisation = SimulatedLocalisation(knowledge.localisation)
+        gait = resting(load_gait(gait_name, robot))
         self.controller = controller_for(robot, gait, for_uneven_ground(SupervisorOptions()))
         """What moves the robot."""
-        self.controller.set_height_map(scene.height_map)
         self.loop = ClosedLoop(robot, self.controller, backend, scene.world, scene.start)
         """The closed loop."""
+        self.loop.locate = self._locate
         self.planner = PlannerInLoop(robot, self.controller, PlannerParameters(robot=robot.name))
         """What plans."""
         session, frame = self.planner.session, self.planner.frame.name
         session.take_grid(scene.grid, frame)
-        session.take_heights(scene.height_map, frame)
+        if knowledge.height_map is not None:
+            self.controller.set_height_map(knowledge.height_map)
+            session.take_heights(knowledge.height_map, frame)
+        self._is_given = False
         self._contacts: set[str] = set()
         self._alarms: set[str] = set()
         self._ways_out: list[str] = []
@@ -251,6 +281,7 @@ class GroundWalk:
         loop.run(_STANDING)
         loop.on_observation.append(self._note)
         self.planner.session.give_goal(self.planner.frame.name, goal)
+        self._is_given = True
         end = GuidedEnd()
         is_over = loop.run(timeout, lambda: end.is_over(loop.time, controller.activity))
         pose = loop.simulation.observe().pose
@@ -284,10 +315,22 @@ class GroundWalk:
         if limit.startswith(_WAYS) and limit != self._said:
             self._ways_out.append(limit)
         self._said = limit
-        self.planner.take_pose(seen.time, seen.pose)
+
+    def _locate(self, seen: Observation) -> Place:
+        """Return where the robot takes itself to be, and tell the planner."""
+        pose = self._localisation.observe(seen).pose
+        if self._is_given:
+            self.planner.take_pose(seen.time, pose)
+        return pose, pose
 
 
-def walk_scene(robot: Robot, scene: Scene, backend: str = AUTO) -> GroundOutcome:
+def walk_scene(
+    robot: Robot,
+    scene: Scene,
+    backend: str = AUTO,
+    knowledge: Knowledge | None = None,
+    gait_name: str = 'crawl',
+) -> GroundOutcome:
     """
     Walk in a scene.
 
@@ -299,13 +342,17 @@ def walk_scene(robot: Robot, scene: Scene, backend: str = AUTO) -> GroundOutcome
         As :func:`make_scene` draws it.
     backend : str
         One of :data:`quad_sim.engines.registry.BACKENDS`.
+    knowledge : Knowledge, optional
+        What the robot is told of the scene; the truth if not given.
+    gait_name : str
+        Name of its gait.
 
     Returns
     -------
     GroundOutcome
         How it went.
     """
-    walk = GroundWalk(robot, scene, backend)
+    walk = GroundWalk(robot, scene, backend, knowledge, gait_name)
     try:
         return walk.run()
     finally:

@@ -1,8 +1,10 @@
 """What gait_node reports, and whether it misses its planner."""
 
+import numpy as np
 import pytest
 from told_supervisor import ToldSupervisor, measurement
 
+from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.status import Level
@@ -12,6 +14,8 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.gait_status import GaitStatus
 from quad_gait.parameters import GaitParameters
 from quad_gait.planner_watch import PlannerWatch
+from quad_gait.state.body_placement import BodyPose
+from quad_gait.state.stance import Stance
 from quad_gait.supervisor import Supervisor
 
 ROBOT = load_robot('titan_viii')
@@ -124,6 +128,20 @@ def test_notes_make_a_warning(robot):
     status = robot.said(None, 'the last correction is 9 s old', '')
     assert status.level is Level.WARN
     assert status.message.endswith('; the last correction is 9 s old')
+
+
+def test_a_wrong_height_map_is_a_warning(robot):
+    robot.status.take_odometry(is_new=True)
+    robot.supervisor.update(measurement(ROBOT, 1.0))
+    level = HeightMap.level((-2.0, -2.0, 2.0, 2.0), 0.02)
+    body = BodyPose(np.zeros(3), 0.0, 0.0, 0.0)
+    feet = ROBOT.neutral_feet + np.outer([1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.06])
+    stance = Stance(1.0, body, feet, ROBOT.initial_joint_angles, lambda: None)
+    assert robot.status.has_changed(ORIGIN)
+    robot.supervisor.felt_ground.note_contact(0, stance, level)
+    assert robot.status.has_changed(ORIGIN)
+    assert robot.said().level is Level.WARN
+    assert 'the height map does not show what the feet met' in robot.said().message
 
 
 def test_a_change_is_told_once(robot):

@@ -70,6 +70,7 @@ def test_without_a_reader_there_is_none():
 def test_a_place_without_footing_is_published_once_and_on_uneven_ground_only():
     for ground, count in (('uneven', 1), ('flat', 0)):
         supervisor = mock.Mock(impassable=Pose2D(1.0, 2.0, 0.5), wanted_plan=None)
+        supervisor.felt_ground.count = 0
         supervisor.support.margin_at.return_value = 0.05
         supervisor.in_contact_at.return_value = np.array(ALL)
         node = Node(readers=0)
@@ -82,4 +83,27 @@ def test_a_place_without_footing_is_published_once_and_on_uneven_ground_only():
         assert len(published) == count
         for message in published:
             assert (message.pose.position.x, message.pose.position.y) == (1.0, 2.0)
+            assert message.header.frame_id == 'map'
+
+
+def test_felt_ground_is_published_when_one_more_foot_has_met_it_and_on_uneven_ground_only():
+    for ground, count in (('uneven', 3), ('flat', 0)):
+        felt = mock.Mock(count=0, points=np.empty((0, 3)))
+        supervisor = mock.Mock(impassable=None, wanted_plan=None, felt_ground=felt)
+        supervisor.support.margin_at.return_value = 0.05
+        supervisor.in_contact_at.return_value = np.array(ALL)
+        node = Node(readers=0)
+        topics = GaitTopics(node, supervisor, GaitParameters(ground=ground))
+        for k in range(12):
+            felt.count = k // 3
+            felt.points = np.arange(3.0 * felt.count).reshape(-1, 3)
+            state = mock.Mock(time=0.02 * k, pose=Pose2D(0.0, 0.0, 0.0))
+            state.stability_margin.return_value = 0.04
+            topics.publish_decision(None, state, 'map', Time())
+        published = node.published.get('height_map/felt', [])
+        assert len(published) == count
+        for number, message in enumerate(published, 1):
+            assert (message.height, message.width) == (1, number)
+            cloud = np.frombuffer(bytes(message.data), '<f4').reshape(-1, 3)
+            assert np.array_equal(cloud, np.arange(3.0 * number).reshape(-1, 3))
             assert message.header.frame_id == 'map'

@@ -2,7 +2,8 @@
 ``quadwalk bench ground``: random walks over random ground, as users ask for them.
 
 Without topics; starts, goals and ground are drawn, and the planner decides where to turn.
-Staircases and stepping stones are crossed straight on, and footsteps planned over them.
+Staircases and stepping stones are crossed straight on, and footsteps planned over them. The same
+walks are made by height maps that are wrong.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from quad_lab.benchmarks.ground.foothold_courses import (
     foothold_course,
     plan_footsteps,
 )
+from quad_lab.benchmarks.ground.wrong_maps import WRONG_MAP, walk_by_wrong_maps
 from quad_lab.closed_loop.ground_walk import TERRAINS, GroundOutcome, make_scene, walk_scene
 from quad_lab.closed_loop.terrain_walk import TerrainOutcome, walk_course
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
@@ -32,19 +34,29 @@ ROBOTS = ('titan_viii', 'genibo')
 """Robots that walk between random places."""
 
 CLIMBER = 'a1'
-"""Robot that climbs stairs beside TITAN-VIII; it is imported from a package of descriptions."""
+"""Robot that climbs stairs beside TITAN-VIII, and walks between random places too; it is imported
+from a package of descriptions."""
+
+WAVE = 'wave'
+"""Part that walks by the wave gait."""
 
 FOOTSTEPS = 'footsteps'
 """Part that plans footsteps, and walks nowhere."""
 
-PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS)
+PARTS = (*ROBOTS, CLIMBER, *TERRAINS, *COURSES, FOOTSTEPS, WAVE, WRONG_MAP)
 """Robots and terrains to which ``--only`` limits it; of what is not named all are walked."""
 
 PREFERRED_BACKEND = 'mujoco'
 """Physics unless ``--backend`` says otherwise: five times as fast, and the walks are long."""
 
-_WALKS = 100
-"""Of each robot; the terrains take turns."""
+_USUAL = 'crawl'
+"""Gait of the walks, but for those of their own part."""
+
+_WALKS = {'titan_viii': 100, 'genibo': 100, CLIMBER: 30}
+"""Walks of each robot; the terrains take turns."""
+
+_WAVES = 30
+"""Walks of each robot by the wave gait."""
 
 _CROSSINGS = 20
 """Walks over each course by each robot, and plans of footsteps."""
@@ -72,6 +84,12 @@ class _Walk:
     seed: int
     map_name: str
     outcome: GroundOutcome
+    gait: str
+
+    @property
+    def walker(self) -> str:
+        """The robot, and its gait where that is not the usual one."""
+        return self.robot if self.gait == _USUAL else f'{self.robot}, {self.gait}'
 
 
 def measure(
@@ -100,12 +118,18 @@ def measure(
     """
     wanted = set(only or PARTS)
     bars, details = _cross(console, quick, seed, wanted)
-    robots = wanted & set(ROBOTS) or set(ROBOTS)
-    terrains = wanted & set(TERRAINS)
-    if not terrains and not wanted & {*COURSES, FOOTSTEPS, CLIMBER}:
-        terrains = set(TERRAINS)
-    jobs = [(*job, seed) for job in _QUICK] if quick else list(_jobs(seed))
+    robots = [robot for robot in _WALKS if robot in wanted] or list(_WALKS)
+    terrains = [terrain for terrain in TERRAINS if terrain in wanted] or list(TERRAINS)
+    if WRONG_MAP in wanted and (only or not quick):
+        wrong, details[WRONG_MAP] = walk_by_wrong_maps(
+            console, quick, seed, tuple(r for r in ROBOTS if r in robots), tuple(terrains)
+        )
+        bars += wrong
+    jobs = [job for gait in _gaits(set(only), quick) for job in _jobs(gait, quick, seed)]
     jobs = [job for job in jobs if job[0] in robots and job[1] in terrains]
+    missing = [robot for robot in robots if not _is_there(robot, console)] if jobs else []
+    bars += [at_least(f'{robot}: arrived', None, '', _WALKS[robot]) for robot in missing]
+    jobs = [job for job in jobs if job[0] not in missing]
     if not jobs:
         return bars, details
     walks: list[_Walk] = []
@@ -113,9 +137,18 @@ def measure(
         for walk in pool.map(_walked, *zip(*jobs)):
             walks.append(walk)
             console.print(f'walk {len(walks)} of {len(jobs)}, {_described(walk)}', highlight=False)
-    console.print(_table(walks))
-    bars += [bar for robot in ROBOTS for bar in _bars(robot, walks)]
+    walkers = list(dict.fromkeys(walk.walker for walk in walks))
+    console.print(_table(walkers, walks))
+    bars += [bar for walker in walkers for bar in _bars(walker, walks)]
     return bars, {**details, 'walks': [asdict(walk) for walk in walks]}
+
+
+def _gaits(named: set[str], quick: bool) -> list[str]:
+    """Return the gaits of the random walks, by the parts that are named."""
+    others = named & {*COURSES, FOOTSTEPS, WAVE, WRONG_MAP}
+    crawls = not others or (named & set(TERRAINS) and not others & {WAVE, WRONG_MAP})
+    waves = WAVE in named or not (named or quick)
+    return [_USUAL] * bool(crawls) + [WAVE] * waves
 
 
 def _cross(
@@ -129,10 +162,7 @@ def _cross(
     crossings: list[dict[str, Any]] = []
     with worker_pool() as pool:
         for robot, course in courses:
-            try:
-                load_robot(robot)
-            except RobotModelError as error:
-                console.print(f'{robot} over {course}: {error}', highlight=False)
+            if not _is_there(robot, console):
                 bars.append(at_least(f'{robot} over {course}: arrived', None, '', len(seeds)))
                 continue
             outcomes: list[TerrainOutcome] = []
@@ -149,6 +179,16 @@ def _cross(
             bars += _planning_bars(plans)
             crossings += [{'course': FOOTSTEPS, **asdict(plan)} for plan in plans]
     return bars, {'crossings': crossings}
+
+
+def _is_there(robot: str, console: Console) -> bool:
+    """Return whether a robot can be loaded; say why not."""
+    try:
+        load_robot(robot)
+    except RobotModelError as error:
+        console.print(f'{robot}: {error}', highlight=False)
+        return False
+    return True
 
 
 def _crossed(robot: str, course: str, seed: int) -> TerrainOutcome:
@@ -187,50 +227,56 @@ def _planning_bars(plans: list[PlannedFootsteps]) -> list[Criterion]:
     ]
 
 
-def _jobs(seed: int) -> Iterator[tuple[str, str, int]]:
+def _jobs(gait: str, quick: bool, seed: int) -> Iterator[tuple[str, str, int, str]]:
+    if quick:
+        yield from ((*job, seed, gait) for job in (_QUICK if gait == _USUAL else _QUICK[:1]))
+        return
     kinds = list(TERRAINS)
-    for number in range(_WALKS):
-        for robot in ROBOTS:
-            yield robot, kinds[number % len(kinds)], seed + number // len(kinds)
+    counts = _WALKS if gait == _USUAL else dict.fromkeys(ROBOTS, _WAVES)
+    for number in range(max(counts.values())):
+        for robot, count in counts.items():
+            if number < count:
+                yield robot, kinds[number % len(kinds)], seed + number // len(kinds), gait
 
 
-def _walked(robot: str, terrain: str, seed: int) -> _Walk:
+def _walked(robot: str, terrain: str, seed: int, gait: str) -> _Walk:
     loaded = load_robot(robot)
     scene = make_scene(loaded, terrain, seed)
-    return _Walk(robot, terrain, seed, scene.map_name, walk_scene(loaded, scene))
+    outcome = walk_scene(loaded, scene, gait_name=gait)
+    return _Walk(robot, terrain, seed, scene.map_name, outcome, gait)
 
 
-def _bars(robot: str, walks: list[_Walk]) -> list[Criterion]:
-    outcomes = [walk.outcome for walk in walks if walk.robot == robot]
+def _bars(walker: str, walks: list[_Walk]) -> list[Criterion]:
+    outcomes = [walk.outcome for walk in walks if walk.walker == walker]
     if not outcomes:
         return []
     count = len(outcomes)
     return [
-        at_least(f'{robot}: arrived, of {count}', sum(o.arrived for o in outcomes), '', count),
-        at_most(f'{robot}: falls', sum(o.has_fallen for o in outcomes), '', 0),
+        at_least(f'{walker}: arrived, of {count}', sum(o.arrived for o in outcomes), '', count),
+        at_most(f'{walker}: falls', sum(o.has_fallen for o in outcomes), '', 0),
         at_most(
-            f'{robot}: walks with contacts of anything but feet',
+            f'{walker}: walks with contacts of anything but feet',
             sum(bool(o.contacts) for o in outcomes),
             '',
             0,
         ),
-        at_most(f'{robot}: false alarms', sum(bool(o.alarms) for o in outcomes), '', 0),
+        at_most(f'{walker}: false alarms', sum(bool(o.alarms) for o in outcomes), '', 0),
         figure(
-            f'{robot}: walks that needed a way out', sum(bool(o.ways_out) for o in outcomes), ''
+            f'{walker}: walks that needed a way out', sum(bool(o.ways_out) for o in outcomes), ''
         ),
-        figure(f'{robot}: farthest from the goal', 1e3 * max(o.distance for o in outcomes), 'mm'),
+        figure(f'{walker}: farthest from the goal', 1e3 * max(o.distance for o in outcomes), 'mm'),
     ]
 
 
-def _table(walks: list[_Walk]) -> Table:
+def _table(walkers: list[str], walks: list[_Walk]) -> Table:
     table = Table('robot', 'ground', 'arrived', 'falls', 'contacts', 'false alarms', 'ways out')
     table.title = 'random walks over random ground'
-    for robot in ROBOTS:
+    for walker in walkers:
         for terrain in TERRAINS:
-            chosen = [w.outcome for w in walks if (w.robot, w.terrain) == (robot, terrain)]
+            chosen = [w.outcome for w in walks if (w.walker, w.terrain) == (walker, terrain)]
             if chosen:
                 table.add_row(
-                    robot,
+                    walker,
                     terrain,
                     f'{sum(o.arrived for o in chosen)} of {len(chosen)}',
                     str(sum(o.has_fallen for o in chosen)),
@@ -251,4 +297,4 @@ def _described(walk: _Walk) -> str:
         f'{len(outcome.ways_out)} ways out' if outcome.ways_out else '',
     ]
     said = ', '.join(part for part in end if part)
-    return f'{walk.robot} over {walk.terrain} on {walk.map_name} (seed {walk.seed}): {said}'
+    return f'{walk.walker} over {walk.terrain} on {walk.map_name} (seed {walk.seed}): {said}'

@@ -12,7 +12,7 @@ import quad_gait.cycle.gait
 from quad_common.errors import ParameterError
 from quad_common.robot.robot_build import LEGS
 from quad_common.robot_files.robot_file import available_robots, load_robot
-from quad_gait.cycle.gait import available_gaits, load_gait
+from quad_gait.cycle.gait import available_gaits, load_gait, resting
 
 GAITS = Path(quad_gait.__file__).parent / 'gaits'
 CRAWL, TROT, WAVE = (
@@ -206,6 +206,17 @@ def test_nothing_moves_before_the_motion_starts(name):
     gait = load_gait(name)
     starts = [gait.sway_start, gait.swings[0].liftoff, gait.body_progress[0][0]]
     assert gait.motion_start == min(starts) > 0.0
+
+
+@each_static_gait
+def test_a_static_gait_that_rests_has_the_same_swings(name):
+    gait = load_gait(name)
+    rested = resting(gait)
+    assert not rested.is_steady
+    assert (rested.swings, rested.cycle_period) == (gait.swings, gait.cycle_period)
+    assert rested.swing_height == gait.swing_height
+    assert (rested is gait) == (not gait.is_steady)
+    assert resting(rested) is rested
 
 
 def test_a_gait_may_be_given_as_a_path(tmp_path):

@@ -76,3 +76,15 @@ def test_a_search_that_ends_where_the_leg_does_is_given_out_with_the_time_to_com
         given = replace(motion, given=count - 1).trajectory(0.06)
         limits.check(given.times, given.positions, given.velocities)
     assert fast_ends > 0
+
+
+def test_a_search_of_a_leg_that_reaches_one_sample_farther_is_a_motion_all_the_same():
+    paths = search(0.1)
+    feet = paths.feet.copy()
+    # From the second sample on the foot is where no leg gets.
+    feet[2:, 0, 2] -= 2.0
+    motion = motion_along(ROBOT, UnevenOptions(), STANCE, None, replace(paths, feet=feet))
+    assert len(motion.times) == 2
+    JointLimits.of(ROBOT).check(
+        motion.times, motion.positions.reshape(2, -1), motion.velocities.reshape(2, -1)
+    )

@@ -17,6 +17,7 @@ from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.parameters import GaitParameters
 from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
@@ -88,6 +89,7 @@ class Legs:
         self.joints = TITAN.initial_joint_angles.copy()
         self.ground = TITAN.neutral_feet[:, 2] + heights
         self.trajectory = None
+        self.orientation = LEVEL
         self.edge = math.inf
         """Beyond this x there is no ground [m]."""
 
@@ -95,9 +97,9 @@ class Legs:
         feet = TITAN.foot_positions(self.joints)
         ground = np.where(feet[:, 0] > self.edge, -1.0, self.ground)
         under = np.clip(ground - feet[:, 2] + SOFT, 0.0, None)
-        return Stance.measured(TITAN, self.time, ORIGIN, LEVEL, self.joints.reshape(-1), None), (
-            np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
-        )
+        return Stance.measured(
+            TITAN, self.time, ORIGIN, self.orientation, self.joints.reshape(-1), None
+        ), np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
 
     def measure(self):
         stance, loads = self.stance()
@@ -170,6 +172,36 @@ def test_a_foot_stops_where_it_meets_the_ground(height):
         legs.run(stride, 0.02)
         feet.append(legs.measure().feet[2, 2])
     assert feet[-1] == pytest.approx(legs.ground[2], abs=0.008)
+
+
+@pytest.mark.parametrize(('lean', 'slips'), [(0.02, False), (0.12, True), (-0.12, True)])
+def test_feet_are_put_down_at_once_where_another_one_slips(lean, slips):
+    legs, stride = Legs(), stride_for()
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    legs.run(stride, 0.3)
+    # The body tips over two feet: seen from the level, those on its sides stand otherwise.
+    legs.orientation = np.array([math.sin(lean / 2.0), 0.0, 0.0, math.cos(lean / 2.0)])
+    legs.run(stride, 0.02)
+    assert ('a foot has slipped, so lh is put down again' in stride.limit) == slips
+    if slips:
+        ends = legs.trajectory.positions.reshape(-1, 4, 3)[[0, -1]]
+        start, end = (TITAN.foot_positions(joints) for joints in ends)
+        assert end[2, 2] < start[2, 2] - 0.005
+        assert np.delete(end - start, 2, axis=0) == pytest.approx(np.zeros((3, 3)), abs=0.004)
+    legs.orientation = LEVEL
+    assert legs.run(stride, 30.0)
+
+
+def test_a_step_up_is_no_slip_where_motors_tell_no_loads():
+    level = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
+    kerb = level.with_heights(np.where(level.centers[..., 0] > 0.3, 0.05, 0.0))
+    legs, stride = Legs(), stride_for(height_map=kerb)
+    legs.measure = lambda: replace(legs.stance()[0], find_loads=lambda: None)
+    assert legs.run(stride, 30.0)
+    assert 'slipped' not in stride.limit
+    heights = legs.measure().feet[:, 2]
+    assert np.ptp(heights) == pytest.approx(0.05, abs=0.002)
 
 
 def test_a_foot_that_finds_no_ground_goes_back_to_where_it_stood():
@@ -290,12 +322,35 @@ def test_the_measured_margin_counts_the_tilt():
     assert polygon == pytest.approx(TITAN.neutral_feet[[0, 2, 3, 1], :2], abs=1e-9)
 
 
-@pytest.mark.parametrize('name', ['wave', 'trot'])
-def test_gaits_that_do_not_rest_between_cycles_are_refused(name):
-    with pytest.raises(ParameterError, match=f"'gait' is '{name}'; it must be one that rests"):
-        check_suits_uneven_ground(load_gait(name))
+def test_the_wave_walks_uneven_ground_in_its_own_order_of_legs():
+    parameters = GaitParameters(gait='wave', ground='uneven')
+    controller = Supervisor.from_parameters(parameters, TITAN)
+    walk = ClosedLoop(TITAN, controller, 'kinematic')
+    swung = []
+    try:
+        walk.run(0.5)
+        controller.set_plan(Plan.through([[0.0, 0.0], [0.4, 0.0]], 0.0))
+
+        def is_over():
+            standing = controller.in_contact_at(walk.time)
+            if not standing.all() and (not swung or swung[-1] != int(np.argmin(standing))):
+                swung.append(int(np.argmin(standing)))
+            return controller.activity is Activity.ARRIVED
+
+        assert walk.run(60.0, is_over)
+        assert walk.simulation.observe().pose.distance_to(Pose2D(0.4, 0.0, 0.0)) < 0.02
+    finally:
+        walk.close()
+    order = [LEGS.index(swing.leg) for swing in load_gait('wave', TITAN).swings]
+    assert len(swung) >= 8
+    assert swung == (order * len(swung))[: len(swung)]
 
 
-@pytest.mark.parametrize('name', ['crawl', 'turn'])
-def test_gaits_that_rest_between_cycles_are_taken(name):
+def test_a_gait_on_two_feet_is_refused():
+    with pytest.raises(ParameterError, match="'gait' is 'trot'; it must be one with three feet"):
+        check_suits_uneven_ground(load_gait('trot'))
+
+
+@pytest.mark.parametrize('name', ['crawl', 'turn', 'crab', 'wave'])
+def test_gaits_on_three_feet_are_taken(name):
     check_suits_uneven_ground(load_gait(name))

@@ -52,7 +52,7 @@ def test_it_climbs_a_kerb_with_its_body_level(composed_bench: Bench, sees: bool)
     assert max(tilts) < math.radians(6.0)
 
 
-def test_a_gait_that_does_not_rest_is_refused_in_a_sentence(bench: Bench):
+def test_a_gait_on_two_feet_is_refused_in_a_sentence(bench: Bench):
     bench.start('gait_node', ground='uneven', gait='trot')
     died = bench.wait_for_end('gait_node')
-    assert 'must be one that rests between its cycles' in str(died)
+    assert 'must be one with three feet on the ground' in str(died)
