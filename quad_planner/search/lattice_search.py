@@ -161,6 +161,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
         straight=STRAIGHT * most,
         diagonal=DIAGONAL * most,
         cycle=1,
+        pause=0,
         bucket=STRAIGHT * most // 4,
         longest=length * most + most - 1,
         scale=float(most),
