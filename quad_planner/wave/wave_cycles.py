@@ -105,7 +105,10 @@ def _walk(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
                 break
             x, y = x + DX[k], y + DY[k]
             cost += step
-            word, cell = 8 * _tile_of(ground, tiles, x, y) + k, _cell(x, y)
+            tile = numbers[y >> 3, x >> 3]
+            if tile == 0:
+                tile = _new_tile(ground, tiles, x, y)
+            word, cell = 8 * tile + k, _cell(x, y)
             bit = _ONE << np.uint64(cell)
             if fresh[word] & bit:
                 # Reached in this cycle: of two fronts the one behind ends in the next.
@@ -212,21 +215,20 @@ def _start(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLi
     x, y = ground.start % ground.width, ground.start // ground.width
     for k in range(HEADINGS):
         if costs.first[k] == now and may_step(ground.words[ground.start], k):
-            _tile_of(ground, tiles, x, y)
+            if ground.numbers[y >> 3, x >> 3] == 0:
+                _new_tile(ground, tiles, x, y)
             lists.fronts[state[FRONTS], 0] = _place(x, y, k)
             lists.fronts[state[FRONTS], 1] = now * costs.cycle + costs.pause
             state[FRONTS] += 1
 
 
-@inlined_part
-def _tile_of(ground: WaveGround, tiles: WaveTiles, x: int, y: int) -> int:
-    """Return the tile of a cell, which is made if it is not there."""
-    tile = int(ground.numbers[y >> 3, x >> 3])
-    if tile == 0:
-        tile = int(ground.state[TILES])
-        ground.state[TILES] += 1
-        ground.numbers[y >> 3, x >> 3] = tile
-        make_tile(ground.words, ground.width, ground.goal, tiles, tile, x, y)
+@compiled_part
+def _new_tile(ground: WaveGround, tiles: WaveTiles, x: int, y: int) -> int:
+    """Make the tile of a cell; return its number."""
+    tile = int(ground.state[TILES])
+    ground.state[TILES] += 1
+    ground.numbers[y >> 3, x >> 3] = tile
+    make_tile(ground.words, ground.width, ground.goal, tiles, tile, x, y)
     return tile
 
 
