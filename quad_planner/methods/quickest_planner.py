@@ -2,7 +2,7 @@
 The quickest path: the fewest gait cycles, of walking straight and of turning on the spot.
 
 S0 (sec. 3) says that a path should cost the least time, and minimises distance. Here it
-is the time: over cells and eight headings (:mod:`quad_planner.search.lattice_search`), or at any
+is the time: over cells and eight headings (:mod:`quad_planner.wave.wave_search`), or at any
 angle over corners (:mod:`quad_planner.any_angle.corner_search`).
 """
 
@@ -19,8 +19,8 @@ from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.any_angle.corner_search import quickest_corners
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.shortest_planner import PreparedCells, ShortestPlanner
-from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
+from quad_planner.wave.wave_search import quickest_path
 
 _ROUNDING = 2
 """Cycles by which a path from a cell's center may be slower than one from beside it."""
