@@ -14,6 +14,7 @@ from quad_planner.search.cell_steps import DX, DY
 from quad_planner.search.distance_field import may_step, word_length
 from quad_planner.search.lattice_costs import HEADINGS, total_cost
 from quad_planner.search.search_loop import DONE, FULL, PAUSED
+from quad_planner.search.weighted_search import TWO_PARTS
 from quad_planner.wave.wave_state import (
     ARRIVED,
     BEST,
@@ -70,10 +71,9 @@ def go_on(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
         now += 1
         if now * costs.cycle > costs.most:
             return DONE
-        if state[FRONTS] == 0 and now > last_start:
-            if lists.begins[now] == lists.begins[max(now - longest_turn, 0)]:
-                # Nobody walks, and nobody is about to have turned.
-                return DONE
+        is_turning = lists.begins[now] > lists.begins[max(now - longest_turn, 0)]
+        if state[FRONTS] == 0 and now > last_start and not is_turning:
+            return DONE
         state[TIME], state[PHASE], state[READ], state[WRITTEN] = now, _WALKING, 0, 0
     return PAUSED
 
@@ -88,6 +88,8 @@ def _walk(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
     arrived, fronts, listed = tiles.arrived, lists.fronts, lists.words
     least_turns, scale, most, pause = costs.least_turns, costs.scale, costs.most, costs.pause
     limit = state[TIME] * costs.cycle
+    weights, left, bottom = ground.weights, ground.left, ground.bottom
+    is_weighted = len(weights) > 0
     goal_x, goal_y = goal % width, goal // width
     most_steps = costs.cycle // costs.straight + 2
     while state[READ] < state[FRONTS]:
@@ -99,12 +101,18 @@ def _walk(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
         step = costs.diagonal if k & 1 else costs.straight
         goes_on = True
         word, cell = 8 * numbers[y >> 3, x >> 3] + k, _cell(x, y)
-        while goes_on and cost + step <= limit:
+        while True:
             if not steps[word] >> np.uint64(cell) & _ONE:
                 goes_on = False
                 break
-            x, y = x + DX[k], y + DY[k]
-            cost += step
+            onward = step
+            if is_weighted:
+                row, column = y + bottom, x + left
+                weight = weights[row, column] + weights[row + DY[k], column + DX[k]]
+                onward = step * weight // TWO_PARTS
+            if cost + onward > limit:
+                break
+            x, y, cost = x + DX[k], y + DY[k], cost + onward
             tile = numbers[y >> 3, x >> 3]
             if tile == 0:
                 tile = _new_tile(ground, tiles, x, y)
@@ -129,8 +137,8 @@ def _walk(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
                 state[LISTED] += 1
             fresh[word] |= bit
         if goes_on:
-            left = word_length(words[y * width + x])
-            total = total_cost(cost, left, goal_x - x, goal_y - y, k, scale, least_turns)
+            ahead = word_length(words[y * width + x])
+            total = total_cost(cost, ahead, goal_x - x, goal_y - y, k, scale, least_turns)
             if total <= most:
                 fronts[state[WRITTEN], 0], fronts[state[WRITTEN], 1] = _place(x, y, k), cost
                 state[WRITTEN] += 1
@@ -255,13 +263,18 @@ def places_back(
     """
     width, numbers, state = ground.width, ground.numbers, ground.state
     reached, arrived, times, turns = tiles.reached, tiles.arrived, costs.times, costs.turns
+    weights, left, bottom = ground.weights, ground.left, ground.bottom
     x, y = ground.goal % width, ground.goal // width
     heading, now, cost = state[HEADING], state[ARRIVED], costs.pause
     places[0, 0], places[0, 1] = x, y
     count = 1
     while True:
-        x, y = x - DX[heading], y - DY[heading]
-        cost += costs.diagonal if heading & 1 else costs.straight
+        onward = costs.diagonal if heading & 1 else costs.straight
+        if len(weights) > 0:
+            row, column = y + bottom, x + left
+            weight = weights[row, column] + weights[row - DY[heading], column - DX[heading]]
+            onward = onward * weight // TWO_PARTS
+        x, y, cost = x - DX[heading], y - DY[heading], cost + onward
         # When the stretch began at the latest.
         begun = now - (cost + costs.cycle - 1) // costs.cycle
         if y * width + x == ground.start and costs.first[heading] <= begun:

@@ -7,7 +7,8 @@ fronts, robots in the middle of a stretch, which go on by a stride each cycle. W
 arrive the robot may turn; all cells of a tile that were reached in a heading turn to another in
 one operation on words of 64 bits, when the turn's cycles are over, and begin new fronts. A
 front ends where a wall is, where another was in an earlier cycle, or where the robot could have
-turned to its heading by then: that robot is ahead, and stays so.
+turned to its heading by then: that robot is ahead, and stays so, for what slows one slows
+the other at the same place.
 
 No front goes on through which a path would take more than the bound: its cost, with the length
 of the shortest path to the goal and the least turns over free ground
@@ -80,7 +81,7 @@ def quickest_path(
     ends = window.number(start), window.number(goal)
     if word_length(int(window.words[ends[0]])) == NO_LENGTH:
         return None
-    ground = WaveGround.of(window.words, window.width, ends)
+    ground = WaveGround.of(window, ends, terms.weights)
     costs, lists = WaveCosts.of(counted), WaveLists.empty()
     tiles = wave_tiles(ground.numbers.size + 1)
     try:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from quad_planner.grid.bit_grid import Bits
 from quad_planner.search.lattice_costs import HEADINGS, NOT_REACHED, Costs
+from quad_planner.search.lattice_states import LatticeGround
 
 Integers = NDArray[np.int64]
 
@@ -91,14 +92,28 @@ class WaveGround(NamedTuple):
     """Tile of each square of 8 by 8 cells, 0 where none is made, shape (m, n)."""
     state: Integers
     """How far the wave is, shape (12,)."""
+    weights: NDArray[np.int32]
+    """
+    Factors by which steps in the cells of the map cost more, in sixteenths, shape (height, width);
+    shape (0, 0) where none does.
+    """
+    left: int
+    """Column of the map in which the ground begins."""
+    bottom: int
+    """Row of the map in which the ground begins."""
 
     @classmethod
-    def of(cls, words: Integers, width: int, ends: tuple[int, int]) -> WaveGround:
+    def of(
+        cls, ground: LatticeGround, ends: tuple[int, int], weights: NDArray[np.int32] | None
+    ) -> WaveGround:
         """Begin on a ground, from a start to a goal: numbers of cells."""
+        words, width, left, bottom = ground
+        if weights is None:
+            weights = np.empty((0, 0), dtype=np.int32)
         numbers = np.zeros((len(words) // width // 8 + 1, width // 8 + 1), dtype=np.int64)
         state = np.zeros(12, dtype=np.int64)
         state[TILES], state[BEST] = 1, NOT_REACHED
-        return cls(words, width, *ends, numbers, state)
+        return cls(words, width, *ends, numbers, state, weights, left, bottom)
 
 
 class WaveLists(NamedTuple):

@@ -62,8 +62,9 @@ def wave_tiles(count: int) -> WaveTiles:
 
 def give_back(tiles: WaveTiles) -> None:
     """Keep the memory of tiles that are done with."""
-    if len(tiles.corners) <= 2 * _MOST_KEPT and not _spare:
-        _spare.append(tiles)
+    if len(tiles.corners) <= 2 * _MOST_KEPT:
+        # One, whichever threads give theirs back at the same time.
+        _spare[:] = [tiles]
 
 
 def _memory(tiles: int) -> WaveTiles:

@@ -21,7 +21,7 @@ MOVES = moves_from(0.5, 0.5)
 @pytest.mark.parametrize('robot', ['a1', 'titan_viii'])
 def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
     made = load_robot(robot)
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     planner = OutlinePlanner(circle, outline_for(made, SAFETY))
     answers = []
     for seed in range(4):
@@ -43,7 +43,7 @@ def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
 
 def test_a_goal_that_is_the_start_is_met():
     made = load_robot('a1')
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     prepared = OutlinePlanner(circle, outline_for(made, SAFETY)).prepare(
         office(120, CELL, np.random.default_rng(0))
     )
@@ -56,7 +56,7 @@ def test_a_goal_that_is_the_start_is_met():
 def a1_office(side=200):
     """Return an office as the planner of a1's outline prepares it."""
     made = load_robot('a1')
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     planner = OutlinePlanner(circle, outline_for(made, SAFETY))
     return planner.prepare(office(side, CELL, np.random.default_rng(0)))
 

@@ -145,6 +145,18 @@ def test_turns_that_cost_nothing_are_made_in_the_same_cycle():
         assert (path.cycles if path else None) == least_cycles_over_cells(asked)
 
 
+def test_where_walking_takes_longer_no_path_takes_fewer_cycles():
+    rng = np.random.default_rng(3)
+    for request in random_requests(11, 100):
+        weights = rng.integers(16, 80, request.free.shape).astype(np.int32)
+        terms = WalkTerms(
+            request.pace, RESOLUTION, request.start_yaw, request.goal_yaw, 2000, weights
+        )
+        path = quickest_path(BitGrid.of(request.free), request.start, request.goal, terms)
+        least = least_cycles_over_cells(request, weights / 16.0)
+        assert (path.cycles if path else None) == least
+
+
 def test_a_wave_takes_as_long_there_as_back():
     # Walked backwards, with both headings turned around, a path takes the same stretches and turns.
     for request in random_requests(9, 60):
