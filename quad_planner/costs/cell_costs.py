@@ -133,7 +133,7 @@ class GroundCost:
     """
 
     roughness: float
-    """Factor on ground as rough as a step of the robot's step height; less, where it is smoother."""
+    """Factor on ground as rough as a step of the step height; less, where it is smoother."""
     slope: float
     """Factor on ground of the largest slope that is walked on; less, where it is more level."""
 

@@ -3,28 +3,30 @@ How rough and how steep the ground is that a robot can walk on, for costs of wal
 
 Around each place a plane is fitted to the heights, by least squares over the same square as for
 :func:`quad_planner.grid.ground_shape.steep_slopes`. Its rise is the slope. What the heights are
-off it, root mean square, times 4, is the roughness [m]: so rough is ground with a single step of
-that height through the middle of the square. Both are counted as fractions of what the robot
+off it, root mean square, times the square root of 12, is the roughness [m]: so rough is ground
+beside a single step of that height. Both are counted as fractions of what the robot
 can walk on; beyond that the ground is an obstacle anyway.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.ground_shape import Floats, fitted_planes
 from quad_planner.grid.traversability import Ground
 
-_STEP_OVER_RMS = 4.0
+_STEP_OVER_RMS = math.sqrt(12.0)
 """
-A step of height h through the middle of a square is off the plane that fits it by h / 4, root
-mean square: of its variance h^2 / 4 the plane explains three quarters.
+A step of height h that divides a square in the ratio p to 1 - p is off the plane that fits it by
+h sqrt(q - 3 q^2), root mean square, with q = p (1 - p): that is h / sqrt(12) at most.
 """
 
 
@@ -82,7 +84,10 @@ def _difficulty(
     """Say how difficult the ground is in the cells of a map: once, whatever else changes there."""
     grid = OccupancyGrid(np.zeros(shape, dtype=np.int8), resolution, origin)
     heights, limits = ground.heights, ground.limits
-    slopes, off_plane = fitted_planes(heights, limits.slope_length)
+    slopes, off_plane = (
+        _to_the_border(values, heights, limits.slope_length)
+        for values in fitted_planes(heights, limits.slope_length)
+    )
     rough = np.clip(_STEP_OVER_RMS * off_plane / limits.step_height, 0.0, 1.0)
     steep = np.clip(np.arctan(slopes) / limits.largest_slope, 0.0, 1.0)
     rows, columns = np.indices(grid.cells.shape)
@@ -96,3 +101,16 @@ def _difficulty(
         here[inside] = values[at[inside, 1], at[inside, 0]]
         found.append(here.reshape(grid.cells.shape))
     return Difficulty(*found)
+
+
+def _to_the_border(values: Floats, heights: HeightMap, length: float) -> Floats:
+    """Give known cells around which too little is known the largest value nearby, others 0."""
+    # Imported late, as only a height map needs it: it takes a good part of a node's start.
+    from scipy import ndimage
+
+    known = np.nan_to_num(values, nan=0.0)
+    around = ndimage.maximum_filter(
+        known, size=math.ceil(length / heights.resolution), mode='constant'
+    )
+    at_border = np.isnan(values) & ~np.isnan(heights.heights)
+    return np.where(at_border, around, known)

@@ -136,23 +136,26 @@ def fitted_planes(heights: HeightMap, length: float) -> tuple[Floats, Floats]:
     -------
     tuple of ndarray, shape (rows, columns)
         Rise per distance up the plane, and how far the heights are off it, root mean square [m];
-        0 where too little is known.
+        NaN where too little is known.
     """
     blocks = _blocks(heights, length)
     planes = _planes(blocks)
-    # Of the squares of heights the plane leaves what it does not explain.
+    # Imported late, as only a height map needs it: it takes a good part of a node's start.
     from scipy import ndimage
 
+    # Of the squares of heights the plane leaves what it does not explain.
     around = np.ones(2 * blocks.reach + 1)
     total = blocks.weight * blocks.square
     for axis in (0, 1):
         total = ndimage.correlate1d(total, around, axis=axis, mode='constant')
-    left = np.where(planes.is_known, total / planes.count - planes.mean**2 - planes.explained, 0.0)
-    off = np.sqrt(np.maximum(left, 0.0))
-    return (
-        _spread(planes.rise, blocks.factor, heights),
-        _spread(off, blocks.factor, heights),
+    # A plane also rises within blocks: so do squares of n by n points.
+    inside = planes.rise**2 * (blocks.side**2 - heights.resolution**2) / 12.0
+    left = total / planes.count - planes.mean**2 - planes.explained - inside
+    rise, off = (
+        _spread(np.where(planes.is_known, found, np.nan), blocks.factor, heights)
+        for found in (planes.rise, np.sqrt(np.maximum(left, 0.0)))
     )
+    return rise, off
 
 
 class _Blocks(NamedTuple):

@@ -253,9 +253,7 @@ def _place(x: int, y: int, heading: int) -> int:
 
 
 @compiled
-def places_back(
-    ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, places: Integers
-) -> int:
+def places_back(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, places: Integers) -> int:
     """
     List where the path found ends, turns and begins, as x and y; return how many places.
 
