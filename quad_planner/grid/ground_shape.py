@@ -150,7 +150,7 @@ def fitted_planes(heights: HeightMap, length: float) -> tuple[Floats, Floats]:
         total = ndimage.correlate1d(total, around, axis=axis, mode='constant')
     # A plane also rises within blocks: so do squares of n by n points.
     inside = planes.rise**2 * (blocks.side**2 - heights.resolution**2) / 12.0
-    left = total / planes.count - planes.mean**2 - planes.explained - inside
+    left = total / planes.number - planes.mean**2 - planes.explained - inside
     rise, off = (
         _spread(np.where(planes.is_known, found, np.nan), blocks.factor, heights)
         for found in (planes.rise, np.sqrt(np.maximum(left, 0.0)))
@@ -180,8 +180,8 @@ class _Planes(NamedTuple):
 
     is_known: Mask
     """Where enough is known."""
-    count: Floats
-    """Blocks that are known, 1 where too few are."""
+    number: Floats
+    """Number of blocks that are known, 1 where too few are."""
     mean: Floats
     """Mean heights [m]."""
     rise: Floats

@@ -22,7 +22,7 @@ Integers = NDArray[np.int64]
 
 _CELLS = 64
 _MOST_KEPT = 65536
-"""Number of tiles whose memory is kept for other searches, 200 MB where all of it was used."""
+"""Number of tiles whose memory is kept for other searches, 150 MB where all of it was used."""
 
 _DIAGONALS = np.zeros(16, dtype=np.uint64)
 """Bits 1, 3, 5, 7 for bits 0 to 3."""
@@ -68,8 +68,12 @@ def give_back(tiles: WaveTiles) -> None:
 
 
 def _memory(tiles: int) -> WaveTiles:
+    steps, reached, closed, fresh = np.empty((4, 8 * tiles), dtype=np.uint64)
     return WaveTiles(
-        *(np.empty(8 * tiles, dtype=np.uint64) for _ in range(4)),
+        steps,
+        reached,
+        closed,
+        fresh,
         np.empty(8 * _CELLS * tiles, dtype=np.int32),
         np.empty(2 * tiles, dtype=np.int64),
     )
