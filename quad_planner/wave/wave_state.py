@@ -140,4 +140,9 @@ class WaveLists(NamedTuple):
 
     def doubled(self) -> WaveLists:
         """Return the same with room for twice as many."""
-        return WaveLists(*(np.concatenate((part, np.empty_like(part))) for part in self))
+        return WaveLists(
+            np.concatenate((self.fronts, np.empty_like(self.fronts))),
+            np.concatenate((self.words, np.empty_like(self.words))),
+            np.concatenate((self.bits, np.empty_like(self.bits))),
+            np.concatenate((self.begins, np.empty_like(self.begins))),
+        )
