@@ -1,7 +1,8 @@
 """
 The cycles of a wave: its fronts go on by a stride, and where they arrive the robot turns.
 
-A front is a robot in the middle of a stretch: its cell, its heading, and its cost so far.
+A front is a robot in the middle of a stretch: its cell, its heading, and its cost so far, which
+may be that of a cycle to come.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 from quad_common.compiled import compiled, compiled_part, inlined_part
 from quad_planner.grid.bit_grid import first_bit
 from quad_planner.search.cell_steps import DX, DY
-from quad_planner.search.distance_field import may_step, word_length
+from quad_planner.search.distance_field import word_length
 from quad_planner.search.lattice_costs import HEADINGS, total_cost
 from quad_planner.search.search_loop import DONE, FULL, PAUSED
 from quad_planner.search.weighted_search import TWO_PARTS
@@ -28,7 +29,6 @@ from quad_planner.wave.wave_state import (
     TIME,
     TURN,
     WRITTEN,
-    Integers,
     WaveCosts,
     WaveGround,
     WaveLists,
@@ -53,7 +53,7 @@ def go_on(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
     """
     state = ground.state
     moves = state[MOVES] + _MOVES_AT_A_TIME
-    last_start, longest_turn = costs.first.max(), costs.times[-1]
+    longest_turn = costs.times[-1]
     while state[MOVES] <= moves:
         now = state[TIME]
         if state[PHASE] == _WALKING:
@@ -66,13 +66,11 @@ def go_on(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
             state[READ] = lists.begins[max(now - costs.times[0], 0)]
         if not _turn(ground, costs, tiles, lists):
             return FULL
-        if now <= last_start:
-            _start(ground, costs, tiles, lists)
         now += 1
         if now * costs.cycle > costs.most:
             return DONE
         is_turning = lists.begins[now] > lists.begins[max(now - longest_turn, 0)]
-        if state[FRONTS] == 0 and now > last_start and not is_turning:
+        if state[FRONTS] == 0 and not is_turning:
             return DONE
         state[TIME], state[PHASE], state[READ], state[WRITTEN] = now, _WALKING, 0, 0
     return PAUSED
@@ -100,7 +98,11 @@ def _walk(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
         x, y, k = place >> 3 & _COLUMN, place >> 32, place & 7
         step = costs.diagonal if k & 1 else costs.straight
         goes_on = True
-        word, cell = 8 * numbers[y >> 3, x >> 3] + k, _cell(x, y)
+        tile = numbers[y >> 3, x >> 3]
+        if tile == 0:
+            # The start's.
+            tile = _new_tile(ground, tiles, x, y)
+        word, cell = 8 * tile + k, _cell(x, y)
         while True:
             if not steps[word] >> np.uint64(cell) & _ONE:
                 goes_on = False
@@ -140,7 +142,8 @@ def _walk(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
             ahead = word_length(words[y * width + x])
             total = total_cost(cost, ahead, goal_x - x, goal_y - y, k, scale, least_turns)
             if total <= most:
-                fronts[state[WRITTEN], 0], fronts[state[WRITTEN], 1] = _place(x, y, k), cost
+                fronts[state[WRITTEN], 0] = place_of(x, y, k)
+                fronts[state[WRITTEN], 1] = cost
                 state[WRITTEN] += 1
     state[MOVES] += state[FRONTS]
     state[FRONTS] = state[WRITTEN]
@@ -208,26 +211,15 @@ def _turn(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLis
                     dx, dy = goal_x - ahead_x, goal_y - ahead_y
                     total = total_cost(begun + step, left, dx, dy, j, scale, least_turns)
                     if total <= most:
-                        fronts[state[FRONTS], 0], fronts[state[FRONTS], 1] = _place(x, y, j), begun
+                        fronts[state[FRONTS], 0], fronts[state[FRONTS], 1] = (
+                            place_of(x, y, j),
+                            begun,
+                        )
                         state[FRONTS] += 1
         state[TURN] += 1
         if state[TURN] < len(times):
             state[READ] = begins[max(now - times[state[TURN]], 0)]
     return True
-
-
-@compiled_part
-def _start(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLists) -> None:
-    """Begin the stretches from the start to which the first turn is over in this cycle."""
-    state, now = ground.state, ground.state[TIME]
-    x, y = ground.start % ground.width, ground.start // ground.width
-    for k in range(HEADINGS):
-        if costs.first[k] == now and may_step(ground.words[ground.start], k):
-            if ground.numbers[y >> 3, x >> 3] == 0:
-                _new_tile(ground, tiles, x, y)
-            lists.fronts[state[FRONTS], 0] = _place(x, y, k)
-            lists.fronts[state[FRONTS], 1] = now * costs.cycle + costs.pause
-            state[FRONTS] += 1
 
 
 @compiled_part
@@ -247,48 +239,6 @@ def _cell(x: int, y: int) -> int:
 
 
 @inlined_part
-def _place(x: int, y: int, heading: int) -> int:
+def place_of(x: int, y: int, heading: int) -> int:
     """Return a front's place in one number."""
     return y << 32 | x << 3 | heading
-
-
-@compiled
-def places_back(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, places: Integers) -> int:
-    """
-    List where the path found ends, turns and begins, as x and y; return how many places.
-
-    A stretch began where the robot could have turned to it in time.
-    """
-    width, numbers, state = ground.width, ground.numbers, ground.state
-    reached, arrived, times, turns = tiles.reached, tiles.arrived, costs.times, costs.turns
-    weights, left, bottom = ground.weights, ground.left, ground.bottom
-    x, y = ground.goal % width, ground.goal // width
-    heading, now, cost = state[HEADING], state[ARRIVED], costs.pause
-    places[0, 0], places[0, 1] = x, y
-    count = 1
-    while True:
-        onward = costs.diagonal if heading & 1 else costs.straight
-        if len(weights) > 0:
-            row, column = y + bottom, x + left
-            weight = weights[row, column] + weights[row - DY[heading], column - DX[heading]]
-            onward = onward * weight // TWO_PARTS
-        x, y, cost = x - DX[heading], y - DY[heading], cost + onward
-        # When the stretch began at the latest.
-        begun = now - (cost + costs.cycle - 1) // costs.cycle
-        if y * width + x == ground.start and costs.first[heading] <= begun:
-            places[count, 0], places[count, 1] = x, y
-            return count + 1
-        first = 8 * numbers[y >> 3, x >> 3]
-        cell = _cell(x, y)
-        for at in range(len(times) * HEADINGS):
-            which, k = at >> 3, at & 7
-            if not turns[which, k] >> heading & 1:
-                continue
-            if not reached[first + k] >> np.uint64(cell) & _ONE:
-                continue
-            then = arrived[(first + k) << 6 | cell]
-            if then + times[which] <= begun:
-                places[count, 0], places[count, 1] = x, y
-                count += 1
-                heading, now, cost = k, then, costs.pause
-                break

@@ -25,15 +25,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_planner.grid.bit_grid import BitGrid
+from quad_planner.search.cell_steps import DX, DY
 from quad_planner.search.distance_field import NOT_REACHED as NO_LENGTH
 from quad_planner.search.distance_field import word_length
-from quad_planner.search.lattice_costs import NOT_REACHED, costs_of
+from quad_planner.search.lattice_costs import HEADINGS, NOT_REACHED, costs_of
 from quad_planner.search.lattice_states import ground_between
 from quad_planner.search.search_loop import DONE, FULL
 from quad_planner.search.walk_terms import WalkTerms
-from quad_planner.wave.wave_cycles import go_on, places_back
-from quad_planner.wave.wave_state import ARRIVED, BEST, MOVES, WaveCosts, WaveGround, WaveLists
-from quad_planner.wave.wave_tiles import give_back, wave_tiles
+from quad_planner.search.weighted_search import TWO_PARTS
+from quad_planner.wave.wave_cycles import go_on, place_of
+from quad_planner.wave.wave_state import (
+    ARRIVED,
+    BEST,
+    FRONTS,
+    HEADING,
+    MOVES,
+    WaveCosts,
+    WaveGround,
+    WaveLists,
+)
+from quad_planner.wave.wave_tiles import WaveTiles, give_back, wave_tiles
 
 
 @dataclass(frozen=True)
@@ -83,19 +94,80 @@ def quickest_path(
         return None
     ground = WaveGround.of(window, ends, terms.weights)
     costs, lists = WaveCosts.of(counted), WaveLists.empty()
+    _begin(ground, costs, lists)
     tiles = wave_tiles(ground.numbers.size + 1)
     try:
         while (outcome := go_on(ground, costs, tiles, lists)) != DONE:
             if outcome == FULL:
                 lists = lists.doubled()
             check()
-        best, arrived, moves = ground.state[[BEST, ARRIVED, MOVES]].tolist()
+        best, moves = ground.state[[BEST, MOVES]].tolist()
         if best == NOT_REACHED:
             return None
-        # Each stretch takes a cycle at least.
-        places = np.empty((arrived + 2, 2), dtype=np.int64)
-        places = places[: places_back(ground, costs, tiles, places)]
+        cells = np.array(_places(ground, costs, tiles)) + (window.left, window.bottom)
     finally:
         give_back(tiles)
-    cells = places[::-1] + np.array((window.left, window.bottom))
     return QuickestPath(cells, best // counted.cycle, moves)
+
+
+def _begin(ground: WaveGround, costs: WaveCosts, lists: WaveLists) -> None:
+    """Let a front wait at the start for each heading, until the first turn is over."""
+    y, x = divmod(ground.start, ground.width)
+    for k in range(HEADINGS):
+        lists.fronts[k] = place_of(x, y, k), int(costs.first[k]) * costs.cycle + costs.pause
+    ground.state[FRONTS] = HEADINGS
+
+
+def _places(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles) -> list[tuple[int, int]]:
+    """
+    Go back from the goal; list where the path begins, turns and ends, in cells of the ground.
+
+    A stretch began where the robot could have turned to its heading in time.
+    """
+    # Python's own numbers: quick to read one by one, and nothing to compile.
+    reached, arrived, numbers = tiles.reached.data, tiles.arrived.data, ground.numbers.data
+    steps = list(zip(DX.tolist(), DY.tolist()))
+    times = _times_to(costs)
+    first = costs.first.tolist()
+    (y, x), start = divmod(ground.goal, ground.width), divmod(ground.start, ground.width)
+    heading, now = (int(ground.state[at]) for at in (HEADING, ARRIVED))
+    cost, places = costs.pause, [(x, y)]
+    while True:
+        dx, dy = steps[heading]
+        cost += _onward(ground, costs, (x, y), (x - dx, y - dy))
+        x, y = x - dx, y - dy
+        # When the stretch began at the latest.
+        begun = now - (cost + costs.cycle - 1) // costs.cycle
+        if (y, x) == start and first[heading] <= begun:
+            places.append((x, y))
+            return places[::-1]
+        tile, cell = numbers[y >> 3, x >> 3], (y & 7) << 3 | (x & 7)
+        for k, time in times[heading]:
+            word = 8 * tile + k
+            if reached[word] >> cell & 1 and arrived[word << 6 | cell] + time <= begun:
+                places.append((x, y))
+                heading, now, cost = k, arrived[word << 6 | cell], costs.pause
+                break
+
+
+def _times_to(costs: WaveCosts) -> list[list[tuple[int, int]]]:
+    """List for each heading the others, and the cycles of the turn from each."""
+    found: list[list[tuple[int, int]]] = [[] for _ in range(HEADINGS)]
+    for time, turns in zip(costs.times.tolist(), costs.turns.tolist()):
+        for k, to in enumerate(turns):
+            for heading in range(HEADINGS):
+                if to >> heading & 1:
+                    found[heading].append((k, time))
+    return found
+
+
+def _onward(
+    ground: WaveGround, costs: WaveCosts, cell: tuple[int, int], beside: tuple[int, int]
+) -> int:
+    """Return what a step between two cells of the ground costs."""
+    is_straight = cell[0] == beside[0] or cell[1] == beside[1]
+    step = costs.straight if is_straight else costs.diagonal
+    if not len(ground.weights):
+        return step
+    weight = sum(int(ground.weights[y + ground.bottom, x + ground.left]) for x, y in (cell, beside))
+    return step * weight // TWO_PARTS

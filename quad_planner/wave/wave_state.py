@@ -120,7 +120,9 @@ class WaveLists(NamedTuple):
     """What grows while a wave goes on."""
 
     fronts: Integers
-    """Place of each front, see :func:`place_of`, and its cost so far, shape (n, 2)."""
+    """
+    Place of each front, row << 32 | column << 3 | heading, and its cost so far, shape (n, 2).
+    """
     words: Integers
     """Of all cycles, one after the other: words of tiles in which cells were reached."""
     bits: Bits
