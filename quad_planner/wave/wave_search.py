@@ -104,10 +104,11 @@ def quickest_path(
         best, moves = ground.state[[BEST, MOVES]].tolist()
         if best == NOT_REACHED:
             return None
-        cells = np.array(_places(ground, costs, tiles)) + (window.left, window.bottom)
+        cells = np.array(_places(ground, costs, tiles))
     finally:
         give_back(tiles)
-    return QuickestPath(cells, best // counted.cycle, moves)
+    corner = np.array((window.left, window.bottom))
+    return QuickestPath(cells + corner, best // counted.cycle, moves)
 
 
 def _begin(ground: WaveGround, costs: WaveCosts, lists: WaveLists) -> None:
