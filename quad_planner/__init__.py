@@ -11,8 +11,8 @@ from quad_common.lazy_names import lazy_names
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from quad_planner.methods.cell_costs import ClearanceCost as ClearanceCost
-    from quad_planner.methods.cell_costs import UnknownCost as UnknownCost
+    from quad_planner.costs.cell_costs import ClearanceCost as ClearanceCost
+    from quad_planner.costs.cell_costs import UnknownCost as UnknownCost
     from quad_planner.methods.planner import Planner as Planner
     from quad_planner.methods.planner import PlanningMethod as PlanningMethod
     from quad_planner.methods.planner import make_planner as make_planner
@@ -23,6 +23,6 @@ else:
         {
             'quad_planner.planner_setup': ('planner_for',),
             'quad_planner.methods.planner': ('Planner', 'PlanningMethod', 'make_planner'),
-            'quad_planner.methods.cell_costs': ('ClearanceCost', 'UnknownCost'),
+            'quad_planner.costs.cell_costs': ('ClearanceCost', 'UnknownCost'),
         },
     )

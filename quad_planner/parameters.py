@@ -146,7 +146,8 @@ class PlannerParameters:
     map_cost: float = parameter(
         5.0,
         "A path through cells of a costmap's highest cost, 99, counts so many times its length; "
-        "less, where it is lower. For 'shortest' and the navigation function of 'potential'.",
+        "less, where it is lower. For 'shortest', 'quickest' and the navigation function of "
+        "'potential'.",
         lower=1.0,
         upper=15.0,
         is_dynamic=True,
@@ -185,7 +186,7 @@ class PlannerParameters:
     unknown_cost: float = parameter(
         1.0,
         'A path through unknown cells counts so many times its length, if unknown_is_free is set. '
-        "For 'shortest' and the navigation function of 'potential'.",
+        "For 'shortest', 'quickest' and the navigation function of 'potential'.",
         lower=1.0,
         upper=15.0,
         is_dynamic=True,
@@ -193,7 +194,7 @@ class PlannerParameters:
     clearance_cost: float = parameter(
         1.0,
         'A path along the safety boundary counts so many times its length; less, farther off. '
-        "For 'shortest' and the navigation function of 'potential'.",
+        "For 'shortest', 'quickest' and the navigation function of 'potential'.",
         lower=1.0,
         upper=15.0,
         is_dynamic=True,
@@ -204,6 +205,24 @@ class PlannerParameters:
         'm',
         lower=0.01,
         upper=100.0,
+        is_dynamic=True,
+    )
+    roughness_cost: float = parameter(
+        1.0,
+        'A path over ground of the height map as rough as a step of the step height counts so '
+        'many times its length; less, where it is smoother. '
+        "For 'shortest', 'quickest' and the navigation function of 'potential'.",
+        lower=1.0,
+        upper=15.0,
+        is_dynamic=True,
+    )
+    slope_cost: float = parameter(
+        1.0,
+        'A path over ground of the height map of the largest slope counts so many times its '
+        "length; less, where it is more level. For 'shortest', 'quickest' and the navigation "
+        "function of 'potential'.",
+        lower=1.0,
+        upper=15.0,
         is_dynamic=True,
     )
     replan_distance: float = parameter(

@@ -65,7 +65,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
         GaitTopics(self, self._session)
-        self._traffic = TrafficTopics(self, self._session)
+        self._traffic = TrafficTopics(self, self._session, requests)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self.create_service(GetPlan, 'get_plan', self._on_get_plan)
         self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)

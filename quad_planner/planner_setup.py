@@ -13,8 +13,14 @@ from quad_common.frames.map_frame import MapFrame
 from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.robot_files.walking_time import WalkingTimeModel, load_pace
+from quad_planner.costs.cell_costs import (
+    ClearanceCost,
+    CostLayer,
+    GroundCost,
+    MapCost,
+    UnknownCost,
+)
 from quad_planner.grid.ground_limits import GroundLimits
-from quad_planner.methods.cell_costs import ClearanceCost, CostLayer, MapCost, UnknownCost
 from quad_planner.methods.outline_planner import OutlineOptions
 from quad_planner.methods.planner import METHODS, Planner, make_planner
 from quad_planner.outline.arcs import ArcTurns
@@ -333,6 +339,8 @@ def _costs(parameters: PlannerParameters) -> tuple[CostLayer, ...]:
         layers.append(UnknownCost(parameters.unknown_cost))
     if parameters.clearance_cost > 1.0:
         layers.append(ClearanceCost(parameters.clearance_cost, parameters.clearance_cost_distance))
+    if max(parameters.roughness_cost, parameters.slope_cost) > 1.0:
+        layers.append(GroundCost(parameters.roughness_cost, parameters.slope_cost))
     if parameters.map_values == 'costmap' and _takes_costs(parameters):
         layers.append(MapCost(parameters.map_cost))
     return tuple(layers)

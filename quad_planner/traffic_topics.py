@@ -24,7 +24,9 @@ from quad_common.ros.pose_conversions import (
 )
 from quad_common.ros.ros_node import QuadNode
 from quad_planner.parameters import PlannerParameters
+from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.planning_session import PlanningSession
+from quad_planner.session.session_ports import Requests
 from quad_planner.traffic.robot_on_map import RobotOnMap
 from quad_planner.traffic.traffic import Traffic
 
@@ -62,13 +64,21 @@ class TrafficTopics:
         The node; its namespace, or without one its robot's name, is the name of the robot.
     session : PlanningSession
         Its planning session.
+    requests : Requests, optional
+        The part that works on searches which are not for the robot; one of their own if not given.
     """
 
-    def __init__(self, node: QuadNode[PlannerParameters], session: PlanningSession) -> None:
+    def __init__(
+        self,
+        node: QuadNode[PlannerParameters],
+        session: PlanningSession,
+        requests: Requests | None = None,
+    ) -> None:
         self._node, self._session = node, session
+        self._requests = requests or LatestRequest[Any](node.call_soon)
         robot = load_robot(node.parameters.robot)
         self._name = node.get_namespace().strip('/') or robot.name
-        self._traffic = Traffic(session, self._name, robot.standing_radius)
+        self._traffic = Traffic(session, self._name, robot.standing_radius, self._requests)
         self._time = self._told_at = -np.inf
         self._words: Any = None
         if node.parameters.gives_way:
@@ -93,7 +103,8 @@ class TrafficTopics:
         self._traffic.update(time)
 
     def close(self) -> None:
-        """Tell the others that this robot is no longer spoken for."""
+        """Tell the others that this robot is no longer spoken for; give up what is searched."""
+        self._requests.close()
         if self._words is not None and self._words.get_subscription_count() > 1:
             gone = Marker(ns=self._name, id=_BODY, action=Marker.DELETE)
             self._words.publish(MarkerArray(markers=[gone]))

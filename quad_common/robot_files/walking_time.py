@@ -10,7 +10,7 @@ rounded up. For TITAN-VIII a turn of 45 degrees takes two cycles, as long as 0.4
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -95,7 +95,7 @@ class WalkingTimeModel:
             return 0
         return max(1, self.turn_cycles(angle))
 
-    def cycles(self, start: Pose2D, plan: Plan) -> int:
+    def cycles(self, start: Pose2D, plan: Plan, lengths: Sequence[float] | None = None) -> int:
         """
         Count the cycles that a plan takes.
 
@@ -105,6 +105,9 @@ class WalkingTimeModel:
             Where the robot is, at the plan's first point; its heading counts [m, m, rad].
         plan : Plan
             The turning points.
+        lengths : sequence of float, optional
+            Lengths of level ground that take as long as each segment of the plan [m]; those of the
+            segments if not given.
 
         Returns
         -------
@@ -113,11 +116,11 @@ class WalkingTimeModel:
         """
         total, stretch = 0, 0.0
         heading = start.yaw
-        for here, there in pairwise(plan.poses):
+        for at, (here, there) in enumerate(pairwise(plan.poses)):
             if abs(wrap_angle(here.yaw - heading)) > self.bend:
                 total += self.straight_cycles(stretch) + self.turn_cycles(here.yaw - heading)
                 stretch = 0.0
-            stretch += here.distance_to(there)
+            stretch += here.distance_to(there) if lengths is None else lengths[at]
             heading = here.yaw
         total += self.straight_cycles(stretch)
         return total + self.last_turn_cycles(plan.poses[-1].yaw - heading)

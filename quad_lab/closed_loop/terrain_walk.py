@@ -130,7 +130,8 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
     robot : Robot
         The robot.
     name : str
-        One of :data:`COURSES`.
+        One of :data:`COURSES`, or ground as :func:`~quad_sim.world.terrain_spec.specs_from_text`
+        takes it, in lengths of TITAN-VIII.
     seed : int
         Of the ground, and of the direction in which the robot crosses it.
 
@@ -149,7 +150,7 @@ def make_course(robot: Robot, name: str, seed: int) -> Course:
         scale * (LENGTH + _BEYOND),
         scale * (_HALF_WIDTH + LENGTH * math.sin(_STRAY)),
     )
-    specs = tuple(spec.scaled(scale, seed) for spec in specs_from_text(GROUNDS[name]))
+    specs = tuple(spec.scaled(scale, seed) for spec in specs_from_text(GROUNDS.get(name, name)))
     places = ((start.x, start.y), (end.x, end.y))
     terrain = make_terrain(
         specs, bounds, Pose2D(0.0, 0.0, 0.0), places, resolution=scale * _RESOLUTION

@@ -18,6 +18,7 @@ from quad_lab.closed_loop.closed_loop import SENSOR_PERIOD, ClosedLoop, Place
 from quad_lab.closed_loop.controllers import measuring_controller
 from quad_lab.closed_loop.planner_in_loop import PlannerInLoop
 from quad_planner.parameters import PlannerParameters
+from quad_planner.session.immediate_request import ImmediateRequest
 from quad_planner.traffic.traffic import Traffic
 from quad_sim.engines.registry import AUTO
 from quad_sim.engines.simulator import Observation
@@ -77,7 +78,7 @@ class _Walker:
         )
         self.planner = PlannerInLoop(robot, self.controller, parameters)
         self.session = self.planner.session
-        self.traffic = Traffic(self.session, name, robot.standing_radius)
+        self.traffic = Traffic(self.session, name, robot.standing_radius, ImmediateRequest())
         self.session.take_grid(grid, 'map')
         self.session.give_goal('map', member.goal)
         self.pose = member.start

@@ -5,6 +5,7 @@ Steps that are too high, and slopes that are too steep, found in a height map.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,48 +112,112 @@ def steep_slopes_beside(heights: HeightMap, limits: GroundLimits, steps: Mask) -
     # Imported late, as only a height map needs it: it takes a good part of a node's start.
     from scipy import ndimage
 
-    length, z = limits.slope_length, heights.heights
+    blocks = _blocks(heights, limits.slope_length)
+    gradient = _planes(blocks).rise
+    steep = gradient > math.tan(limits.largest_slope) + 1e-9
+    if steep.any() and steps.any():
+        beside = _block_sums(steps.astype(float), blocks.factor) > 0.0
+        steep &= ~ndimage.maximum_filter(beside, size=2 * blocks.reach + 1, mode='constant')
+    return np.asarray(_spread(steep, blocks.factor, heights) & ~np.isnan(heights.heights))
+
+
+def fitted_planes(heights: HeightMap, length: float) -> tuple[Floats, Floats]:
+    """
+    Fit planes to the ground, as :func:`steep_slopes` does.
+
+    Parameters
+    ----------
+    heights : HeightMap
+        The ground.
+    length : float
+        Side of the square to which a plane is fitted [m].
+
+    Returns
+    -------
+    tuple of ndarray, shape (rows, columns)
+        Rise per distance up the plane, and how far the heights are off it, root mean square [m];
+        NaN where too little is known.
+    """
+    blocks = _blocks(heights, length)
+    planes = _planes(blocks)
+    # Imported late, as only a height map needs it: it takes a good part of a node's start.
+    from scipy import ndimage
+
+    # Of the squares of heights the plane leaves what it does not explain.
+    around = np.ones(2 * blocks.reach + 1)
+    total = blocks.weight * blocks.square
+    for axis in (0, 1):
+        total = ndimage.correlate1d(total, around, axis=axis, mode='constant')
+    # A plane also rises within blocks: so do squares of n by n points.
+    inside = planes.rise**2 * (blocks.side**2 - heights.resolution**2) / 12.0
+    left = total / planes.number - planes.mean**2 - planes.explained - inside
+    rise, off = (
+        _spread(np.where(planes.is_known, found, np.nan), blocks.factor, heights)
+        for found in (planes.rise, np.sqrt(np.maximum(left, 0.0)))
+    )
+    return rise, off
+
+
+class _Blocks(NamedTuple):
+    """Heights of a map by blocks of cells, shape (rows, columns) each."""
+
+    weight: Floats
+    """Weights from 0 (unknown) to 1."""
+    value: Floats
+    """Mean heights, about that of the map [m]."""
+    square: Floats
+    """Mean squares of those heights [m^2]."""
+    side: float
+    """Side of a block [m]."""
+    reach: int
+    """A plane is fitted to so many blocks to each side."""
+    factor: int
+    """Cells along the side of a block."""
+
+
+class _Planes(NamedTuple):
+    """Planes around blocks, shape (rows, columns) each."""
+
+    is_known: Mask
+    """Where enough is known."""
+    number: Floats
+    """Number of blocks that are known, 1 where too few are."""
+    mean: Floats
+    """Mean heights [m]."""
+    rise: Floats
+    """Rise per distance up the plane; 0 where too little is known."""
+    explained: Floats
+    """Variance of the plane's own heights [m^2]."""
+
+
+def _spread(values: NDArray[Any], factor: int, heights: HeightMap) -> NDArray[Any]:
+    """Give the values of blocks to their cells."""
+    rows, columns = heights.heights.shape
+    return np.repeat(np.repeat(values, factor, axis=0), factor, axis=1)[:rows, :columns]
+
+
+def _blocks(heights: HeightMap, length: float) -> _Blocks:
+    """Average heights over blocks that are a small part of a length [m]."""
+    z = heights.heights
     # Slopes over a length look the same on cells that are a small part of it.
     factor = max(1, math.floor(length / _PARTS / heights.resolution + EPSILON))
     known = ~np.isnan(z)
     count = _block_sums(known.astype(float), factor)
     # About a height of the map itself, so that squares of large numbers are not subtracted.
     level = float(z[known].mean()) if known.any() else 0.0
-    total = _block_sums(np.where(known, z - level, 0.0), factor)
-    weight = count / factor**2
-    value = np.where(count > 0.0, total / np.maximum(count, 1.0), 0.0)
+    about = np.where(known, z - level, 0.0)
+    total, squares = _block_sums(about, factor), _block_sums(about**2, factor)
+    value, square = (
+        np.where(count > 0.0, sums / np.maximum(count, 1.0), 0.0) for sums in (total, squares)
+    )
     side = factor * heights.resolution
     reach = max(1, math.ceil((length / side - 1.0) / 2.0 - EPSILON))
-    gradient = _plane_slopes(weight, value, side, reach)
-    steep = gradient > math.tan(limits.largest_slope) + 1e-9
-    if steep.any() and steps.any():
-        beside = _block_sums(steps.astype(float), factor) > 0.0
-        steep &= ~ndimage.maximum_filter(beside, size=2 * reach + 1, mode='constant')
-    rows, columns = z.shape
-    fine = np.repeat(np.repeat(steep, factor, axis=0), factor, axis=1)[:rows, :columns]
-    return np.asarray(fine & known)
+    return _Blocks(count / factor**2, value, square, side, reach, factor)
 
 
-def _plane_slopes(weight: Floats, value: Floats, side: float, reach: int) -> Floats:
-    """
-    Fit planes to the squares around cells.
-
-    Parameters
-    ----------
-    weight : ndarray, shape (rows, columns)
-        Weights from 0 (unknown) to 1.
-    value : ndarray, shape (rows, columns)
-        Heights [m].
-    side : float
-        Side of a cell [m].
-    reach : int
-        The square goes so many cells to each side.
-
-    Returns
-    -------
-    ndarray, shape (rows, columns)
-        Rise per distance up the plane; 0 where too little is known.
-    """
+def _planes(blocks: _Blocks) -> _Planes:
+    """Fit planes to the squares around blocks."""
+    weight, value, _, side, reach, _ = blocks
     u = np.arange(-reach, reach + 1) * side
     powers = (np.ones_like(u), u, u**2)
 
@@ -174,8 +239,10 @@ def _plane_slopes(weight: Floats, value: Floats, side: float, reach: int) -> Flo
     xz = moment(weighted, 1, 0) / n - x * z
     yz = moment(weighted, 0, 1) / n - y * z
     area = np.where(is_enough, xx * yy - xy**2, 1.0)
-    slopes = np.hypot(yy * xz - xy * yz, xx * yz - xy * xz) / area
-    return np.where(is_enough, slopes, 0.0)
+    along_x, along_y = yy * xz - xy * yz, xx * yz - xy * xz
+    slopes = np.hypot(along_x, along_y) / area
+    explained = (along_x * xz + along_y * yz) / area
+    return _Planes(is_enough, n, z, np.where(is_enough, slopes, 0.0), explained)
 
 
 def _block_sums(image: Floats, factor: int) -> Floats:

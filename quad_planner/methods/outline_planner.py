@@ -29,6 +29,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_planner.costs.cell_costs import CostLayer
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.dilation import dilated
@@ -153,6 +154,11 @@ class OutlinePlanner(Generic[Prepared]):
     def clearance_radius(self) -> float:
         """Distance that the robot's center keeps from every obstacle by the circle [m]."""
         return float(self._method.clearance_radius)
+
+    @property
+    def costs(self) -> tuple[CostLayer, ...]:
+        """Reasons why paths by the circle through some cells cost more."""
+        return tuple(self._method.costs)
 
     def prepare(self, grid: OccupancyGrid) -> PreparedOutline:
         """Make a map ready for any number of plans."""

@@ -19,6 +19,8 @@ from quad_common.errors import InvalidPlanner, NoMap, PlannerError, QuadError
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.costs.cell_costs import CostLayer
+from quad_planner.costs.ground_difficulty import ground_of
 from quad_planner.grid.bit_grid import changed_rows
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.mesh_planner import MeshPlanner
@@ -36,6 +38,10 @@ class PlanningMethod(Protocol[Prepared]):
     @property
     def clearance_radius(self) -> float:
         """Distance that the robot's center keeps from every obstacle [m]."""
+
+    @property
+    def costs(self) -> tuple[CostLayer, ...]:
+        """Reasons why paths through some cells cost more."""
 
     def prepare(self, grid: OccupancyGrid) -> Prepared:
         """Make a map ready for any number of plans."""
@@ -116,6 +122,8 @@ class Planner(Generic[Prepared]):
         before = self._prepared
         if before is None or not grid.is_aligned_with(before.grid):
             return None
+        if ground_of(grid) is not ground_of(before.grid):
+            return None
         changed = changed_rows(before.grid.cells, grid.cells)
         if changed is None:
             return before
@@ -127,6 +135,11 @@ class Planner(Generic[Prepared]):
     def clearance_radius(self) -> float:
         """Distance that the robot's center keeps from every obstacle [m]."""
         return self._method.clearance_radius
+
+    @property
+    def weighs_ground(self) -> bool:
+        """Whether costs are taken of the ground under the map."""
+        return any(getattr(layer, 'needs_ground', False) for layer in self._method.costs)
 
     def warm_up(self) -> None:
         """

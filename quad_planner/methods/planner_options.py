@@ -11,9 +11,9 @@ from typing import ClassVar
 
 from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
 from quad_common.maps.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from quad_planner.costs.cell_costs import CostLayer
 from quad_planner.grid.bit_grid import BitMask
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.methods.cell_costs import CostLayer
 
 
 def _never() -> bool:

@@ -20,9 +20,9 @@ from quad_common.errors import DescentStuck, NoPathFound, ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.costs.cell_costs import cell_costs
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.methods.cell_costs import cell_costs
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
 from quad_planner.potential.map_potential import (

@@ -21,16 +21,16 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.interval_search import any_angle_path
+from quad_planner.costs.cell_costs import Floats, cell_costs
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.grid.inflated_map import InflatedMap
-from quad_planner.methods.cell_costs import Floats, cell_costs
 from quad_planner.methods.cell_request import CellRequest
 from quad_planner.methods.planner_options import PlannerOptions
 from quad_planner.search.cell_path import without_straights
 from quad_planner.search.jump_points import JumpPointSearch
 from quad_planner.search.lattice_search import fewest_turns
-from quad_planner.search.weighted_search import cheapest_path, straightened
+from quad_planner.search.weighted_search import PARTS, cheapest_path, straightened
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +41,11 @@ class PreparedCells(InflatedMap):
     """Search over the allowed cells."""
     costs: Floats | None = None
     """Factors by which a path through each cell costs more; None if no cell does."""
+
+    @cached_property
+    def weights(self) -> NDArray[np.int32] | None:
+        """Those factors in sixteenths, as whole numbers."""
+        return None if self.costs is None else np.rint(PARTS * self.costs).astype(np.int32)
 
     @cached_property
     def space(self) -> FreeSpace:

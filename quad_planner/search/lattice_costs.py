@@ -56,6 +56,8 @@ class Costs(NamedTuple):
     """Cost of a diagonal step."""
     cycle: int
     """Cost of one cycle: where the robot turns, costs are rounded up to a multiple of it."""
+    pause: int
+    """Cost of the pause of a stretch: a part of the cost of the turn before it."""
     bucket: int
     """States wait together whose costs, with the bound on what is left, are so near."""
     longest: int
@@ -97,6 +99,7 @@ def costs_of(terms: WalkTerms) -> Costs:
         straight,
         diagonal,
         cycle,
+        pause,
         cycle,
         longest,
         least_scale,

@@ -1,23 +1,17 @@
 """
-Quickest paths over cells and eight headings, in whole gait cycles (S0 sec. 3).
+The fewest turns of all shortest paths over cells, by A* over cells and eight headings.
 
-A state is a cell and the heading in which the robot stands or walks there. Straight on it
-walks stretches, which cost whole cycles by the stride; at any cell it may end a stretch
-and turn, which costs whole cycles by the turn. So a state's cost grows by the length of
-each step and is rounded up to a whole cycle at each turn; of two paths to one state the
-cheaper is the better one for all that may follow, and A* is exact.
-
-Costs are whole numbers, for a straight step, for a diagonal one, and the stride's worth
-for a cycle, so equal costs are equal. The bound on what is left (:func:`total_cost`) is the
-length of the shortest path to the goal, and the least turns that a path over free ground takes.
-States wait in one bucket for each whole cycle of cost and bound together, so the first bucket
-in which the goal is reached holds the least time.
+A state is a cell and the heading in which it is entered; a turn costs so little that all turns
+together cost less than the difference of two lengths. Costs are whole numbers, so equal costs
+are equal. The bound on what is left (:func:`total_cost`) is the length of the shortest path to
+the goal, and the least turns that a path over free ground takes. States wait in buckets of cost
+and bound together; the search ends with the first bucket that can hold none cheaper than what
+is found.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +36,6 @@ from quad_planner.search.lattice_costs import (
     LARGEST,
     NOT_REACHED,
     Costs,
-    costs_of,
     excess_of,
     least_turns_of,
     total_cost,
@@ -61,7 +54,6 @@ from quad_planner.search.lattice_states import (
     with_tiles,
 )
 from quad_planner.search.search_loop import DONE, FULL, PAUSED, run_search
-from quad_planner.search.walk_terms import WalkTerms
 
 Cells = NDArray[np.int64]
 Numbers = NDArray[np.int64]
@@ -75,54 +67,6 @@ _EXPANDED = np.uint8(16)
 
 _AT_A_TIME = 50_000
 """Number of states that waited between two calls of `check`."""
-
-
-@dataclass(frozen=True)
-class LatticePath:
-    """A quickest path."""
-
-    cells: Cells
-    """Cells where it begins, turns and ends: x and y, shape (n, 2)."""
-    cycles: int
-    """Gait cycles, of walking and turning."""
-    expansions: int
-    """Number of states that were looked at."""
-
-
-def quickest_path(
-    grid: BitGrid,
-    start: tuple[int, int],
-    goal: tuple[int, int],
-    terms: WalkTerms,
-    check: Callable[[], None] = lambda: None,
-) -> LatticePath | None:
-    """
-    Find a path that takes the fewest gait cycles.
-
-    Parameters
-    ----------
-    grid : BitGrid
-        The free cells.
-    start, goal : tuple of int
-        x and y of two different cells of the map.
-    terms : WalkTerms
-        Times by which its gait cycles are counted.
-    check : callable
-        Called now and then; raises to end the search.
-
-    Returns
-    -------
-    LatticePath or None
-        None if there is no path, or none within the bound, or an end is not free.
-    """
-    if not (grid.is_free(*start) and grid.is_free(*goal)):
-        return None
-    costs = costs_of(terms)
-    found = _find(grid, start, goal, costs, check)
-    if found is None:
-        return None
-    cells, cost, expansions = found
-    return LatticePath(cells, cost // costs.cycle, expansions)
 
 
 def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda: None) -> Cells:
@@ -161,6 +105,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
         straight=STRAIGHT * most,
         diagonal=DIAGONAL * most,
         cycle=1,
+        pause=0,
         bucket=STRAIGHT * most // 4,
         longest=length * most + most - 1,
         scale=float(most),
@@ -171,7 +116,7 @@ def fewest_turns(grid: BitGrid, known: Cells, check: Callable[[], None] = lambda
         excess=excess_of(turns),
     )
     found = _find(grid, (start[0], start[1]), (goal[0], goal[1]), costs, check)
-    return known if found is None else found[0]
+    return known if found is None else found
 
 
 def _find(
@@ -180,16 +125,16 @@ def _find(
     goal: tuple[int, int],
     costs: Costs,
     check: Callable[[], None],
-) -> tuple[Cells, int, int] | None:
-    """Search; return where the path begins, turns and ends, its cost, and expansions."""
+) -> Cells | None:
+    """Search; return where the path begins, turns and ends."""
     ground = ground_between(grid, start, goal, costs, check)
     ends = ground.number(start), ground.number(goal)
     if word_length(int(ground.words[ends[0]])) == NO_LENGTH:
         return None
     queue = with_room(bucket_queue(costs.longest // costs.bucket + 1), HEADINGS)
     states = lattice_states(ground.width, len(ground.words) // ground.width)
-    # The least cost at the goal and the state in which it is reached; expansions.
-    best = np.array([NOT_REACHED, 0, 0])
+    # The least cost at the goal, and the state in which it is reached.
+    best = np.array([NOT_REACHED, 0])
     _begin(ground, ends, costs, states, queue)
 
     def expand(queue: BucketQueue) -> int:
@@ -199,10 +144,8 @@ def _find(
 
     try:
         run_search(expand, queue, 0, check)
-        cost, state, expansions = best.tolist()
-        if cost == NOT_REACHED:
-            return None
-        return _turning_points(states, ground, state), cost, expansions
+        cost, state = best.tolist()
+        return None if cost == NOT_REACHED else _turning_points(states, ground, state)
     finally:
         give_back(states)
 
@@ -223,11 +166,11 @@ def _begin(
             continue
         to_x, to_y = x + int(DX[k]), y + int(DY[k])
         cell = to_y * width + to_x
-        cost = int(costs.first_turns[k]) + (costs.diagonal if k & 1 else costs.straight)
+        cost = costs.diagonal if k & 1 else costs.straight
         left = word_length(int(words[cell]))
         offset = (goal_x - to_x, goal_y - to_y)
         total = total_cost(cost, left, *offset, k, costs.scale, costs.least_turns)
-        if total <= costs.longest - costs.cycle:
+        if total < costs.longest:
             if state_of(states.numbers, to_x, to_y, k) < FIRST_STATE:
                 make_tile(*states.tiles, states.numbers, states.used, to_x, to_y)
             state = state_of(states.numbers, to_x, to_y, k)
@@ -256,9 +199,9 @@ def _search(
     """
     # Arrays one by one, for compiled code counts references to those of a tuple at each look.
     heads, entries, waiting = queue.heads, queue.entries, queue.state
-    turns, excess, last_turns = costs.turns, costs.excess, costs.last_turns
+    turns, excess = costs.turns, costs.excess
     least_turns, scale = costs.least_turns, costs.scale
-    cycle, width_of_bucket = costs.cycle, costs.bucket
+    width_of_bucket = costs.bucket
     straight, diagonal, longest = costs.straight, costs.diagonal, costs.longest
     reached_cost, reached_by, rests = states.tiles.cost, states.tiles.by, states.tiles.rests
     corners, numbers, used = states.tiles.corners, states.numbers, states.used
@@ -267,11 +210,10 @@ def _search(
         if is_empty(waiting):
             return DONE
         bucket = next_bucket(heads, waiting)
-        # The first whole cycle above all that waited in the buckets before.
-        if best[0] <= ((bucket - 1) * width_of_bucket // cycle + 1) * cycle:
+        if best[0] <= (bucket - 1) * width_of_bucket + 1:
             return DONE
         state, _ = pop(heads, entries, waiting)
-        goes_on, rest = True, 0
+        goes_on = True
         x, y = place_of(corners, state)
         while goes_on:
             goes_on = False
@@ -284,27 +226,23 @@ def _search(
                 push(heads, entries, waiting, state, 0, bucket)
                 return FULL
             reached_by[state] = by | _EXPANDED
-            best[2] += 1
             cell, k = y * width + x, state & 7
             cost = int(reached_cost[state]) - 1
-            if rest < cost or rest >= cost + cycle:
-                rest = (cost + cycle - 1) // cycle * cycle
             if cell == goal:
-                total = rest + last_turns[k]
-                if total < min(best[0], longest):
-                    best[0], best[1] = total, state
+                if cost < min(best[0], longest):
+                    best[0], best[1] = cost, state
                 break
             word = words[cell]
             # Another heading there from which all turns cost no more?
             other = int(rests[state >> 3])
-            if other == 0 or (other >> 3) + excess[other & 7, k] > rest:
-                if other == 0 or rest < other >> 3:
-                    rests[state >> 3] = rest << 3 | k
+            if other == 0 or (other >> 3) + excess[other & 7, k] > cost:
+                if other == 0 or cost < other >> 3:
+                    rests[state >> 3] = cost << 3 | k
                 for j in range(HEADINGS):
                     if j == k or not may_step(word, j):
                         continue
                     to_x, to_y = x + int(DX[j]), y + int(DY[j])
-                    onward = rest + int(turns[k, j])
+                    onward = cost + int(turns[k, j])
                     onward += diagonal if j & 1 else straight
                     turned = state_of(numbers, to_x, to_y, j)
                     if not _is_less(turned, onward, reached_cost):
@@ -312,7 +250,7 @@ def _search(
                     left = word_length(words[to_y * width + to_x])
                     dx, dy = goal_x - to_x, goal_y - to_y
                     total = total_cost(onward, left, dx, dy, j, scale, least_turns)
-                    if total <= longest - cycle:
+                    if total < longest:
                         if turned < FIRST_STATE:
                             make_tile(
                                 reached_cost, reached_by, rests, corners, numbers, used, to_x, to_y
@@ -334,7 +272,7 @@ def _search(
                 break
             left = word_length(words[y * width + x])
             total = total_cost(onward, left, goal_x - x, goal_y - y, k, scale, least_turns)
-            if total > longest - cycle:
+            if total >= longest:
                 break
             if state < FIRST_STATE:
                 make_tile(reached_cost, reached_by, rests, corners, numbers, used, x, y)

@@ -115,8 +115,9 @@ def lattice_states(width: int, height: int) -> LatticeStates:
 
 def give_back(states: LatticeStates) -> None:
     """Keep the memory of states that are done with."""
-    if len(states.tiles.corners) <= 2 * _MOST_KEPT and not _spare:
-        _spare.append(states.tiles)
+    if len(states.tiles.corners) <= 2 * _MOST_KEPT:
+        # One, whichever threads give theirs back at the same time.
+        _spare[:] = [states.tiles]
 
 
 def with_tiles(states: LatticeStates, more: int) -> LatticeStates:

@@ -6,6 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from quad_common.robot_files.walking_time import WalkingTimeModel
 
 
@@ -23,3 +26,8 @@ class WalkTerms:
     """Heading at the goal, in the frame of the cells [rad]."""
     bound: int
     """Number of cycles: a path must take less."""
+    weights: NDArray[np.int32] | None = None
+    """
+    Factors by which walking through cells takes longer, in sixteenths, shape (height, width); at
+    least 16.
+    """

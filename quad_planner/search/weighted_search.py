@@ -33,10 +33,12 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Cells = NDArray[np.int64]
 
-_PARTS = 16
+PARTS = 16
 """Number of parts of 1 in which factors are counted."""
+TWO_PARTS = 2 * PARTS
+"""That number for the sum of two factors."""
 
-_LEAST_BUCKET = 2 * _PARTS * STRAIGHT
+_LEAST_BUCKET = TWO_PARTS * STRAIGHT
 _MOST_BUCKETS = 1 << 14
 
 _EXPANSIONS = 65536
@@ -62,7 +64,7 @@ def cheapest_path(
         The free cells.
     factors : ndarray, shape (height, width)
         Factor by which a path through each cell costs more than its length, from 1 to
-        `quad_planner.methods.cell_costs.LARGEST_FACTOR`; counted in sixteenths.
+        `quad_planner.costs.cell_costs.LARGEST_FACTOR`; counted in sixteenths.
     start, goal : tuple of int
         x and y of cells of the map.
     check : callable
@@ -77,7 +79,7 @@ def cheapest_path(
         return None
     width = grid.width + 2
     weights = np.ones((grid.height + 2, width), dtype=np.int64)
-    weights[1:-1, 1:-1] = np.rint(_PARTS * factors)
+    weights[1:-1, 1:-1] = np.rint(PARTS * factors)
     least = int(weights[1:-1, 1:-1].min())
     # A step may raise cost and bound together by twice its cost.
     longest = 4 * DIAGONAL * int(weights.max())

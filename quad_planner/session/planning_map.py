@@ -15,6 +15,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
+from quad_planner.costs.ground_difficulty import GridOverGround
 from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.keepout_mask import KeepoutMask
@@ -103,13 +104,21 @@ class PlanningMap:
             self.pose_on_map(goal_frame or name, end, 'goal'),
         )
 
-    def plan_without_bodies(self, start: Pose2D, goal: Pose2D) -> Plan:
-        """Plan once between poses in the map as if there were no other robots; PlannerError."""
-        if self._grid is None:
-            raise NoMap()
-        how = self._occupied_threshold, self._steps_over_low
-        alone = replace(self._added, bodies=()).combined(self._grid, self._ground, *how)
-        return self.planner.plan_on(alone, start, goal)
+    def search_without_bodies(self, start: Pose2D, goal: Pose2D) -> Callable[[], Plan]:
+        """
+        Return a search between poses in the map, as it is now, as if there were no other robots.
+
+        It may be called in another thread, and raises `PlannerError` if there is no plan.
+        """
+        grid, ground, planner = self._grid, self._ground, self.planner
+        added = replace(self._added, bodies=())
+
+        def search() -> Plan:
+            if grid is None:
+                raise NoMap()
+            return planner.plan_on(self._combined(grid, ground, planner, added), start, goal)
+
+        return search
 
     def use(self, planner: Planner[Any], occupied_threshold: int) -> None:
         """
@@ -130,7 +139,7 @@ class PlanningMap:
         threshold, self._occupied_threshold = self._occupied_threshold, occupied_threshold
         try:
             if self._grid is not None:
-                planner.set_map(self._combined(self._grid, self._ground))
+                planner.set_map(self._combined(self._grid, self._ground, planner))
         except QuadError:
             self._occupied_threshold = threshold
             raise
@@ -327,5 +336,16 @@ class PlanningMap:
         self.planner.set_map(self._combined(self._grid, self._ground))
         return True
 
-    def _combined(self, grid: OccupancyGrid, ground: Ground | None) -> OccupancyGrid:
-        return self._added.combined(grid, ground, self._occupied_threshold, self._steps_over_low)
+    def _combined(
+        self,
+        grid: OccupancyGrid,
+        ground: Ground | None,
+        planner: Planner[Any] | None = None,
+        added: MapAdditions | None = None,
+    ) -> OccupancyGrid:
+        """Return what a planner plans on, this map's and with what is added to it if not given."""
+        how = self._occupied_threshold, self._steps_over_low
+        whole = (added or self._added).combined(grid, ground, *how)
+        if ground is None or not (planner or self.planner).weighs_ground:
+            return whole
+        return GridOverGround.of(whole, ground)

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from quad_common.errors import PlannerError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_planner.session.planning_map import PlanningMap
+from quad_planner.session.session_ports import Requests
 from quad_planner.traffic.robot_on_map import RobotOnMap
 
 _MOVED = 0.15
@@ -29,10 +30,13 @@ class Blockers:
     ----------
     planning_map : PlanningMap
         What is planned on, with the bodies of robots that stay.
+    requests : Requests
+        The part that works on searches which are not for the robot.
     """
 
-    def __init__(self, planning_map: PlanningMap) -> None:
+    def __init__(self, planning_map: PlanningMap, requests: Requests) -> None:
         self._map = planning_map
+        self._requests = requests
         self._plan: Plan | None = None
         self._planned: tuple[object, Pose2D, Pose2D] | None = None
 
@@ -50,7 +54,7 @@ class Blockers:
         Returns
         -------
         list of str
-            Empty if the map leaves no path without them either, or none was found in time.
+            Empty if the map leaves no path without them either, or none was found yet.
         """
         robots = list(robots)
         plan = self._free_plan(start, goal) if robots else None
@@ -68,7 +72,7 @@ class Blockers:
         )
 
     def _free_plan(self, start: Pose2D, goal: Pose2D) -> Plan | None:
-        """Plan without bodies, once for a map, a goal and a place."""
+        """Return a plan without bodies, searched once for a map, a goal and a place."""
         on = self._map.planner.prepared
         if self._planned is not None:
             before, planned_from, planned_to = self._planned
@@ -76,6 +80,9 @@ class Blockers:
             if before is on and planned_to == goal and is_near:
                 return self._plan
         self._plan, self._planned = None, (on, start, goal)
-        with contextlib.suppress(PlannerError):
-            self._plan = self._map.plan_without_bodies(start, goal)
+        self._requests.submit(self._map.search_without_bodies(start, goal), self._receive)
         return self._plan
+
+    def _receive(self, result: Callable[[], Plan]) -> None:
+        with contextlib.suppress(PlannerError):
+            self._plan = result()

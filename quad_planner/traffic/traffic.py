@@ -24,6 +24,7 @@ from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
 from quad_planner.grid.array_types import Points
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
+from quad_planner.session.session_ports import Requests
 from quad_planner.traffic.blockers import Blockers
 from quad_planner.traffic.other_robots import OtherRobots
 from quad_planner.traffic.right_of_way import Distances, Duty, duty_towards, is_body_ahead
@@ -77,19 +78,26 @@ class Traffic:
         Name of the robot; see :class:`RobotOnMap`.
     radius : float
         Radius of the circle that it needs to stand, as the robot's `standing_radius` [m].
+    requests : Requests
+        The part that works on searches which are not for the robot.
     room : Distances
         How much room robots leave each other.
     """
 
     def __init__(
-        self, session: PlanningSession, name: str, radius: float, room: Distances | None = None
+        self,
+        session: PlanningSession,
+        name: str,
+        radius: float,
+        requests: Requests,
+        room: Distances | None = None,
     ) -> None:
         self._session = session
         self._name = name
         self._radius = radius
         self._room = self._room_at_rest = room or Distances()
         self._others = OtherRobots(name)
-        self._blockers = Blockers(session.map)
+        self._blockers = Blockers(session.map, requests)
         self._bodies = StandingBodies()
         self._speeds = self._others.speeds
         self._looked_at = -math.inf

@@ -27,9 +27,9 @@ from quad_planner.any_angle.corner_search import quickest_corners
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.rectangles import corners_of
 from quad_planner.grid.bit_grid import BitGrid, BitMask
-from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.mesh_search import mesh_path
 from quad_planner.search.walk_terms import WalkTerms
+from quad_planner.wave.wave_search import quickest_path
 
 _REQUESTS = 1000
 _BOUND = 500

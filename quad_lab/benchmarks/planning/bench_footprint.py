@@ -152,7 +152,7 @@ def _plan(planner: Planner[Any], start: Pose2D, goal: Pose2D) -> Plan | None:
 def _against_brute_force(robot: str, maps: int, seed: int) -> list[Criterion]:
     """Compare which goals are reached with a flood over all cells and headings."""
     made = load_robot(robot)
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + _SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + _SAFETY)
     planner: OutlinePlanner[Any] = OutlinePlanner(circle, outline_for(made, _SAFETY))
     moves = moves_from(0.5, 0.5)
     reached = missed = wrong = 0

@@ -25,6 +25,7 @@ from quad_lab.benchmarks.planning.bench_equality import equality_bars
 from quad_lab.benchmarks.planning.bench_fields import field_bars
 from quad_lab.benchmarks.planning.bench_first_call import first_call_times
 from quad_lab.benchmarks.planning.bench_footprint import footprint_bars
+from quad_lab.benchmarks.planning.bench_ground_time import ground_time_figures
 from quad_lab.benchmarks.planning.bench_quickest import walking_bars
 from quad_lab.benchmarks.planning.bench_searches import scenario_bars, search_bars
 from quad_lab.benchmarks.planning.bench_worst_case import worst_case_bars
@@ -36,7 +37,7 @@ from quad_planner.methods.shortest_planner import ShortestPlanner
 
 Mask = NDArray[np.bool_]
 
-PARTS = ('peers', 'searches', 'equality', 'worst', 'footprint', 'start', 'node', 'walks')
+PARTS = ('peers', 'searches', 'equality', 'worst', 'footprint', 'start', 'node', 'walks', 'ground')
 """Parts that can be run alone."""
 
 _RADIUS = 8.0
@@ -144,6 +145,8 @@ def measure(
         part, walks = walking_bars(console, quick, seed)
         bars += part
         details.update(walks)
+    if 'ground' in only:
+        bars += ground_time_figures(console, quick, seed)
     return bars, details
 
 

@@ -21,9 +21,10 @@ from quad_planner.grid.bit_grid import BitGrid, BitMask
 from quad_planner.grid.inflation import inflated
 from quad_planner.methods.shortest_planner import turns_saved
 from quad_planner.search.jump_points import JumpPointSearch
-from quad_planner.search.lattice_search import fewest_turns, quickest_path
+from quad_planner.search.lattice_search import fewest_turns
 from quad_planner.search.walk_terms import WalkTerms
 from quad_planner.search.weighted_search import cheapest_path
+from quad_planner.wave.wave_search import quickest_path
 
 Mask = NDArray[np.bool_]
 Result = TypeVar('Result')

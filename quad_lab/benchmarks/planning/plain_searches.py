@@ -23,8 +23,14 @@ from quad_planner.search.mesh_search import CIRCLE, Ends, Mesh
 _STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
 
 
-def least_cycles_over_cells(request: WalkRequest) -> int | None:
-    """Search over whole stretches: each from a turn to wherever it may end; None without a path."""
+def least_cycles_over_cells(
+    request: WalkRequest, factors: NDArray[np.float64] | None = None
+) -> int | None:
+    """
+    Search over whole stretches: each from a turn to wherever it may end; None without a path.
+
+    Walking through a cell takes longer by its factor, shape (height, width).
+    """
     free, start, goal, start_yaw, goal_yaw, pace = request
     height, width = free.shape
     waiting = [
@@ -57,8 +63,9 @@ def least_cycles_over_cells(request: WalkRequest) -> int | None:
                 break
             if dx and dy and not (free[y, to_x] and free[to_y, x]):
                 break
+            factor = 1.0 if factors is None else (factors[y, x] + factors[to_y, to_x]) / 2.0
             x, y = to_x, to_y
-            length += math.hypot(dx, dy) * RESOLUTION
+            length += factor * math.hypot(dx, dy) * RESOLUTION
             heapq.heappush(waiting, (cycles + pace.straight_cycles(length), x, y, k, True))
     return best
 

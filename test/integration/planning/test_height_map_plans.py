@@ -11,6 +11,8 @@ from builtin_interfaces.msg import Time
 from harness import ERROR, LATCHED, OK, SENSOR, Bench
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import PointCloud2
 
 from quad_common.maps.height_map import HeightMap
@@ -95,3 +97,26 @@ def test_plans_lead_over_what_is_low_and_around_what_is_high(bench: Bench):
         heights.publish(block(STEP - 0.001))
         bench.wait_until('a straight plan', lambda: len(bench.plans) == 3)
         assert detour(bench) < 1e-3
+
+
+def rough_patch() -> PointCloud2:
+    """Give level ground with low steps, one every 0.2 m, on most of the room's middle."""
+    level = HeightMap.level((0.0, 0.0, 6.0, 5.0), 0.02)
+    x, y = np.moveaxis(level.centers, -1, 0)
+    is_high = (np.abs(x - 3.0) < 0.8) & (y < 3.2) & (np.floor(x / 0.1) % 2 == 0)
+    return height_map_message(level.with_heights(np.where(is_high, 0.03, 0.0)), 'map', Time())
+
+
+def test_plans_lead_around_rough_ground_where_that_is_quicker_and_else_over_it(bench: Bench):
+    bench.start('planner_node', method='quickest', roughness_cost=1.1, use_sim_time=False)
+    bench.wait_for_status('planner_node', 'no map')
+    bench.publisher(PointCloud2, 'height_map', LATCHED).publish(rough_patch())
+    bench.publish_map(room())
+    bench.wait_for_status('planner_node', 'no odometry')
+    assert detour(bench) < 1e-3
+    kind = ParameterType.PARAMETER_DOUBLE
+    cost = Parameter(name='roughness_cost', value=ParameterValue(type=kind, double_value=15.0))
+    request = SetParameters.Request(parameters=[cost])
+    [result] = bench.call('planner_node/set_parameters', SetParameters, request).results
+    assert result.successful, result.reason
+    assert detour(bench) > 0.7

@@ -17,8 +17,8 @@ from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.rectangles import corners_of
 from quad_planner.grid.bit_grid import BitGrid, BitMask
 from quad_planner.grid.line_of_sight import sees
-from quad_planner.search.lattice_search import quickest_path
 from quad_planner.search.walk_terms import WalkTerms
+from quad_planner.wave.wave_search import quickest_path
 
 CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 

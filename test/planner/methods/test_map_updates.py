@@ -10,8 +10,8 @@ from quad_common.errors import PlannerError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
+from quad_planner.costs.cell_costs import ClearanceCost
 from quad_planner.grid.bit_grid import changed_rows
-from quad_planner.methods.cell_costs import ClearanceCost
 from quad_planner.methods.planner import METHODS, make_planner
 
 ORIGIN = Pose2D(-1.0, 2.0, 0.3)

@@ -21,7 +21,7 @@ MOVES = moves_from(0.5, 0.5)
 @pytest.mark.parametrize('robot', ['a1', 'titan_viii'])
 def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
     made = load_robot(robot)
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     planner = OutlinePlanner(circle, outline_for(made, SAFETY))
     answers = []
     for seed in range(4):
@@ -43,7 +43,7 @@ def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
 
 def test_a_goal_that_is_the_start_is_met():
     made = load_robot('a1')
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     prepared = OutlinePlanner(circle, outline_for(made, SAFETY)).prepare(
         office(120, CELL, np.random.default_rng(0))
     )
@@ -56,16 +56,22 @@ def test_a_goal_that_is_the_start_is_met():
 def a1_office(side=200):
     """Return an office as the planner of a1's outline prepares it."""
     made = load_robot('a1')
-    circle = ShortestPlanner(clearance_radius=made.footprint_radius + SAFETY)
+    circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     planner = OutlinePlanner(circle, outline_for(made, SAFETY))
     return planner.prepare(office(side, CELL, np.random.default_rng(0)))
 
 
+def in_a_large_room(prepared):
+    """Return x and y of a cell in the largest area in which the circle fits."""
+    sizes = np.bincount(prepared.areas.ravel())
+    cells = np.argwhere(prepared.areas == 1 + np.argmax(sizes[1:]))
+    y, x = (int(n) for n in cells[len(cells) // 2])
+    return x, y
+
+
 def flood_of(prepared):
     """Return a flood that meets no start: the cell in the corner is a wall."""
-    free = np.argwhere(free_classes(prepared.blocked, prepared.allowed, prepared.kernels[0]))
-    k, y, x = (int(n) for n in free[len(free) // 2])
-    return Flood(prepared.zones, MOVES, (0, 0, 0), (x, y, k))
+    return Flood(prepared.zones, MOVES, (0, 0, 0), (*in_a_large_room(prepared), 0))
 
 
 def test_it_can_be_ended_at_any_time():
@@ -86,8 +92,8 @@ def test_it_can_be_ended_at_any_time():
 def test_one_that_takes_too_much_memory_says_so_and_the_search_answers_without_it(monkeypatch):
     prepared = a1_office()
     free = np.argwhere(free_classes(prepared.blocked, prepared.allowed, prepared.kernels[0]))
-    k, y, x = (int(n) for n in free[len(free) // 2])
-    ends = [Ends(x, y, k, *(int(n) for n in free[at][[2, 1, 0]]), False) for at in (0, 9, -1)]
+    x, y = in_a_large_room(prepared)
+    ends = [Ends(x, y, 0, *(int(n) for n in free[at][[2, 1, 0]]), False) for at in (0, 9, -1)]
     small = free_for_smallest(prepared.blocked)
 
     def answers():

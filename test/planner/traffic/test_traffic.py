@@ -43,13 +43,13 @@ class Output:
 class Scene:
     """A robot on a floor of 8 x 4 m that walks from (1, 2) to (7, 2), named b."""
 
-    def __init__(self, cells=None):
+    def __init__(self, cells=None, requests=None):
         self.output = Output()
         parameters = PlannerParameters(robot='a1', method='shortest', any_angle=True)
         self.session = session_from_parameters(
             parameters, load_robot('a1'), MapFrame('map'), ImmediateRequest(), self.output
         )
-        self.traffic = Traffic(self.session, 'b', RADIUS)
+        self.traffic = Traffic(self.session, 'b', RADIUS, requests or ImmediateRequest())
         cells = np.zeros((80, 160), np.int8) if cells is None else cells
         self.session.take_grid(OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0)), 'map')
         self.time = 0.0
@@ -380,6 +380,41 @@ def test_only_robots_on_the_path_are_named():
     assert scene.session.problem.names == ['a']
 
 
+class QueuedRequests(ImmediateRequest):
+    """Searches that wait until they are worked on."""
+
+    def __init__(self):
+        self.waiting = []
+
+    def submit(self, work, done):
+        self.waiting.append((work, done))
+
+    def work_on_all(self):
+        while self.waiting:
+            work, done = self.waiting.pop(0)
+            plan = work()
+            done(lambda: plan)  # noqa: B023
+
+
+def test_the_path_without_robots_is_searched_beside_the_traffic():
+    requests = QueuedRequests()
+    scene = Scene(wall((29, 51)).cells, requests)
+
+    def look(times):
+        for _ in range(times):
+            scene.tell('a', (4.0, 2.0))
+            scene.go_on(seconds=9.0)
+
+    look(18)
+    # Nothing is said of anybody before the search is over; it is asked for once.
+    assert scene.given.end is None
+    assert len(requests.waiting) == 1
+    requests.work_on_all()
+    look(18)
+    assert scene.given.end is GoalEnd.REFUSED
+    assert scene.session.problem.names == ['a']
+
+
 def test_a_search_that_runs_out_of_its_time_says_nothing_of_robots(monkeypatch):
     scene = Scene()
     scene.go_on()
@@ -418,7 +453,7 @@ def test_before_a_goal_is_given_up_a_path_is_looked_for_once_more(monkeypatch):
         scene.tell('a', (4.0, 2.0), has_fallen=True)
         scene.go_on(seconds=9.0)
     assert scene.session.plan is None
-    free = scene.session.map.plan_without_bodies(scene.session.pose, scene.session.goal)
+    free = scene.session.map.search_without_bodies(scene.session.pose, scene.session.goal)()
     monkeypatch.setattr(planner, 'plan', lambda start, goal: free)
     for _ in range(6):
         scene.tell('a', (4.0, 2.0), has_fallen=True)

@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import ParameterError
 from quad_common.maps.occupancy_grid import FREE
+from quad_planner.costs.ground_difficulty import difficulty
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.potential.map_potential import boundary_distances
 
@@ -117,6 +118,40 @@ class MapCost:
         """Return factors that rise in proportion to the values of the map."""
         values = np.clip(safety.grid.cells, FREE, MOST_COST)
         factors: Floats = 1.0 + (self.factor - 1.0) * values / MOST_COST
+        return factors
+
+
+@dataclass(frozen=True)
+class GroundCost:
+    """
+    Makes paths over rough and steep ground cost more than their length.
+
+    Raises
+    ------
+    ParameterError
+        If a factor is not from 1 to `LARGEST_FACTOR`.
+    """
+
+    roughness: float
+    """Factor on ground as rough as a step of the step height; less, where it is smoother."""
+    slope: float
+    """Factor on ground of the largest slope that is walked on; less, where it is more level."""
+
+    needs_ground: ClassVar[bool] = True
+    """Whether the layer asks for the ground under the map."""
+
+    def __post_init__(self) -> None:
+        """Check the factors."""
+        _check_factor(self.roughness)
+        _check_factor(self.slope)
+
+    def factors(self, safety: InflatedMap) -> Floats:
+        """Return factors that rise in proportion to roughness and slope; 1 on unknown ground."""
+        ground = difficulty(safety.grid)
+        if ground is None:
+            return np.ones(safety.grid.cells.shape)
+        factors: Floats = 1.0 + (self.roughness - 1.0) * ground.roughness
+        factors *= 1.0 + (self.slope - 1.0) * ground.slope
         return factors
 
 
