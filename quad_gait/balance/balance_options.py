@@ -48,6 +48,14 @@ class BalanceOptions:
     """Part of an error of the velocity that standing legs give way to."""
     turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
+    pendulum: float = 1.0
+    soft: float = 0.0
+    rolls: float = 1.0
+    lift: float = 1.0
+    gives_from: float = 0.05
+    gives_all: float = 0.25
+    turn_from: float = 0.5
+    turn_all: float = 1.5
     leveling: float = 0.7
     """Part of the body's tilt that swinging feet make up for."""
     righting_time: float = 0.1

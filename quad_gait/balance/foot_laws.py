@@ -35,7 +35,7 @@ def pendulum_time(height: float) -> float:
 
 
 def landing_place(
-    x: float, y: float, pace: Pace, excess: tuple[float, float], stance: float, largest: float
+    neutral, speed, excess: tuple[float, float], stance: float, largest: float
 ) -> tuple[float, float]:
     """
     Find where a foot is to land beside the body.
@@ -64,8 +64,8 @@ def landing_place(
         Place x and y [m].
     """
     half = stance / 2.0
-    dx = half * (pace.forward - pace.turn * y) + excess[0]
-    dy = half * (pace.left + pace.turn * x) + excess[1]
+    x, y, _ = neutral
+    dx, dy = excess[0] - half * speed[0], excess[1] - half * speed[1]
     distance = math.hypot(dx, dy)
     if distance > largest:
         dx, dy = dx * largest / distance, dy * largest / distance

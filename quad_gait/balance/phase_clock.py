@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,8 @@ class PhaseClock:
     """Time at which the first cycle begins; all feet stand before it [s]."""
     end: float = math.inf
     """Time from which on no foot lifts any more [s]."""
+    edges: tuple[float, ...] = (0.0, 1.0)
+    """When one group of standing feet takes over from another, as fractions of the period."""
 
     @classmethod
     def of(cls, gait: Gait, start: float = 0.0) -> PhaseClock:
@@ -44,7 +47,20 @@ class PhaseClock:
             tuple(swing.liftoff / period for swing in swings),
             tuple((swing.touchdown - swing.liftoff) / period for swing in swings),
             start,
+            edges=tuple(edge / period for edge in gait.support_edges),
         )
+
+    def pendulum_factor(self, time: float, rate: float) -> float:
+        cycles = (time - self.start) / self.period
+        if not 0.0 < cycles or time >= self.end:
+            return 1.0
+        phase = cycles % 1.0
+        for begin, end in pairwise(self.edges):
+            if phase < end:
+                break
+        half = rate * (end - begin) * self.period / 2.0
+        since = rate * (phase - (begin + end) / 2.0) * self.period
+        return half / math.sinh(half) * math.cosh(since)
 
     def swing_phases(self, time: float) -> list[tuple[float | None, float]]:
         """
@@ -75,6 +91,11 @@ class PhaseClock:
     def stance_times(self) -> tuple[float, ...]:
         """Durations of the feet's stances [s]."""
         return tuple((1.0 - swing) * self.period for swing in self.swing_fractions)
+
+    @property
+    def swing_times(self) -> tuple[float, ...]:
+        """Durations of the feet's swings [s]."""
+        return tuple(swing * self.period for swing in self.swing_fractions)
 
     @property
     def longest_swing(self) -> float:
