@@ -48,14 +48,6 @@ class BalanceOptions:
     """Part of an error of the velocity that standing legs give way to."""
     turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
-    pendulum: float = 1.0
-    soft: float = 0.0
-    rolls: float = 1.0
-    lift: float = 1.0
-    gives_from: float = 0.05
-    gives_all: float = 0.25
-    turn_from: float = 0.5
-    turn_all: float = 1.5
     leveling: float = 0.7
     """Part of the body's tilt that swinging feet make up for."""
     righting_time: float = 0.1
@@ -81,6 +73,10 @@ class BalanceOptions:
     """Gain with which the robot is drawn back to its course [1/s]."""
     largest_correction: float = 0.15
     """Velocity with which it is, at most, as a fraction of sqrt(g h)."""
+    landing_fraction: float = 0.2
+    """Fraction of its swing, at its end, in which a foot follows the ground as it comes down."""
+    easing: float = 0.1
+    """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""
     freeze_time: float = 0.03
     """Time before its touchdown from which on a foot keeps its target [s]."""
     reach_fraction: float = 1.5

@@ -83,6 +83,32 @@ class Demand:
     """Velocity by which less is asked for than is wanted [m/s]."""
 
 
+class SwingTime(NamedTuple):
+    """When a foot swings in the time from one knot to the next."""
+
+    dt: float
+    """Time for which it does [s]."""
+    left: float
+    """Time until it lands after that [s]."""
+    duration: float
+    """Duration of its whole swing [s]."""
+    stance: float
+    """Duration of its stance [s]."""
+    fraction: float | None
+    """Fraction of the swing that is over by the next knot; None if it stands by then."""
+
+
+class _Law(NamedTuple):
+    """How feet move for a moment."""
+
+    mean: Pace
+    """Velocity that is wanted on average."""
+    given_way: Pace
+    """Velocity with which standing feet go."""
+    excess: tuple[float, float]
+    """Step to the capture point [m]."""
+
+
 class FootPlanner:
     """
     Moves the feet of one robot on from knot to knot.
@@ -103,12 +129,11 @@ class FootPlanner:
         center = robot.center_of_mass(robot.initial_joint_angles)
         self.height = float(center[2] + robot.standing_height)
         """Height of the center of mass [m]."""
-        self.unit = math.sqrt(GRAVITY * self.height)
         self.capture_time = options.capture_gain * pendulum_time(self.height)
         """Length of the capture step over the error of the velocity [s]."""
-        self._roll = _rolling(robot) if options.rolls else [((1.0, 0.0), (0.0, 1.0))] * 4
-        self._lift = options.lift * gait.support_depth * gait.swing_height
+        self._rate = 1.0 / pendulum_time(self.height)
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
+        self._rolling = rolling_factors(robot)
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
         self._largest = min(
             0.5 * options.reach_fraction * robot.largest_stride,
@@ -141,61 +166,86 @@ class FootPlanner:
         -------
         FootPlan
         """
-        options, measured = self._options, demand.measured
         dt = times[1] - times[0]
-        kept = math.exp(-dt / options.righting_time)
         pace = self._pace_after(plan.pace, demand.pace, dt)
-        mean = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
-        f = 1.0 if options.pendulum == 0 else clock.pendulum_factor((times[0]+times[1])/2, options.pendulum*math.sqrt(GRAVITY/self.height))
-        aim = Pace(mean.forward*f, mean.left*f, mean.turn*f)
-        error = measured.forward - aim.forward, measured.left - aim.left
-        part = options.giving_way * _rise(math.hypot(*error), options.gives_from*self.unit, options.gives_all*self.unit)
-        spin = measured.turn - aim.turn
-        turn_part = options.turn_giving_way * _rise(abs(spin), options.turn_from, options.turn_all)
-        given_way = Pace(
-            aim.forward + part * error[0],
-            aim.left + part * error[1],
-            aim.turn + turn_part * spin,
-        )
-        excess = self.capture_time * error[0], self.capture_time * error[1]
-        before, phases = clock.swing_phases(times[0]), clock.swing_phases(times[1])
-        up = self._lift * sum(swing_height(f) for f in {p[0] for p in phases if p[0] is not None})
+        law = self._law(pace, demand, clock.pendulum_factor(sum(times) / 2.0, self._rate), dt)
+        before, after = clock.swing_phases(times[0]), clock.swing_phases(times[1])
         feet = []
         for k, foot in enumerate(plan.feet):
-            fraction, left = phases[k]
-            neutral, roll = self._neutral[k], self._roll[k]
-            swings = fraction is not None
-            x, y, vx, vy = foot.x, foot.y, foot.vx, foot.vy
-            roll_angle, pitch_angle = foot.roll, foot.pitch
-            target = foot.target
-            # Time for which it stands before it swings, swings, and stands again.
-            stood = swung = 0.0
+            fraction, left = after[k]
+            if fraction is None and not foot.swings:
+                feet.append(self._standing(k, foot, dt, law))
+                continue
+            # Liftoff and touchdown lie between knots: it swings for a part of the time.
             if not foot.swings:
-                stood = dt if not swings else max(dt - fraction * clock.swing_times[k], 0.0)
-            if swings:
-                swung = dt - stood
-            elif foot.swings:
-                swung = min(before[k][1], dt) if before[k][0] is not None else dt
-            if stood > 0.0 or not foot.swings:
-                vx, vy = rolled(roll, ground_velocity(x, y, given_way))
-                x, y = x + stood * vx, y + stood * vy
-            if swung > 0.0:
-                if not foot.swings or left >= options.freeze_time:
-                    stance = clock.stance_times[k]
-                    target = landing_place(neutral, rolled(roll, ground_velocity(*neutral[:2], mean)), excess, stance, self._largest)
-                at_landing = rolled(roll, ground_velocity(*target, given_way))
-                x, vx = swing_on(x, vx, target[0], at_landing[0], left + swung, swung)
-                y, vy = swing_on(y, vy, target[1], at_landing[1], left + swung, swung)
-                roll_angle, pitch_angle = options.leveling * demand.roll, options.leveling * demand.pitch
-            rest = dt - stood - swung
-            if rest > 0.0:
-                vx, vy = rolled(roll, ground_velocity(x, y, given_way))
-                x, y = x + rest * vx, y + rest * vy
-            if not swings and swung <= 0.0:
-                roll_angle, pitch_angle = kept * roll_angle, kept * pitch_angle
-            lift = 0.0 if fraction is None else self._swing_height * (swing_height(fraction) if options.soft <= 0 else swing_height(_eased(fraction, options.soft)))
-            feet.append(Foot(x, y, neutral[2] + lift - up, vx, vy, roll_angle, pitch_angle, swings, target))
+                swung = min(dt, (fraction or 0.0) * clock.swing_times[k])
+                foot = self._standing(k, foot, dt - swung, law)
+            else:
+                swung = dt if fraction is not None else min(dt, before[k][1] or dt)
+            swing = SwingTime(swung, left, clock.swing_times[k], clock.stance_times[k], fraction)
+            foot = self._swinging(k, foot, swing, law, demand)
+            if swung < dt and fraction is None:
+                foot = self._standing(k, foot, dt - swung, law)
+            feet.append(foot)
         return FootPlan(tuple(feet), pace)
+
+    def _law(self, pace: Pace, demand: Demand, factor: float, dt: float) -> _Law:
+        """Return how feet move for a time [s], for a body that is to be faster than on average."""
+        options, measured = self._options, demand.measured
+        mean = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
+        aim = Pace(factor * mean.forward, factor * mean.left, factor * mean.turn)
+        error = measured.forward - aim.forward, measured.left - aim.left
+        given_way = Pace(
+            aim.forward + options.giving_way * error[0],
+            aim.left + options.giving_way * error[1],
+            aim.turn + options.turn_giving_way * (measured.turn - aim.turn),
+        )
+        excess = self.capture_time * error[0], self.capture_time * error[1]
+        return _Law(mean, given_way, excess)
+
+    def _drift(self, leg: int, x: float, y: float, pace: Pace) -> tuple[float, float]:
+        """Return how fast a foot that stands at a place rolls by beside a body [m/s]."""
+        (a, b), (c, d) = self._rolling[leg]
+        vx, vy = ground_velocity(x, y, pace)
+        return a * vx + b * vy, c * vx + d * vy
+
+    def _standing(self, leg: int, foot: Foot, dt: float, law: _Law) -> Foot:
+        """Return a foot that stands for a time [s], with the part of its tilt that is kept."""
+        vx, vy = self._drift(leg, foot.x, foot.y, law.given_way)
+        kept = math.exp(-dt / self._options.righting_time)
+        return Foot(
+            foot.x + dt * vx, foot.y + dt * vy, self._neutral[leg][2], vx, vy,
+            kept * foot.roll, kept * foot.pitch, False, foot.target,
+        )  # fmt: skip
+
+    def _swinging(self, leg: int, foot: Foot, swing: SwingTime, law: _Law, demand: Demand) -> Foot:
+        """Return a foot that swings for a time."""
+        options, neutral = self._options, self._neutral[leg]
+        target, dt = foot.target, swing.dt
+        if not foot.swings or swing.left >= options.freeze_time:
+            drift = self._drift(leg, neutral[0], neutral[1], law.mean)
+            target = landing_place(neutral, drift, law.excess, swing.stance, self._largest)
+        vx, vy = self._drift(leg, *target, law.given_way)
+        # At the end of its swing it is above the ground, as fast, and comes down.
+        early = options.landing_fraction * swing.duration
+        until = swing.left + dt - early
+        going = min(dt, max(until, 0.0))
+        x, y, with_ground = foot.x, foot.y, dt - going
+        speed = foot.vx, foot.vy
+        if going > 0.0:
+            x, speed_x = swing_on(x, foot.vx, target[0] - early * vx, vx, until, going)
+            y, speed_y = swing_on(y, foot.vy, target[1] - early * vy, vy, until, going)
+            speed = speed_x, speed_y
+        if with_ground > 0.0:
+            x, y, speed = x + with_ground * vx, y + with_ground * vy, (vx, vy)
+        lift = 0.0
+        if swing.fraction is not None:
+            lift = self._swing_height * swing_height(swing.fraction, options.easing)
+        return Foot(
+            x, y, neutral[2] + lift, *speed,
+            options.leveling * demand.roll, options.leveling * demand.pitch,
+            swing.fraction is not None, target,
+        )  # fmt: skip
 
     def _pace_after(self, last: Pace, wanted: Pace, dt: float) -> Pace:
         """Return the pace after a time [s], gathered no faster than the options allow."""
@@ -208,46 +258,38 @@ class FootPlanner:
         )
 
 
-def _rolling(robot):
+def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """
+    Return what the ground's velocity beside the body is multiplied by for the feet's centers.
+
+    With a body at v the center of a foot that stands moves beside it by u, and rolls on its ball
+    of the radius r as the calf turns, by w = C J^-1 u: from u + v = r w x z follows
+    u = -(I - r [. x z] C J^-1)^-1 v; in the plane, and in the initial posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+
+    Returns
+    -------
+    list of tuple
+        A matrix of 2 rows for each foot.
+    """
     joints = robot.initial_joint_angles
-    jac = robot.foot_jacobians(joints)
-    out = []
-    for leg in range(4):
-        cols = []
+    jacobians = robot.foot_jacobians(joints)
+    factors = []
+    for leg in range(len(joints)):
+        columns = []
         for axis in range(2):
-            u = np.zeros((4, 3)); u[leg, axis] = 1.0
-            q = np.linalg.solve(jac, u[..., None])[..., 0]
-            w = robot.calf_angular_velocities(joints, q)[leg]
-            cols.append([robot.foot_radius * w[1], -robot.foot_radius * w[0]])
-        k = np.array(cols).T
-        out.append(tuple(map(tuple, np.linalg.inv(np.eye(2) - k).tolist())))
-    return out
-
-
-def rolled(m, v):
-    return m[0][0] * v[0] + m[0][1] * v[1], m[1][0] * v[0] + m[1][1] * v[1]
-
-
-def _standing(foot: Foot, height: float, speed, dt: float, kept: float) -> Foot:
-    """Return a foot that stands after a time [s], with the part of its tilt that is kept."""
-    vx, vy = speed
-    x, y = foot.x + dt * vx, foot.y + dt * vy
-    return Foot(x, y, height, vx, vy, kept * foot.roll, kept * foot.pitch, False, foot.target)
-
-
-def _rise(value: float, first: float, last: float) -> float:
-    s = min(max((value - first) / (last - first), 0.0), 1.0)
-    return s * s * (3.0 - 2.0 * s)
-
-
-def _eased(u: float, b: float) -> float:
-    if u < b:
-        r = u * u / (2.0 * b)
-    elif u > 1.0 - b:
-        r = 1.0 - b - (1.0 - u) ** 2 / (2.0 * b)
-    else:
-        r = u - b / 2.0
-    return r / (1.0 - b)
+            moves = np.zeros((len(joints), 3))
+            moves[leg, axis] = 1.0
+            speeds = np.linalg.solve(jacobians, moves[..., None])[..., 0]
+            calf = robot.calf_angular_velocities(joints, speeds)[leg]
+            columns.append([robot.foot_radius * calf[1], -robot.foot_radius * calf[0]])
+        (a, b), (c, d) = np.linalg.inv(np.eye(2) - np.array(columns).T).tolist()
+        factors.append(((a, b), (c, d)))
+    return factors
 
 
 def _toward(value: float, wanted: float, step: float) -> float:

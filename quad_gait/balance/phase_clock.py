@@ -51,13 +51,29 @@ class PhaseClock:
         )
 
     def pendulum_factor(self, time: float, rate: float) -> float:
+        """
+        Return how fast a body moves at a time, over its mean speed.
+
+        Over each pair of standing feet it is an inverted pendulum, x'' = rate^2 x: slower above
+        them, faster between two supports. At an even pace it would rock from one to the other.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+        rate : float
+            Rate of the pendulum, sqrt(g / h) [1/s].
+
+        Returns
+        -------
+        float
+            1 while all feet stand.
+        """
         cycles = (time - self.start) / self.period
-        if not 0.0 < cycles or time >= self.end:
+        if cycles <= 0.0 or time >= self.end:
             return 1.0
         phase = cycles % 1.0
-        for begin, end in pairwise(self.edges):
-            if phase < end:
-                break
+        begin, end = next(edge for edge in pairwise(self.edges) if phase < edge[1])
         half = rate * (end - begin) * self.period / 2.0
         since = rate * (phase - (begin + end) / 2.0) * self.period
         return half / math.sinh(half) * math.cosh(since)
