@@ -134,6 +134,8 @@ class FootPlanner:
         self._rate = 1.0 / pendulum_time(self.height)
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
         self._rolling = rolling_factors(robot)
+        spare = 1.0 - options.speed_kept - swing_use(robot, gait)
+        self._landing = min(max(spare, 0.0), options.landing_fraction)
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
         self._largest = min(
             0.5 * options.reach_fraction * robot.largest_stride,
@@ -227,7 +229,7 @@ class FootPlanner:
             target = landing_place(neutral, drift, law.excess, swing.stance, self._largest)
         vx, vy = self._drift(leg, *target, law.given_way)
         # At the end of its swing it is above the ground, as fast, and comes down.
-        early = options.landing_fraction * swing.duration
+        early = self._landing * swing.duration
         until = swing.left + dt - early
         going = min(dt, max(until, 0.0))
         x, y, with_ground = foot.x, foot.y, dt - going
@@ -256,6 +258,33 @@ class FootPlanner:
             _toward(last.left, wanted.left, step),
             _toward(last.turn, wanted.turn, turn_step),
         )
+
+
+def swing_use(robot: Robot, gait: Gait) -> float:
+    """
+    Return how much of their largest speeds the joints need for a swing.
+
+    At its fastest a foot goes 1.5 L / T forward in the largest stride L, along a cubic, and
+    pi H / T up to its height H, in its time T; in the initial posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        Its trot.
+
+    Returns
+    -------
+    float
+        Of the joint that needs most, as a fraction of its largest speed; for both together.
+    """
+    duration = min(swing.touchdown - swing.liftoff for swing in gait.swings)
+    per_speed = np.linalg.inv(robot.foot_jacobians(robot.initial_joint_angles))
+    per_speed = np.abs(per_speed / np.broadcast_to(robot.velocity, per_speed.shape[:2])[..., None])
+    ahead = 1.5 * robot.largest_stride * per_speed[..., 0].max()
+    up = math.pi * gait.swing_height * per_speed[..., 2].max()
+    return float(ahead + up) / duration
 
 
 def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float, float]]]:
