@@ -33,6 +33,9 @@ OVERSHOOT = 0.005
 CONTROL_PERIOD = 0.02
 """Time in which a command may get where another trajectory, which already runs, is [s]."""
 
+_TIME_ROUNDING = 1e-9
+"""Rounding error of times: a trajectory that starts this much later starts now [s]."""
+
 VELOCITY_TOLERANCE = 0.05
 """Fraction of a joint's largest velocity by which it may be exceeded between two points; at the
 points themselves it may not."""
@@ -162,7 +165,7 @@ def check_command(
     """
     limits.check(trajectory.times, trajectory.positions, trajectory.velocities)
     start = (trajectory.stamp if trajectory.stamp > 0.0 else now) + float(trajectory.times[0])
-    if start > now:
+    if start > now + _TIME_ROUNDING:
         limits.check(
             np.array([now, start]),
             np.stack([limits.clip(position), trajectory.positions[0]]),

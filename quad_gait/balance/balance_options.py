@@ -73,6 +73,13 @@ class BalanceOptions:
     """Gain with which the robot is drawn back to its course [1/s]."""
     largest_correction: float = 0.15
     """Velocity with which it is, at most, as a fraction of sqrt(g h)."""
+    landing_fraction: float = 0.2
+    """Fraction of its swing, at its end, in which a foot follows the ground as it comes down, at
+    most: as much as the joints' speeds leave of it."""
+    speed_kept: float = 0.2
+    """Fraction of the joints' speeds that no swing is to need, so that feet can be elsewhere."""
+    easing: float = 0.1
+    """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""
     freeze_time: float = 0.03
     """Time before its touchdown from which on a foot keeps its target [s]."""
     reach_fraction: float = 1.5

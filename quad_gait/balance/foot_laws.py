@@ -8,6 +8,7 @@ numbers, one foot at a time: so few are added up ten times faster than arrays ar
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 GRAVITY = 9.80665
@@ -35,7 +36,11 @@ def pendulum_time(height: float) -> float:
 
 
 def landing_place(
-    x: float, y: float, pace: Pace, excess: tuple[float, float], stance: float, largest: float
+    neutral: Sequence[float],
+    drift: tuple[float, float],
+    excess: tuple[float, float],
+    stance: float,
+    largest: float,
 ) -> tuple[float, float]:
     """
     Find where a foot is to land beside the body.
@@ -43,14 +48,14 @@ def landing_place(
     It lands so far ahead of its neutral place p that it is there in mid-stance (Raibert), and
     farther by the step to the capture point (Pratt)::
 
-        p + (v + w x p) T / 2 + k sqrt(h / g) (v_measured - v)
+        p - u T / 2 + k sqrt(h / g) (v_measured - v)
 
     Parameters
     ----------
-    x, y : float
-        Neutral place of the foot, under a standing body [m].
-    pace : Pace
-        Velocity v, and turn w, that are wanted.
+    neutral : sequence of float
+        Neutral place p of the foot, under a standing body [m].
+    drift : tuple of float
+        Velocity u of a foot that stands there, beside the body [m/s].
     excess : tuple of float
         Step to the capture point, k sqrt(h / g) (v_measured - v) [m].
     stance : float
@@ -64,12 +69,11 @@ def landing_place(
         Place x and y [m].
     """
     half = stance / 2.0
-    dx = half * (pace.forward - pace.turn * y) + excess[0]
-    dy = half * (pace.left + pace.turn * x) + excess[1]
+    dx, dy = excess[0] - half * drift[0], excess[1] - half * drift[1]
     distance = math.hypot(dx, dy)
     if distance > largest:
         dx, dy = dx * largest / distance, dy * largest / distance
-    return x + dx, y + dy
+    return neutral[0] + dx, neutral[1] + dy
 
 
 def ground_velocity(x: float, y: float, pace: Pace) -> tuple[float, float]:
@@ -108,14 +112,32 @@ def swing_on(
     return place + s * (u + s * (b + s * c)), (u + s * (2.0 * b + 3.0 * s * c)) / h
 
 
-def swing_height(fraction: float) -> float:
+def swing_height(fraction: float, easing: float = 0.0) -> float:
     """
     Return how high a foot is at a fraction of its swing, as a fraction of the most.
 
     Half an ellipse over time, as S2's (5) has it: it leaves and meets the ground fast, and meets
-    it in time where the ground is not quite where it should be.
+    it in time where the ground is not quite where it should be. A little of the swing is for
+    gathering that speed and losing it, so that knots some way apart tell when it lands.
+
+    Parameters
+    ----------
+    fraction : float
+        From 0 to 1; beyond them the foot stands.
+    easing : float
+        Fraction of the swing in which it gathers its speed, and again loses it.
+
+    Returns
+    -------
+    float
+        From 0 to 1.
     """
-    return math.sin(math.pi * min(max(fraction, 0.0), 1.0))
+    u = min(max(fraction, 0.0), 1.0)
+    if easing > 0.0:
+        near = min(u, 1.0 - u)
+        gone = near - easing / 2.0 if near > easing else near * near / (2.0 * easing)
+        u = gone / (1.0 - easing)
+    return math.sin(math.pi * u)
 
 
 def tilted_back(

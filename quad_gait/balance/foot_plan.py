@@ -83,6 +83,32 @@ class Demand:
     """Velocity by which less is asked for than is wanted [m/s]."""
 
 
+class SwingTime(NamedTuple):
+    """When a foot swings in the time from one knot to the next."""
+
+    dt: float
+    """Time for which it does [s]."""
+    left: float
+    """Time until it lands after that [s]."""
+    duration: float
+    """Duration of its whole swing [s]."""
+    stance: float
+    """Duration of its stance [s]."""
+    fraction: float | None
+    """Fraction of the swing that is over by the next knot; None if it stands by then."""
+
+
+class _Law(NamedTuple):
+    """How feet move for a moment."""
+
+    mean: Pace
+    """Velocity that is wanted on average."""
+    given_way: Pace
+    """Velocity with which standing feet go."""
+    excess: tuple[float, float]
+    """Step to the capture point [m]."""
+
+
 class FootPlanner:
     """
     Moves the feet of one robot on from knot to knot.
@@ -105,7 +131,11 @@ class FootPlanner:
         """Height of the center of mass [m]."""
         self.capture_time = options.capture_gain * pendulum_time(self.height)
         """Length of the capture step over the error of the velocity [s]."""
+        self._rate = 1.0 / pendulum_time(self.height)
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
+        self._rolling = rolling_factors(robot)
+        spare = 1.0 - options.speed_kept - swing_use(robot, gait)
+        self._landing = min(max(spare, 0.0), options.landing_fraction)
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
         self._largest = min(
             0.5 * options.reach_fraction * robot.largest_stride,
@@ -138,45 +168,86 @@ class FootPlanner:
         -------
         FootPlan
         """
-        options, measured = self._options, demand.measured
         dt = times[1] - times[0]
-        part, kept = options.giving_way, math.exp(-dt / options.righting_time)
         pace = self._pace_after(plan.pace, demand.pace, dt)
-        aim = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
+        law = self._law(pace, demand, clock.pendulum_factor(sum(times) / 2.0, self._rate), dt)
+        before, after = clock.swing_phases(times[0]), clock.swing_phases(times[1])
+        feet = []
+        for k, foot in enumerate(plan.feet):
+            fraction, left = after[k]
+            if fraction is None and not foot.swings:
+                feet.append(self._standing(k, foot, dt, law))
+                continue
+            # Liftoff and touchdown lie between knots: it swings for a part of the time.
+            if not foot.swings:
+                swung = min(dt, (fraction or 0.0) * clock.swing_times[k])
+                foot = self._standing(k, foot, dt - swung, law)
+            else:
+                swung = dt if fraction is not None else min(dt, before[k][1] or dt)
+            swing = SwingTime(swung, left, clock.swing_times[k], clock.stance_times[k], fraction)
+            foot = self._swinging(k, foot, swing, law, demand)
+            if swung < dt and fraction is None:
+                foot = self._standing(k, foot, dt - swung, law)
+            feet.append(foot)
+        return FootPlan(tuple(feet), pace)
+
+    def _law(self, pace: Pace, demand: Demand, factor: float, dt: float) -> _Law:
+        """Return how feet move for a time [s], for a body that is to be faster than on average."""
+        options, measured = self._options, demand.measured
+        mean = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
+        aim = Pace(factor * mean.forward, factor * mean.left, factor * mean.turn)
         error = measured.forward - aim.forward, measured.left - aim.left
         given_way = Pace(
-            aim.forward + part * error[0],
-            aim.left + part * error[1],
-            pace.turn + options.turn_giving_way * (measured.turn - pace.turn),
+            aim.forward + options.giving_way * error[0],
+            aim.left + options.giving_way * error[1],
+            aim.turn + options.turn_giving_way * (measured.turn - aim.turn),
         )
         excess = self.capture_time * error[0], self.capture_time * error[1]
-        phases = clock.swing_phases(times[1])
-        feet = []
-        for foot, neutral, (fraction, left), stance in zip(
-            plan.feet, self._neutral, phases, clock.stance_times
-        ):
-            if fraction is None and not foot.swings:
-                feet.append(_standing(foot, neutral[2], given_way, dt, kept))
-                continue
-            vx, vy = foot.vx, foot.vy
-            if not foot.swings:
-                # It leaves as fast as the ground.
-                vx, vy = ground_velocity(foot.x, foot.y, given_way)
-            target = foot.target
-            if not foot.swings or left >= options.freeze_time:
-                target = landing_place(neutral[0], neutral[1], aim, excess, stance, self._largest)
-            at_landing = ground_velocity(*target, given_way)
-            x, vx = swing_on(foot.x, vx, target[0], at_landing[0], left + dt, dt)
-            y, vy = swing_on(foot.y, vy, target[1], at_landing[1], left + dt, dt)
-            lift = 0.0 if fraction is None else self._swing_height * swing_height(fraction)
-            part = options.leveling
-            feet.append(
-                Foot(
-                    x, y, neutral[2] + lift, vx, vy,
-                    part * demand.roll, part * demand.pitch, fraction is not None, target,
-                )
-            )  # fmt: skip
-        return FootPlan(tuple(feet), pace)
+        return _Law(mean, given_way, excess)
+
+    def _drift(self, leg: int, x: float, y: float, pace: Pace) -> tuple[float, float]:
+        """Return how fast a foot that stands at a place rolls by beside a body [m/s]."""
+        (a, b), (c, d) = self._rolling[leg]
+        vx, vy = ground_velocity(x, y, pace)
+        return a * vx + b * vy, c * vx + d * vy
+
+    def _standing(self, leg: int, foot: Foot, dt: float, law: _Law) -> Foot:
+        """Return a foot that stands for a time [s], with the part of its tilt that is kept."""
+        vx, vy = self._drift(leg, foot.x, foot.y, law.given_way)
+        kept = math.exp(-dt / self._options.righting_time)
+        return Foot(
+            foot.x + dt * vx, foot.y + dt * vy, self._neutral[leg][2], vx, vy,
+            kept * foot.roll, kept * foot.pitch, False, foot.target,
+        )  # fmt: skip
+
+    def _swinging(self, leg: int, foot: Foot, swing: SwingTime, law: _Law, demand: Demand) -> Foot:
+        """Return a foot that swings for a time."""
+        options, neutral = self._options, self._neutral[leg]
+        target, dt = foot.target, swing.dt
+        if not foot.swings or swing.left >= options.freeze_time:
+            drift = self._drift(leg, neutral[0], neutral[1], law.mean)
+            target = landing_place(neutral, drift, law.excess, swing.stance, self._largest)
+        vx, vy = self._drift(leg, *target, law.given_way)
+        # At the end of its swing it is above the ground, as fast, and comes down.
+        early = self._landing * swing.duration
+        until = swing.left + dt - early
+        going = min(dt, max(until, 0.0))
+        x, y, with_ground = foot.x, foot.y, dt - going
+        speed = foot.vx, foot.vy
+        if going > 0.0:
+            x, speed_x = swing_on(x, foot.vx, target[0] - early * vx, vx, until, going)
+            y, speed_y = swing_on(y, foot.vy, target[1] - early * vy, vy, until, going)
+            speed = speed_x, speed_y
+        if with_ground > 0.0:
+            x, y, speed = x + with_ground * vx, y + with_ground * vy, (vx, vy)
+        lift = 0.0
+        if swing.fraction is not None:
+            lift = self._swing_height * swing_height(swing.fraction, options.easing)
+        return Foot(
+            x, y, neutral[2] + lift, *speed,
+            options.leveling * demand.roll, options.leveling * demand.pitch,
+            swing.fraction is not None, target,
+        )  # fmt: skip
 
     def _pace_after(self, last: Pace, wanted: Pace, dt: float) -> Pace:
         """Return the pace after a time [s], gathered no faster than the options allow."""
@@ -189,11 +260,65 @@ class FootPlanner:
         )
 
 
-def _standing(foot: Foot, height: float, given_way: Pace, dt: float, kept: float) -> Foot:
-    """Return a foot that stands after a time [s], with the part of its tilt that is kept."""
-    vx, vy = ground_velocity(foot.x, foot.y, given_way)
-    x, y = foot.x + dt * vx, foot.y + dt * vy
-    return Foot(x, y, height, vx, vy, kept * foot.roll, kept * foot.pitch, False, foot.target)
+def swing_use(robot: Robot, gait: Gait) -> float:
+    """
+    Return how much of their largest speeds the joints need for a swing.
+
+    At its fastest a foot goes 1.5 L / T forward in the largest stride L, along a cubic, and
+    pi H / T up to its height H, in its time T; in the initial posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        Its trot.
+
+    Returns
+    -------
+    float
+        Of the joint that needs most, as a fraction of its largest speed; for both together.
+    """
+    duration = min(swing.touchdown - swing.liftoff for swing in gait.swings)
+    per_speed = np.linalg.inv(robot.foot_jacobians(robot.initial_joint_angles))
+    per_speed = np.abs(per_speed / np.broadcast_to(robot.velocity, per_speed.shape[:2])[..., None])
+    ahead = 1.5 * robot.largest_stride * per_speed[..., 0].max()
+    up = math.pi * gait.swing_height * per_speed[..., 2].max()
+    return float(ahead + up) / duration
+
+
+def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """
+    Return what the ground's velocity beside the body is multiplied by for the feet's centers.
+
+    With a body at v the center of a foot that stands moves beside it by u, and rolls on its ball
+    of the radius r as the calf turns, by w = C J^-1 u: from u + v = r w x z follows
+    u = -(I - r [. x z] C J^-1)^-1 v; in the plane, and in the initial posture.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+
+    Returns
+    -------
+    list of tuple
+        A matrix of 2 rows for each foot.
+    """
+    joints = robot.initial_joint_angles
+    jacobians = robot.foot_jacobians(joints)
+    factors = []
+    for leg in range(len(joints)):
+        columns = []
+        for axis in range(2):
+            moves = np.zeros((len(joints), 3))
+            moves[leg, axis] = 1.0
+            speeds = np.linalg.solve(jacobians, moves[..., None])[..., 0]
+            calf = robot.calf_angular_velocities(joints, speeds)[leg]
+            columns.append([robot.foot_radius * calf[1], -robot.foot_radius * calf[0]])
+        (a, b), (c, d) = np.linalg.inv(np.eye(2) - np.array(columns).T).tolist()
+        factors.append(((a, b), (c, d)))
+    return factors
 
 
 def _toward(value: float, wanted: float, step: float) -> float:

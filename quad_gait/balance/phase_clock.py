@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,8 @@ class PhaseClock:
     """Time at which the first cycle begins; all feet stand before it [s]."""
     end: float = math.inf
     """Time from which on no foot lifts any more [s]."""
+    edges: tuple[float, ...] = (0.0, 1.0)
+    """When one group of standing feet takes over from another, as fractions of the period."""
 
     @classmethod
     def of(cls, gait: Gait, start: float = 0.0) -> PhaseClock:
@@ -44,7 +47,36 @@ class PhaseClock:
             tuple(swing.liftoff / period for swing in swings),
             tuple((swing.touchdown - swing.liftoff) / period for swing in swings),
             start,
+            edges=tuple(edge / period for edge in gait.support_edges),
         )
+
+    def pendulum_factor(self, time: float, rate: float) -> float:
+        """
+        Return how fast a body moves at a time, over its mean speed.
+
+        Over each pair of standing feet it is an inverted pendulum, x'' = rate^2 x: slower above
+        them, faster between two supports. At an even pace it would rock from one to the other.
+
+        Parameters
+        ----------
+        time : float
+            [s]
+        rate : float
+            Rate of the pendulum, sqrt(g / h) [1/s].
+
+        Returns
+        -------
+        float
+            1 while all feet stand.
+        """
+        cycles = (time - self.start) / self.period
+        if cycles <= 0.0 or time >= self.end:
+            return 1.0
+        phase = cycles % 1.0
+        begin, end = next(edge for edge in pairwise(self.edges) if phase < edge[1])
+        half = rate * (end - begin) * self.period / 2.0
+        since = rate * (phase - (begin + end) / 2.0) * self.period
+        return half / math.sinh(half) * math.cosh(since)
 
     def swing_phases(self, time: float) -> list[tuple[float | None, float]]:
         """
@@ -75,6 +107,11 @@ class PhaseClock:
     def stance_times(self) -> tuple[float, ...]:
         """Durations of the feet's stances [s]."""
         return tuple((1.0 - swing) * self.period for swing in self.swing_fractions)
+
+    @property
+    def swing_times(self) -> tuple[float, ...]:
+        """Durations of the feet's swings [s]."""
+        return tuple(swing * self.period for swing in self.swing_fractions)
 
     @property
     def longest_swing(self) -> float:

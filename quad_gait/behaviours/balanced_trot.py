@@ -33,6 +33,9 @@ _CALM_TILT = math.radians(3.0)
 _PATIENCE = 3.0
 """Time after which a robot that is to stand stops trotting, calm or not [s]."""
 
+_LONGEST_OVERRUN = 0.25
+"""Time that the next step makes up for, at most, as a fraction of its own."""
+
 
 class BalancedTrot(Walk):
     """Follows steps as they come, cycle after cycle, until nothing is wanted and it is calm."""
@@ -165,10 +168,14 @@ class BalancedTrot(Walk):
             step = None
         if step is not None and guidance.gait_pair.of(step).gait.is_static:
             step = None
-        return self._take_step(state, step, entry)
+        # Measurements come between the ends of steps: what the last one overran, the next makes up.
+        overrun = state.time - course.start - course.period if is_over else 0.0
+        return self._take_step(state, step, entry, overrun)
 
-    def _take_step(self, state: RobotState, step: Step | None, entry: Twist2D) -> Course:
-        """Follow a step from now on, or none."""
+    def _take_step(
+        self, state: RobotState, step: Step | None, entry: Twist2D, overrun: float = 0.0
+    ) -> Course:
+        """Follow a step from now on, or none; the one before has overrun its time [s]."""
         guidance = self._guidance
         period = guidance.gaits.period_of(step, guidance.steering.twist is not None)
         self._steered = guidance.steering.twist
@@ -183,6 +190,7 @@ class BalancedTrot(Walk):
             motion, after = step.motion, step.exit
             guidance.note_begun(state, step, PlannedMotion(motion, state.pose @ motion.end))
             self._report.say(Activity.BALANCING, self._report.reason)
+        period -= min(overrun, _LONGEST_OVERRUN * period)
         self._course = Course(state.time, period, state.motion_pose, entry, motion, after)
         return self._course
 

@@ -15,6 +15,7 @@ from quad_common.robot.robot_build import GaitSettings
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.foot_laws import GRAVITY
+from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
@@ -34,6 +35,8 @@ _SLOWEST = 1e-4
 """Velocity of a trot in place, which the planned gait takes for a walk [m/s]."""
 
 _SLIPPERY, _PAYLOAD, _DELAY = 0.4, 0.2, 0.02
+
+_TROTTING = (Activity.BALANCING, Activity.WALKING, Activity.TURNING)
 
 
 @dataclass(frozen=True)
@@ -128,6 +131,11 @@ class BalanceWalk:
     def push(self, force: Array) -> None:
         """Push against the body from now on with a force, (3,) [N], and the payload's."""
         self.loop.simulation.push(force + self._weight)
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether it has fallen, or stands though it is to trot."""
+        return self.loop.record.has_fallen or self.loop.controller.activity not in _TROTTING
 
     @property
     def tilts(self) -> Array:

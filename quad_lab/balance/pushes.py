@@ -48,7 +48,7 @@ class Survival:
     gained: tuple[float, ...]
     """Velocity that the body had gained at the end of each, over sqrt(g h)."""
     has_fallen: bool
-    """Whether it fell before any push."""
+    """Whether it fell, or stopped, before any push."""
 
     def survived_by(self, fraction: float) -> float:
         """Return the impulse that a fraction of the pushes survive."""
@@ -77,23 +77,28 @@ def survival(case: BalanceCase, directions: int, phases: int, seed: int = 0) -> 
     walk = BalanceWalk(case, seed)
     found: list[tuple[float, float]] = []
     try:
-        if not walk.loop.record.has_fallen:
+        is_lost = walk.is_lost
+        if not is_lost:
             for _ in range(phases):
                 walk.loop.run(walk.period / phases)
                 angles = [2.0 * math.pi * k / directions for k in range(directions)]
                 found += [_hardest(walk, angle) for angle in angles]
         impulses, gained = zip(*found) if found else ((), ())
-        return Survival(case, impulses, gained, walk.loop.record.has_fallen)
+        return Survival(case, impulses, gained, is_lost)
     finally:
         walk.close()
 
 
 def survivors(case: BalanceCase, impulse: float, directions: int, phases: int) -> float:
-    """Return the fraction of pushes with an impulse, over m sqrt(g h), that are survived."""
+    """
+    Return the fraction of pushes with an impulse, over m sqrt(g h), that are survived.
+
+    None, of a robot that does not trot: one that stands is not what is measured.
+    """
     walk = BalanceWalk(case)
     count = 0
     try:
-        if walk.loop.record.has_fallen:
+        if walk.is_lost:
             return 0.0
         for _ in range(phases):
             walk.loop.run(walk.period / phases)

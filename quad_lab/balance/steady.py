@@ -42,7 +42,7 @@ class SteadyTrot:
     longest_update: float
     """The same, 99 of 100 [s]."""
     has_fallen: bool
-    """Whether it fell."""
+    """Whether it fell, or stopped."""
 
     @property
     def error(self) -> float:
@@ -92,7 +92,7 @@ def steady_trot(case: BalanceCase, duration: float, seed: int = 0) -> SteadyTrot
             float(np.sqrt(np.mean(np.square(loop.record.tilts[first:])))),
             float(np.median(times)),
             float(np.percentile(times, 99.0)),
-            loop.record.has_fallen,
+            walk.is_lost,
         )
     finally:
         walk.close()

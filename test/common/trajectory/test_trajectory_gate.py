@@ -167,3 +167,10 @@ def test_what_goes_on_with_a_late_trajectory_lets_the_difference_fade_out_as_it_
     before = executor.command(10.55)[0]
     assert executor.accept(late, 10.55)
     assert executor.command(10.55)[0] == pytest.approx(before)
+
+
+def test_a_trajectory_that_starts_a_rounding_error_later_is_not_taken_to_leap():
+    now = 0.24
+    later = float(np.nextafter(now, 1.0))
+    off = MIDDLE + 1e-12
+    check_command(LIMITS, trajectory(MIDDLE, stamp=later), now, off, 0.5 * LIMITS.velocity)

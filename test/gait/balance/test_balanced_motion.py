@@ -14,6 +14,7 @@ from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading, leg_velocity
 from quad_gait.balance.course import Course
 from quad_gait.balance.foot_laws import Pace
+from quad_gait.balance.foot_plan import Demand, FootPlanner, rolling_factors, swing_use
 from quad_gait.balance.joint_motion import monotone_speeds, smooth_speeds
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.body_motion import BodyMotion
@@ -111,6 +112,38 @@ def test_each_foot_stands_for_its_part_of_a_cycle():
     )
 
 
+def test_a_body_moves_over_two_feet_as_a_pendulum_and_as_far_as_at_its_mean_speed():
+    clock, rate = PhaseClock.of(GAIT, 0.0), 9.0
+    times = np.linspace(0.0, GAIT.cycle_period / 2.0, 2001)[1:-1]
+    speeds = np.array([clock.pendulum_factor(t, rate) for t in times])
+    assert np.mean(speeds) == pytest.approx(1.0, abs=1e-3)
+    # From mid-stance on x'' = rate^2 x, so v'' = rate^2 v too.
+    dt = times[1] - times[0]
+    assert np.diff(speeds, 2) / dt**2 == pytest.approx(rate**2 * speeds[1:-1], rel=1e-3)
+    assert clock.pendulum_factor(-1.0, rate) == 1.0
+
+
+@pytest.mark.parametrize('knot_time', [0.017, 0.013])
+def test_feet_stand_as_far_ahead_of_their_place_as_behind_it_whatever_the_knots(knot_time):
+    planner = FootPlanner(ROBOT, GAIT, BalanceOptions())
+    clock, pace = PhaseClock.of(GAIT, 0.0), Pace(0.15, 0.0, 0.0)
+    plan, demand = planner.at_rest(ROBOT.neutral_feet), Demand(pace, pace)
+    stood = []
+    for k in range(round(40 * GAIT.cycle_period / knot_time)):
+        plan = planner.advance(plan, clock, (k * knot_time, (k + 1) * knot_time), demand)
+        if k * knot_time > 5 * GAIT.cycle_period:
+            stood += [
+                foot.x - neutral[0]
+                for foot, neutral in zip(plan.feet, ROBOT.neutral_feet)
+                if not foot.swings
+            ]
+    # Half a knot's time off, as it would be with feet that lift and land at knots, is 1.5 mm.
+    assert np.mean(stood) == pytest.approx(0.0, abs=1e-3)
+    half = 0.15 * clock.stance_times[0] / 2.0
+    assert max(stood) == pytest.approx(half, rel=0.2)
+    assert min(stood) == pytest.approx(-half, rel=0.2)
+
+
 def test_parabolas_are_differentiated_exactly_whatever_the_spacing():
     times = np.cumsum(RNG.uniform(0.01, 0.05, 12))
     a, b = RNG.normal(size=(2, 4, 3))
@@ -181,6 +214,19 @@ def test_feet_that_roll_on_the_ground_tell_the_velocity():
     velocity, rates = np.array([0.3, -0.1, 0.0]), np.array([0.2, -0.3, 0.5])
     now = reading(1.0, rolling(velocity, rates), rates)
     assert leg_velocity(ROBOT, now, np.eye(3), np.ones(4)) == pytest.approx([0.3, -0.1])
+
+
+def test_feet_that_follow_the_rolling_factors_move_the_body_as_it_is_to_move():
+    velocity = np.array([0.3, -0.1])
+    moves = np.array([[*(np.array(factor) @ -velocity), 0.0] for factor in rolling_factors(ROBOT)])
+    speeds = np.linalg.solve(ROBOT.foot_jacobians(POSTURE), moves[..., None])[..., 0]
+    found = leg_velocity(ROBOT, reading(1.0, speeds), np.eye(3), np.ones(4))
+    assert found == pytest.approx(velocity)
+
+
+def test_joints_need_twice_as_much_of_their_speed_for_a_swing_in_half_the_time():
+    faster = GAIT.with_period(GAIT.cycle_period / 2.0)
+    assert swing_use(ROBOT, faster) == pytest.approx(2.0 * swing_use(ROBOT, GAIT))
 
 
 def test_an_estimate_comes_to_what_feet_and_accelerometer_agree_on():

@@ -15,7 +15,7 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.balance.balance_case import BalanceCase, BalanceWalk
 from quad_lab.balance.pushes import apart, survivors
-from quad_lab.balance.steady import silences
+from quad_lab.balance.steady import silences, steady_trot
 from quad_lab.closed_loop.balance_loop import NOISY, BalanceLoop
 from quad_lab.closed_loop.controllers import controller_for
 from quad_sim.engines.registry import preferred
@@ -60,6 +60,23 @@ def test_a_trial_leaves_everything_as_it_was():
         assert walk.loop.simulation.observe().pose == pose
     finally:
         walk.close()
+
+
+def test_a_robot_that_stands_counts_as_lost_where_it_is_to_trot():
+    walk = BalanceWalk(BalanceCase('cuhk', speed=0.5))
+    try:
+        assert not walk.is_lost
+        walk.loop.controller.stop()
+        walk.loop.run(3.0)
+        assert walk.is_lost
+    finally:
+        walk.close()
+
+
+def test_a_trot_is_as_fast_as_it_is_steered():
+    trot = steady_trot(BalanceCase('cuhk', speed=0.5), 6.0)
+    assert abs(trot.error) < 0.04
+    assert math.degrees(trot.tilt_rms) < 1.5
 
 
 def test_without_its_imu_it_walks_by_plans_and_says_so(loop):
