@@ -237,7 +237,9 @@ class GaitServices:
         self._node = node
         self._supervisor = supervisor
         self._topics = topics
+        self._decides_stop = False
         node.create_service(SetBool, 'emergency_stop', self._on_emergency_stop)
+        node.create_subscription(Bool, 'emergency_stop/held', self._on_held_joints, _LATCHED)
         node.create_service(Trigger, 'stand', partial(self._on_request, supervisor.stand))
         node.create_service(Trigger, 'sit', partial(self._on_request, supervisor.sit))
         node.create_service(Trigger, 'stop', partial(self._on_request, supervisor.stop))
@@ -259,11 +261,26 @@ class GaitServices:
         """Freeze the robot at once, or release it."""
         response.success = True
         if request.data:
-            self._topics.publish_trajectory(self._supervisor.freeze())
+            self._freeze()
             response.message = 'all joints hold until the emergency stop is released'
         else:
             response.message = self._supervisor.release()
-        self._topics.publish_emergency_stop(request.data)
+            self._tell(False)
+        return response
+
+    def _on_held_joints(self, message: Bool) -> None:
+        """Take over a stop that a gait node before this one was asked for."""
+        # What is said of its own stops comes late: it may be released by now.
+        if message.data and not self._decides_stop:
+            self._freeze()
+
+    def _freeze(self) -> None:
+        self._topics.publish_trajectory(self._supervisor.freeze())
+        self._tell(True)
+
+    def _tell(self, is_on: bool) -> None:
+        """Say whether the emergency stop is on: from now on it is this node that knows."""
+        self._decides_stop = True
+        self._topics.publish_emergency_stop(is_on)
         self._topics.publish_followed()
         self._node.update_status()
-        return response

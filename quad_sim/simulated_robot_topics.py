@@ -129,6 +129,7 @@ class RobotTopics:
         place.create_subscription(
             JointTrajectory, 'joint_trajectory', self._on_trajectory, 10, most_bytes=longest
         )
+        self._held = place.create_publisher(Bool, 'emergency_stop/held', _LATCHED)
         place.create_subscription(Bool, 'emergency_stop/active', self._on_emergency_stop, _LATCHED)
         if node.parameters.real_time_factor == 0.0:
             place.create_subscription(Header, 'gait/heartbeat', self._on_gait_heartbeat, 10)
@@ -196,7 +197,10 @@ class RobotTopics:
         self._robot.simulation.accept(trajectory_from_message(message, longest))
 
     def _on_emergency_stop(self, message: Bool) -> None:
-        self._robot.simulation.freeze(message.data)
+        simulation = self._robot.simulation
+        if simulation.is_frozen != message.data:
+            simulation.freeze(message.data)
+            self._held.publish(Bool(data=message.data))
         self._node.update_status()
 
     def _on_gait_heartbeat(self, message: Header) -> None:

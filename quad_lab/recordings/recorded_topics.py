@@ -89,6 +89,7 @@ RECORDED = (
     RecordedTopic('footholds', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
     RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE, is_frequent=True),
     RecordedTopic('emergency_stop/active', 'std_msgs/msg/Bool', Delivery.LATCHED, 1),
+    RecordedTopic('emergency_stop/held', 'std_msgs/msg/Bool', Delivery.LATCHED, 1),
     RecordedTopic('diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', Delivery.RELIABLE),
     TRUTH,
     RecordedTopic('odom/legs', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5, is_on_demand=True),

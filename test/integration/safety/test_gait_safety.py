@@ -55,6 +55,27 @@ def test_an_emergency_stop_freezes_the_robot_until_it_is_released(composed_bench
     assert bench.statuses['sim_node'].values['has_fallen'] == 'False'
 
 
+def test_an_emergency_stop_outlives_the_gait_node_that_was_asked_for_it(bench: Bench):
+    bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
+    bench.start('gait_node')
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    assert bench.call('emergency_stop', SetBool, SetBool.Request(data=True)).success
+    bench.wait_for_status('sim_node', 'the emergency stop is on', level=WARN)
+    bench.kill('gait_node')
+
+    bench.start('gait_node')
+    bench.wait_for_status('gait_node', 'all joints hold until it is released', level=ERROR)
+    assert not bench.call('stand').success
+    # Its own stops are its own to release, whatever was said of them before.
+    assert bench.call('emergency_stop', SetBool, SetBool.Request(data=False)).success
+    bench.wait_for_status('gait_node', 'it waits for stand', level=ERROR)
+    assert bench.call('stand').success
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    bench.wait_until(
+        'trajectories are executed', lambda: 'stop is on' not in bench.statuses['sim_node'].message
+    )
+
+
 def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(bench: Bench):
     bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
     bench.start('gait_node', planner_timeout=1.0)
