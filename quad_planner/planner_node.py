@@ -46,6 +46,9 @@ from quad_planner.traffic_topics import TrafficTopics
 _HEARTBEAT = 0.5
 """Time between two heartbeats on the wall clock [s]."""
 
+_LONGEST_ANSWER = 1.5
+"""Time for which the node searches a plan that somebody asked for, and does nothing else [s]."""
+
 
 class PlannerNode(QuadNode[PlannerParameters]):
     """Plans when a goal comes, when a map changes, and when the robot leaves its path."""
@@ -119,7 +122,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         """Answer with a plan, or with an empty path and the reason on diagnostics."""
         plan = None
         try:
-            plan = self._session.map.plan_between(*ends_from_request(request))
+            ends = ends_from_request(request)
+            plan = self._session.map.plan_between(*ends, _LONGEST_ANSWER)
         except QuadError as error:
             self.report_error(error)
         stamp = self.get_clock().now().to_msg()

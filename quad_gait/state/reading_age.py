@@ -51,8 +51,8 @@ class ReadingAge:
         self._is_new = True
         self._missed = 0
 
-    def advance(self, time: float) -> None:
-        """Note that odometry of a time [s] has come."""
+    def advance(self, time: float) -> bool:
+        """Note that odometry of a time [s] has come; return whether there is a reading of now."""
         self._now = time
         if self._is_new:
             # A stamp of the future says nothing of when they fall silent.
@@ -62,6 +62,7 @@ class ReadingAge:
         age = 0.0 if self._stamp is None else time - self._stamp
         self._old = self._old + 1 if age > self._timeout else 0
         self.problem = self._problem(time, age)
+        return self.is_recent(time)
 
     def is_recent(self, time: float) -> bool:
         """Return whether there is a reading that tells of now [s]."""

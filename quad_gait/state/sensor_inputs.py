@@ -207,9 +207,9 @@ class SensorInputs:
         was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._was_moved = False
         self._joints_age.advance(time)
-        self._imu_age.advance(time)
+        is_imu_recent = self._imu_age.advance(time)
         self.imu_problem = self._problem_of_imu()
-        joints, imu = self._joints, self.imu_at(time)[0]
+        joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(
             time=time,
             pose=pose,

@@ -4,8 +4,10 @@ What every planning method can be told, and what follows from it for a map and a
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -18,6 +20,19 @@ from quad_planner.grid.inflated_map import InflatedMap
 
 def _never() -> bool:
     return False
+
+
+_LONGEST: ContextVar[float] = ContextVar('longest', default=math.inf)
+
+
+@contextlib.contextmanager
+def within(longest: float) -> Iterator[None]:
+    """Let no search that this thread begins meanwhile take longer than so long [s]."""
+    token = _LONGEST.set(longest)
+    try:
+        yield
+    finally:
+        _LONGEST.reset(token)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,13 +102,13 @@ class PlannerOptions:
             To be called again and again. It raises PlannerTimedOut when the time is over,
             and PlanSuperseded when the plan is no longer wanted.
         """
-        clock, limit = self.clock, self.time_limit
+        clock, limit = self.clock, min(self.time_limit or math.inf, _LONGEST.get())
         began = 0.0 if clock is None else clock()
 
         def check() -> None:
             if self.is_superseded():
                 raise PlanSuperseded
-            if clock is not None and limit is not None and clock() - began > limit:
+            if clock is not None and clock() - began > limit:
                 raise PlannerTimedOut(limit)
 
         return check

@@ -10,6 +10,7 @@ from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.methods.planner import METHODS, make_planner
+from quad_planner.methods.planner_options import within
 
 CRAWL = WalkingTimeModel(cycle_period=5.0, stride=0.226, turn=math.radians(44.2))
 
@@ -39,6 +40,15 @@ def test_a_search_ends_at_its_limit(method):
     ticks = iter(range(10**6))
     with pytest.raises(PlannerTimedOut, match=r'limit of 0\.50 s'):
         attempt(method, False, time_limit=0.5, clock=lambda: float(next(ticks)))
+
+
+@pytest.mark.parametrize('method', sorted(METHODS))
+def test_who_asks_may_wait_for_less_time_than_the_limit(method):
+    ticks = iter(range(10**6))
+    options = {'time_limit': 1e9, 'clock': lambda: float(next(ticks))}
+    with within(0.5), pytest.raises(PlannerTimedOut, match=r'limit of 0\.50 s'):
+        attempt(method, False, **options)
+    assert attempt(method, False, **options).length > 15.0
 
 
 @pytest.mark.parametrize('method', sorted(METHODS))
