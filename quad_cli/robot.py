@@ -8,7 +8,6 @@ import argparse
 import json
 import math
 import re
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -251,8 +250,7 @@ def _import(arguments: argparse.Namespace) -> int:
     if wanted is not None:
         print(
             f'too slow to trot: knees of {float(robot.velocity.min()):g} rad/s; if the motors are '
-            f'faster than the file says: quadwalk robot import {shlex.quote(arguments.file)} '
-            f'--speed {_rounded_up(wanted):g}'
+            f'faster than that, import it again with --speed {_rounded_up(wanted):g}'
         )
     print(f'next: quadwalk demo --robot {data_file}')
     return 0

@@ -97,7 +97,8 @@ class GaitTopics:
 
     def _trajectory_problem(self) -> str:
         """Say that somebody else commands the same joints; empty if nobody does."""
-        publishers = self._node.count_publishers('joint_trajectory')
+        # By this name as it is remapped, for a joint controller; `count_publishers` takes it as it is.
+        publishers = len(self._node.get_publishers_info_by_topic('joint_trajectory'))
         if publishers < 2:
             return ''
         return (

@@ -4,6 +4,7 @@ Errors of maps and height maps, their files and images.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from os import PathLike
 
@@ -181,7 +182,10 @@ class CellsTooSmall(MapError):
 
     def sentence(self) -> str:
         """Say what to do about it."""
-        least = self.resolution * self.count / self.most
+        # One more than reach goes over, whatever the cells: rounded up to two digits.
+        least = self.resolution * (self.count - 1) / (self.most - 1)
+        digit = 10.0 ** (math.floor(math.log10(least)) - 1)
+        least = math.ceil(least / digit) * digit
         return (
             f"the map's cells of {self.resolution:g} m are too small for footprint 'outline': the "
             f'robot and its distance to obstacles reach over {self.count} of them, and {self.most} '

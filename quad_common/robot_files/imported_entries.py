@@ -40,6 +40,9 @@ Array = NDArray[np.float64]
 NAMES_OF_IMPORTED = ('urdf', 'names')
 """Keys of such a file that hold no number."""
 
+_ROUNDED = 1e-8
+"""Moment of inertia by which numbers in a file may be off [kg m^2]."""
+
 _LONGEST_NAME = 200
 """Characters of the name of a joint or a link."""
 
@@ -187,6 +190,9 @@ def _inertias(number: RobotNumbers, leg: str) -> Array:
     rows, columns = np.triu_indices(3)
     inertias = np.empty((JOINTS_PER_LEG, 3, 3))
     inertias[:, rows, columns] = inertias[:, columns, rows] = given
+    # Rounded, of a part without any size: not below zero by more than that.
+    if float(np.linalg.eigvalsh(inertias).min()) < -_ROUNDED:
+        raise number.invalid(f'legs.{leg}.inertias', given.ravel(), 'moments of inertia above 0')
     return inertias
 
 

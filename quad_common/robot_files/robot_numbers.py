@@ -151,7 +151,7 @@ class RobotNumbers:
         """
         values = self._value(name)
         if not isinstance(values, list) or len(values) != length:
-            raise self._invalid(name, values, f'a list of {length} numbers')
+            raise self.invalid(name, values, f'a list of {length} numbers')
         quantity = quantity_of(name)
         return np.array([quantity.check(f'{name}[{k}]', v) for k, v in enumerate(values)])
 
@@ -175,7 +175,7 @@ class RobotNumbers:
                 self._empty.add(section)
                 return ()
         if not isinstance(node, Mapping):
-            raise self._invalid(section, node, 'a mapping')
+            raise self.invalid(section, node, 'a mapping')
         return tuple(str(key) for key in node)
 
     def check_all_used(self, but: tuple[str, ...]) -> None:
@@ -200,7 +200,7 @@ class RobotNumbers:
         """Look up +1 or -1; +1 if it is left out."""
         value = self._value(name) if self.has(name) else 1.0
         if isinstance(value, bool) or value not in (1, -1):
-            raise self._invalid(name, value, '1 or -1')
+            raise self.invalid(name, value, '1 or -1')
         return float(value)
 
     def signs(self, name: str) -> tuple[float, float, float]:
@@ -211,7 +211,7 @@ class RobotNumbers:
             or len(value) != JOINTS_PER_LEG
             or any(isinstance(sign, bool) or sign not in (1, -1) for sign in value)
         ):
-            raise self._invalid(name, value, 'three numbers, each 1 or -1')
+            raise self.invalid(name, value, 'three numbers, each 1 or -1')
         first, pitch, knee = (float(sign) for sign in value)
         return first, pitch, knee
 
@@ -221,10 +221,11 @@ class RobotNumbers:
             return False
         value = self._value(name)
         if not isinstance(value, bool):
-            raise self._invalid(name, value, 'true or false')
+            raise self.invalid(name, value, 'true or false')
         return value
 
-    def _invalid(self, name: str, value: object, valid: str) -> RobotValueInvalid:
+    def invalid(self, name: str, value: object, valid: str) -> RobotValueInvalid:
+        """Return the error of a value of a dotted name, and what would be valid."""
         return RobotValueInvalid(name, value, valid, f'{self._path}: ')
 
     def _value(self, name: str) -> Any:

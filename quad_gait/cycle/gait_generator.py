@@ -54,6 +54,9 @@ _LITTLE = 0.02
 
 _NO_REACTION = np.zeros(2)
 
+_MOST_GAITS = 64
+"""Number of gaits of a robot of which it is kept: who tunes them makes many."""
+
 _REACTIONS: WeakKeyDictionary[ExactMasses, dict[Gait, Array]] = WeakKeyDictionary()
 """What was found of the gaits of robots, by their masses, for as long as there are these."""
 
@@ -236,6 +239,8 @@ def leg_reaction(robot: Robot, gait: Gait) -> Array:
         return _NO_REACTION
     known = _REACTIONS.setdefault(masses, {})
     if gait not in known:
+        if len(known) >= _MOST_GAITS:
+            known.clear()
         known[gait] = _found_reaction(robot, masses, gait)
     return known[gait]
 

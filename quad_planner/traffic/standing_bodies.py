@@ -34,6 +34,11 @@ class StandingBodies:
         """Return whether paths lead around a robot."""
         return name in self._discs
 
+    def holds(self, robot: RobotOnMap) -> bool:
+        """Return whether paths lead around a robot where it is."""
+        disc = self._discs.get(robot.name)
+        return disc is not None and _is_there(disc, robot)
+
     @property
     def discs(self) -> tuple[Disc, ...]:
         """The bodies, in the order of the robots' names."""
@@ -68,9 +73,14 @@ class StandingBodies:
         self._discs = {}
 
 
+def _is_there(disc: Disc, robot: RobotOnMap) -> bool:
+    """Return whether a robot is where it was drawn."""
+    return math.hypot(disc[0] - robot.pose.x, disc[1] - robot.pose.y) <= _MOVED
+
+
 def _disc(known: Disc | None, robot: RobotOnMap, pose: Pose2D, needed: float) -> Disc:
     x, y = robot.pose.x, robot.pose.y
-    if known is not None and math.hypot(known[0] - x, known[1] - y) <= _MOVED:
+    if known is not None and _is_there(known, robot):
         x, y = known[:2]
     else:
         known = None

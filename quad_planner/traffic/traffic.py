@@ -20,12 +20,13 @@ from quad_common.errors import (
     RobotsInTheWay,
 )
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, distance_to_polyline, wrap_angle
+from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_planner.grid.array_types import Points
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
 from quad_planner.session.session_ports import Requests
 from quad_planner.traffic.blockers import Blockers
+from quad_planner.traffic.detour_progress import DetourProgress
 from quad_planner.traffic.other_robots import OtherRobots
 from quad_planner.traffic.right_of_way import Distances, Duty, duty_towards, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap, precedes
@@ -47,17 +48,10 @@ _BLOCKED = 20.0
 _TRIES = 3
 """Looks without a place to give way at, after which a robot goes first."""
 
-_STRAYED = 0.2
-"""Distance from the path to its place from which on a robot that gives way plans again [m]."""
 
 _RETRY = 2.0
 """Time for which a robot that gives way stands before a body on its way [s]."""
 
-_STUCK = 4.0
-"""Time without a movement after which it does so, too [s]."""
-
-_STEP, _TURN = 0.02, 0.05
-"""Least movement [m, rad]."""
 
 _UNSEEN, _SLOWEST = 1.0, 0.1
 """Speed of another robot, and of this one, as long as they were not seen to walk [m/s]."""
@@ -106,7 +100,7 @@ class Traffic:
         self._routed_on: object = None
         self._goal: Pose2D | None = None
         self._refuge: Pose2D | None = None
-        self._moved = (-math.inf, Pose2D(0.0, 0.0, 0.0))
+        self._progress = DetourProgress()
         self._blocked_since = math.inf
         self._lost = 0
         self._stopped_at = -math.inf
@@ -224,6 +218,8 @@ class Traffic:
             is_settled = self._others.has_settled(name, time)
             is_in_way = time - self._blocked_since > _BLOCKED and self._stops(own, other)
             is_in_way = is_in_way or name in self._in_way
+            # A path around it does not run into it: that is no reason to forget it.
+            is_in_way = is_in_way or (self._has_route and self._bodies.holds(other))
             at_goal = self._goal.distance_to(other.pose) < clearance + other.radius
             if (is_settled or is_in_way) and not at_goal:
                 bodies.append(other)
@@ -309,7 +305,10 @@ class Traffic:
         return duty_towards(own, other, self._room, waits, max(1.5, 1.5 * faster))
 
     def _stops(self, own: RobotOnMap, other: RobotOnMap) -> bool:
-        return is_body_ahead(own, other, self._room, other.name in self._bodies)
+        """Return whether a body is on the robot's path: one that leads around it keeps off it."""
+        if other.name in self._bodies and self._routed_on is self._session.map.planner.prepared:
+            return False
+        return is_body_ahead(own, other, self._room)
 
     def _leave(self, time: float, own: RobotOnMap, before: list[RobotOnMap], names: str) -> None:
         """Go to the nearest place off the others' paths; or stop, if a body is in the way."""
@@ -325,8 +324,12 @@ class Traffic:
             way = RobotOnMap(
                 own.name, own.pose, own.radius, remaining_plan(session.plan, own.pose).corners
             )
-            is_on_way = not self._strays(time, own.pose, session.plan)
-            in_way = {other.name for other in self.others.values() if self._stops(way, other)}
+            is_on_way = not self._progress.has_strayed(time, own.pose, session.plan)
+            in_way = {
+                other.name
+                for other in self.others.values()
+                if is_body_ahead(way, other, self._room, other.name in self._bodies)
+            }
             if in_way:
                 # It lets them pass; if they are still there then, it goes around them.
                 self._stopped_at, self._in_way = time, in_way
@@ -349,17 +352,8 @@ class Traffic:
         self._lost = 0
         if refuge is None or place.distance_to(refuge) > _MOVED or session.plan is None:
             self._refuge = place
-            self._moved = time, own.pose
+            self._progress.begin(time, own.pose)
             session.detour(place, reason)
-
-    def _strays(self, time: float, pose: Pose2D, plan: Plan) -> bool:
-        """Return whether the robot is not on its way: beside it, or without a movement."""
-        since, last = self._moved
-        turned = abs(wrap_angle(pose.yaw - last.yaw))
-        if pose.distance_to(last) > _STEP or turned > _TURN:
-            self._moved = time, pose
-        is_stuck = time - since > _STUCK
-        return is_stuck or distance_to_polyline((pose.x, pose.y), plan.corners) > _STRAYED
 
     def _note_route_again(self, own: RobotOnMap) -> None:
         """Wait at the place that was gone to, and plan from there."""

@@ -87,10 +87,11 @@ def test_cells_too_small_for_an_outline_are_refused_at_once():
         CellsTooSmall, match=r"cells of 0\.0001 m are too small .* footprint 'circle'"
     ):
         kernels_of(TAIL, 0.1, 1e-4)
-    with pytest.raises(CellsTooSmall) as refused:
-        kernels_of(TAIL, 0.1, reach / 150.0)
-    least = float(re.search(r'Use cells of (\S+) m', str(refused.value))[1])
-    assert kernels_of(TAIL, 0.1, 1.05 * least).rows <= refused.value.most
+    for cells in (128.4, 131.0, 150.0, 977.0):
+        with pytest.raises(CellsTooSmall) as refused:
+            kernels_of(TAIL, 0.1, reach / cells)
+        least = float(re.search(r'Use cells of (\S+) m', str(refused.value))[1])
+        assert kernels_of(TAIL, 0.1, least).rows <= refused.value.most
 
 
 def test_classes_go_round():

@@ -43,9 +43,10 @@ class Output:
 class Scene:
     """A robot on a floor of 8 x 4 m that walks from (1, 2) to (7, 2), named b."""
 
-    def __init__(self, cells=None, requests=None):
+    def __init__(self, cells=None, requests=None, **parameters):
         self.output = Output()
-        parameters = PlannerParameters(robot='a1', method='shortest', any_angle=True)
+        parameters = {'method': 'shortest', 'any_angle': True, **parameters}
+        parameters = PlannerParameters(robot='a1', **parameters)
         self.session = session_from_parameters(
             parameters, load_robot('a1'), MapFrame('map'), ImmediateRequest(), self.output
         )
