@@ -313,7 +313,8 @@ def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float
         for axis in range(2):
             moves = np.zeros((len(joints), 3))
             moves[leg, axis] = 1.0
-            speeds = np.linalg.solve(jacobians, moves[..., None])[..., 0]
+            solved = np.linalg.solve(jacobians, moves[..., None])
+            speeds = np.asarray(solved[..., 0], dtype=np.float64)
             calf = robot.calf_angular_velocities(joints, speeds)[leg]
             columns.append([robot.foot_radius * calf[1], -robot.foot_radius * calf[0]])
         (a, b), (c, d) = np.linalg.inv(np.eye(2) - np.array(columns).T).tolist()
