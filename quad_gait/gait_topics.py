@@ -97,7 +97,7 @@ class GaitTopics:
 
     def _trajectory_problem(self) -> str:
         """Say that somebody else commands the same joints; empty if nobody does."""
-        # By this name as it is remapped, for a joint controller; `count_publishers` takes it as it is.
+        # With the name as it is remapped, for a joint controller; `count_publishers` does not.
         publishers = len(self._node.get_publishers_info_by_topic('joint_trajectory'))
         if publishers < 2:
             return ''

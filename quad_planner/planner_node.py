@@ -41,6 +41,7 @@ from quad_planner.planner_topics import GaitTopics, PlannerTopics
 from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
+from quad_planner.session.single_plan import plan_between
 from quad_planner.traffic_topics import TrafficTopics
 
 _HEARTBEAT = 0.5
@@ -123,7 +124,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         plan = None
         try:
             ends = ends_from_request(request)
-            plan = self._session.map.plan_between(*ends, _LONGEST_ANSWER)
+            plan = plan_between(self._session.map, *ends, _LONGEST_ANSWER)
         except QuadError as error:
             self.report_error(error)
         stamp = self.get_clock().now().to_msg()

@@ -132,29 +132,6 @@ class HeightMap:
         """Return a height map of the same cells with other heights [m]."""
         return HeightMap(heights, self.resolution, self.origin)
 
-    def part_within(self, bounds: tuple[float, float, float, float]) -> HeightMap:
-        """
-        Return the part of the map within bounds.
-
-        Parameters
-        ----------
-        bounds : tuple of float
-            x_min, y_min, x_max, y_max [m].
-
-        Returns
-        -------
-        HeightMap
-            Its cells that share some area with the bounds; the whole map if none does.
-        """
-        low, high = self._cells(bounds[:2]), self._cells(bounds[2:])
-        first = np.clip(np.floor(low), 0, (self.columns, self.rows)).astype(int)
-        end = np.clip(np.ceil(high), 0, (self.columns, self.rows)).astype(int)
-        if (end <= first).any():
-            return self
-        x, y = (np.array(self.origin) + first * self.resolution).tolist()
-        part = self.heights[first[1] : end[1], first[0] : end[0]]
-        return HeightMap(part, self.resolution, (x, y))
-
     @property
     def rows(self) -> int:
         """Number of rows."""

@@ -169,7 +169,9 @@ class BalancedTrot(Walk):
         if step is not None and guidance.gait_pair.of(step).gait.is_static:
             step = None
         # Measurements come between the ends of steps: what the last one overran, the next makes up.
-        overrun = state.time - course.start - course.period if is_over else 0.0
+        # While the robot comes to rest there is none that follows at once.
+        is_next = is_over and not math.isfinite(self._stops_since)
+        overrun = state.time - course.start - course.period if is_next else 0.0
         return self._take_step(state, step, entry, overrun)
 
     def _take_step(

@@ -69,9 +69,7 @@ class Guidance:
         report: Report,
         joints: CommandedJoints,
     ) -> None:
-        self._robot = robot
-        self._report = report
-        self._joints = joints
+        self._robot, self._report, self._joints = robot, report, joints
         self._progress = StuckDetector(robot.largest_stride)
         self._is_uneven = options.uneven is not None
         self.ways_out = WaysOut(robot.largest_stride)

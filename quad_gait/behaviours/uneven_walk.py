@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
 from quad_common.maps.height_map import HeightMap
+from quad_common.maps.height_map_parts import are_alike
 from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
@@ -50,6 +51,9 @@ class UnevenWalk(Walk):
     def take(self, wish: Wish) -> None:
         """Take a map of the ground."""
         if isinstance(wish, UseHeightMap):
+            if are_alike(self._height_map, wish.height_map):
+                # Published again and again: what feet have met of it still counts.
+                return
             self._height_map = wish.height_map
             self._guidance.felt.forget_map()
             if self._route is not None:

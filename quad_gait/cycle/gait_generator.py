@@ -113,8 +113,7 @@ def generate_cycle(
     schedule = schedule_of(gait, options.sample_period)
     footholds = footholds_between(robot, gait, motion, ends)
     course = body_course(gait, legs_in_order(gait), schedule, motion, ends, footholds)
-    reaction = leg_reaction(robot, gait)
-    if np.any(reaction):
+    if np.any(reaction := leg_reaction(robot, gait)):
         course = give_way_to_legs(course, schedule, motion, ends, reaction)
     feet = rolled_paths(robot, schedule, footholds, course)
     positions, velocities = _joint_motion(robot, schedule.times, feet, options.track)
@@ -136,9 +135,8 @@ def generate_cycle(
         joint_positions=positions,
         joint_velocities=velocities,
         end_feet=feet.in_body[-1],
-        center_of_mass=center_of_mass,
-        margin=margin,
-    )
+        center_of_mass=center_of_mass, margin=margin,
+    )  # fmt: skip
 
 
 def generate_steady_cycle(

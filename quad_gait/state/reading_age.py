@@ -7,6 +7,8 @@ how the robot is now.
 
 from __future__ import annotations
 
+import math
+
 from quad_gait.state.series_check import LONGEST_GAP
 
 LEAST_MISSED = 4
@@ -39,6 +41,8 @@ class ReadingAge:
         self._stamp: float | None = None
         # When the last reading was measured or, if no odometry is as late as that, came.
         self._since: float | None = None
+        # When odometry came next after it.
+        self._came = -math.inf
         self._is_new = False
         self._missed = self._old = 0
         self.problem = ''
@@ -57,6 +61,7 @@ class ReadingAge:
         if self._is_new:
             # A stamp of the future says nothing of when they fall silent.
             self._since = time if self._since is None else min(self._since, time)
+            self._came = time
             self._is_new = False
         self._missed += 1
         age = 0.0 if self._stamp is None else time - self._stamp
@@ -79,7 +84,8 @@ class ReadingAge:
         if self._since is None:
             return ''
         silence = time - self._since
-        if silence > self._timeout and self._missed >= LEAST_MISSED:
+        is_silent = time - self._came > self._timeout and self._missed >= LEAST_MISSED
+        if silence > self._timeout and is_silent:
             return f'no {self._what} for {silence:.1f} s'
         if self._is_ahead():
             return (

@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.maps.height_map import HeightMap
+from quad_common.maps.height_map_parts import part_within, thinned
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
-from quad_gait.uneven.map_registration import registered
+from quad_gait.uneven.map_registration import MOST_STEPS, registered
 
 Array = NDArray[np.float64]
 
@@ -245,6 +246,7 @@ class FeltGround:
         own = float(heights.height_at(met[:2])) + ground.shift - met[2]
         if math.isnan(own) or (own < tolerance and (own > -tolerance or not is_floor)):
             return 0.0
+        side = max(side, self._scale * _FARTHEST / MOST_STEPS)
         reach = math.ceil(self._scale * _FARTHEST / side)
         steps = np.arange(-reach, reach + 1) * side
         around = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
@@ -272,6 +274,8 @@ class FeltGround:
             or (math.dist(center, at) > self._scale * _MOVED)
         ):
             half = self._scale * _WINDOW
-            self._window = height_map.part_within((*(center - half), *(center + half)))
+            part = part_within(height_map, (*(center - half), *(center + half)))
+            # A map that is off is not known to the millimeter.
+            self._window = thinned(part, self._scale * _FARTHEST / MOST_STEPS)
             self._seen = height_map, center
         return self._window

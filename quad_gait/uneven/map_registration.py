@@ -25,9 +25,15 @@ _FEWEST = 6
 _FIRM = 0.6
 """A shift must make the misfit smaller than this fraction of what it is."""
 
+_GAIN = 0.25
+"""And by so much, in tolerances: a pebble under one foot is no reason to move a map."""
 
 _NEAR = 0.25
 """What the farthest shift costs, in tolerances: level ground fits everywhere."""
+
+
+MOST_STEPS = 12
+"""Number of steps to the farthest shift, however fine the cells are."""
 
 
 class Fit(NamedTuple):
@@ -86,7 +92,7 @@ def registered(
     reach : float
         Distance from it up to which others are tried [m].
     tolerance : float
-        Mean difference that is no reason for another shift [m].
+        Mean difference that a map which fits may have at most [m].
 
     Returns
     -------
@@ -95,8 +101,9 @@ def registered(
     """
     if len(felt) < _FEWEST:
         return None
-    count = math.ceil(reach / heights.resolution)
-    steps = np.arange(-count, count + 1) * heights.resolution
+    side = max(heights.resolution, reach / MOST_STEPS)
+    count = math.ceil(reach / side)
+    steps = np.arange(-count, count + 1) * side
     moves = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     away = np.hypot(*moves.T)
     moves, away = moves[away <= reach + 1e-9], away[away <= reach + 1e-9]
@@ -104,6 +111,6 @@ def registered(
     own = float(cost[int(np.argmin(away))])
     # Where several fit alike, the nearest one.
     best = int(np.argmin(cost + _NEAR * tolerance * away / reach))
-    if cost[best] > tolerance or cost[best] > _FIRM * own:
+    if cost[best] > min(tolerance, _FIRM * own, own - _GAIN * tolerance):
         return None
     return Fit(now + moves[best], float(cost[best]))

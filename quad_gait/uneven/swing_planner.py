@@ -108,10 +108,8 @@ class SwingPlanner:
     """
 
     def __init__(self, robot: Robot, options: UnevenOptions, swing_height: float) -> None:
-        self._robot = robot
-        self._options = options
-        self._swing_height = swing_height
-        self._scale = robot.relative_size
+        self._robot, self._scale = robot, robot.relative_size
+        self._options, self._swing_height = options, swing_height
 
     def swing(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array

@@ -96,9 +96,8 @@ class UnevenStride:
         options: UnevenOptions,
         felt: FeltGround | None = None,
     ) -> None:
-        self._robot = robot
+        self._robot, self._options = robot, options
         self._felt = felt or FeltGround(robot)
-        self._options = options
         self._planner = SwingPlanner(robot, options, swing_height)
         self._order = list(goal.order)
         self._place, self._footholds = goal.place, goal.footholds
@@ -188,7 +187,8 @@ class UnevenStride:
             return None
         assert self._swinging is not None
         if self._is_slipping(now, self._swinging):
-            return self._catch(now)
+            with suppress(GaitError):
+                return self._catch(now)
         return self._feel(now, self._swinging)
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
@@ -202,11 +202,11 @@ class UnevenStride:
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
         self._catches += 1
-        self._seeking = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
+        legs = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
+        self._motion = self._planner.search(now, self._commanded, legs, True)
+        self._seeking, self._return_to, self._phase = legs, None, _Phase.SEEKING
         self._sought.clear()
-        self._return_to, self._phase = None, _Phase.SEEKING
         self.limit = f'a foot has slipped, so {LEGS[self.leg]} is put down again'
-        self._motion = self._planner.search(now, self._commanded, self._seeking, True)
         return self._motion.trajectory(self._options.reaction_time)
 
     def _feel(self, now: Stance, swing: PlannedSwing) -> JointTrajectory | None:

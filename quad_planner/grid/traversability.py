@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.maps.height_map import HeightMap
+from quad_common.maps.height_map_parts import are_alike
 from quad_common.maps.occupancy_grid import FREE, OCCUPIED, OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bridged_ground import bridged
@@ -48,12 +49,7 @@ class Ground:
 
     def is_like(self, heights: HeightMap) -> bool:
         """Return whether another height map says the same."""
-        mine = self.heights
-        return (
-            mine.origin == heights.origin
-            and mine.resolution == heights.resolution
-            and np.array_equal(mine.heights, heights.heights, equal_nan=True)
-        )
+        return are_alike(self.heights, heights)
 
     def added_to(
         self,

@@ -10,9 +10,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Generic, TypeVar
 
+from quad_common.errors import PlanSuperseded
+
 Result = TypeVar('Result')
 
 _NAME = 'latest_request'
+
+
+_WORKING_ON = threading.local()
+"""Worker of a thread, and number of its request: one planner serves several workers."""
 
 
 class LatestRequest(Generic[Result]):
@@ -28,7 +34,6 @@ class LatestRequest(Generic[Result]):
     def __init__(self, deliver: Callable[[Callable[[], None]], object]) -> None:
         self._deliver = deliver
         self._pool = ThreadPoolExecutor(1, thread_name_prefix=_NAME)
-        self._working_on = threading.local()
         self._latest = 0
         self._is_busy = False
 
@@ -61,9 +66,9 @@ class LatestRequest(Generic[Result]):
         )
 
     def is_superseded(self) -> bool:
-        """Return, to work that runs in the worker's thread, whether it may stop."""
-        number = getattr(self._working_on, 'number', None)
-        return number is not None and number != self._latest
+        """Return, to work that runs in a worker's thread, whichever it is, whether it may stop."""
+        worker, number = getattr(_WORKING_ON, 'request', (self, self._latest))
+        return bool(number != worker._latest)
 
     def close(self) -> None:
         """Give up what runs and what waits."""
@@ -71,7 +76,9 @@ class LatestRequest(Generic[Result]):
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _work(self, number: int, work: Callable[[], Result]) -> Result:
-        self._working_on.number = number
+        if number != self._latest:
+            raise PlanSuperseded
+        _WORKING_ON.request = self, number
         return work()
 
     def _answer(

@@ -4,7 +4,6 @@ What is planned on: the map that was received, with the ground of the height map
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -22,7 +21,6 @@ from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.keepout_mask import KeepoutMask
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
-from quad_planner.methods.planner_options import within
 from quad_planner.session.map_additions import MapAdditions
 
 _BEYOND = 2.0
@@ -84,31 +82,6 @@ class PlanningMap:
         if placed is None:
             raise WrongFrame(what, frame, self.frame.name)
         return placed
-
-    def plan_between(
-        self, start: tuple[str, Pose2D], goal: tuple[str, Pose2D], longest: float = math.inf
-    ) -> Plan:
-        """
-        Plan once, beside what is planned for the robot.
-
-        Parameters
-        ----------
-        start, goal : tuple of str and Pose2D
-            Each with its frame; without a name it is the map's.
-        longest : float
-            Time that the search may take, if its time limit is not shorter [s].
-
-        Raises
-        ------
-        PlannerError
-            If there is no map or no plan, or nothing relates a frame to the map's.
-        """
-        # Unlike a topic, a request is meant for this planner: its map goes without saying.
-        (start_frame, begin), (goal_frame, end), name = start, goal, self.frame.name
-        begin = self.pose_on_map(start_frame or name, begin, 'start')
-        end = self.pose_on_map(goal_frame or name, end, 'goal')
-        with within(longest):
-            return self.planner.plan(begin, end)
 
     def search_without_bodies(self, start: Pose2D, goal: Pose2D) -> Callable[[], Plan]:
         """

@@ -4,7 +4,6 @@ Which robots leave no path to a goal, where the map alone leaves one.
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Callable, Iterable
 
@@ -37,10 +36,10 @@ class Blockers:
     def __init__(self, planning_map: PlanningMap, requests: Requests) -> None:
         self._map = planning_map
         self._requests = requests
-        self._plan: Plan | None = None
+        self._found: tuple[Plan | None] | None = None
         self._planned: tuple[object, Pose2D, Pose2D] | None = None
 
-    def names(self, start: Pose2D, goal: Pose2D, robots: Iterable[RobotOnMap]) -> list[str]:
+    def names(self, start: Pose2D, goal: Pose2D, robots: Iterable[RobotOnMap]) -> list[str] | None:
         """
         Return the names of robots on the path that there would be without any.
 
@@ -53,11 +52,16 @@ class Blockers:
 
         Returns
         -------
-        list of str
-            Empty if the map leaves no path without them either, or none was found yet.
+        list of str, or None
+            Empty if the map leaves no path without them either; None while that is searched.
         """
         robots = list(robots)
-        plan = self._free_plan(start, goal) if robots else None
+        if not robots:
+            return []
+        found = self._free_plan(start, goal)
+        if found is None:
+            return None
+        (plan,) = found
         if plan is None:
             return []
         prepared = self._map.planner.prepared
@@ -71,18 +75,27 @@ class Blockers:
             < beyond + robot.radius
         )
 
-    def _free_plan(self, start: Pose2D, goal: Pose2D) -> Plan | None:
-        """Return a plan without bodies, searched once for a map, a goal and a place."""
+    def _free_plan(self, start: Pose2D, goal: Pose2D) -> tuple[Plan | None] | None:
+        """
+        Return the plan without bodies, if there is one, searched once for a map and a place.
+
+        While it is searched anew, for another map, it is the one from before; None at first.
+        """
         on = self._map.planner.prepared
         if self._planned is not None:
             before, planned_from, planned_to = self._planned
-            is_near = start.distance_to(planned_from) <= _MOVED
-            if before is on and planned_to == goal and is_near:
-                return self._plan
-        self._plan, self._planned = None, (on, start, goal)
-        self._requests.submit(self._map.search_without_bodies(start, goal), self._receive)
-        return self._plan
+            if planned_to != goal:
+                self._found = None
+            elif before is on and start.distance_to(planned_from) <= _MOVED:
+                return self._found
+        if not self._requests.is_busy:
+            # One at a time: of a map that changes all the time none would ever be answered.
+            self._planned = on, start, goal
+            self._requests.submit(self._map.search_without_bodies(start, goal), self._receive)
+        return self._found
 
     def _receive(self, result: Callable[[], Plan]) -> None:
-        with contextlib.suppress(PlannerError):
-            self._plan = result()
+        try:
+            self._found = (result(),)
+        except PlannerError:
+            self._found = (None,)

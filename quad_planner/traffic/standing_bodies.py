@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable
 
 from quad_common.planar_pose import Pose2D
+from quad_planner.traffic.right_of_way import Distances, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap
 
 _MOVED = 0.02
@@ -39,6 +40,10 @@ class StandingBodies:
         disc = self._discs.get(robot.name)
         return disc is not None and _is_there(disc, robot)
 
+    def ahead(self, own: RobotOnMap, robots: Iterable[RobotOnMap], room: Distances) -> set[str]:
+        """Return the names of robots, staying or not, that are on a robot's path."""
+        return {r.name for r in robots if is_body_ahead(own, r, room, r.name in self)}
+
     @property
     def discs(self) -> tuple[Disc, ...]:
         """The bodies, in the order of the robots' names."""
@@ -46,7 +51,7 @@ class StandingBodies:
 
     def place(
         self, pose: Pose2D, robots: Iterable[RobotOnMap], clearance: float, resolution: float
-    ) -> None:
+    ) -> bool:
         """
         Take the robots that stay now; all others are none any more.
 
@@ -61,16 +66,27 @@ class StandingBodies:
             Distance that paths keep from obstacles [m].
         resolution : float
             Edge length of a cell of the map [m].
+
+        Returns
+        -------
+        bool
+            Whether anything is in the way now that was not before.
         """
         before, self._discs = self._discs, {}
         for robot in robots:
             disc = _disc(before.get(robot.name), robot, pose, clearance + resolution)
             if disc[2] > 0.0:
                 self._discs[robot.name] = disc
+        return not all(_is_within(disc, before.get(name)) for name, disc in self._discs.items())
 
     def clear(self) -> None:
         """Know of no robot that stays."""
         self._discs = {}
+
+
+def _is_within(disc: Disc, other: Disc | None) -> bool:
+    """Return whether a disc is another one, or a smaller one there."""
+    return other is not None and disc[:2] == other[:2] and disc[2] <= other[2]
 
 
 def _is_there(disc: Disc, robot: RobotOnMap) -> bool:

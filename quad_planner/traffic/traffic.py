@@ -210,22 +210,25 @@ class Traffic:
     def _look_at_bodies(self, time: float, own: RobotOnMap) -> None:
         """Plan around robots that stay where they are."""
         assert self._goal is not None
-        session, bodies = self._session, []
-        clearance = session.map.planner.clearance_radius
-        prepared = session.map.planner.prepared
+        session, planner, bodies = self._session, self._session.map.planner, []
+        clearance, prepared = planner.clearance_radius, planner.prepared
         assert prepared is not None
         for name, other in sorted(self.others.items()):
             is_settled = self._others.has_settled(name, time)
             is_in_way = time - self._blocked_since > _BLOCKED and self._stops(own, other)
-            is_in_way = is_in_way or name in self._in_way
-            # A path around it does not run into it: that is no reason to forget it.
-            is_in_way = is_in_way or (self._has_route and self._bodies.holds(other))
+            # A path around a body does not run into it: that is no reason to forget it.
+            is_known = self._has_route and self._bodies.holds(other)
+            is_in_way = is_in_way or is_known or name in self._in_way
             at_goal = self._goal.distance_to(other.pose) < clearance + other.radius
             if (is_settled or is_in_way) and not at_goal:
                 bodies.append(other)
-        self._bodies.place(own.pose, bodies, clearance, prepared.grid.resolution)
+        is_more = self._bodies.place(own.pose, bodies, clearance, prepared.grid.resolution)
         discs = self._bodies.discs
         if not session.map.put_bodies(discs):
+            return
+        if self._has_route and not is_more and self._routed_on is prepared:
+            # There is less in the way than there was: the path keeps off all of it.
+            self._routed_on = planner.prepared
             return
         # While the robot waits, its route is planned again at the next look.
         self._routed_from = None
@@ -242,16 +245,13 @@ class Traffic:
         session = self._session
         settled = [o for name, o in self.others.items() if self._others.has_settled(name, time)]
         at_goal = session.map.planner.clearance_radius
-        names = sorted(
-            other.name
-            for other in settled
-            if self._goal.distance_to(other.pose) < at_goal + other.radius
-            and self._stops(own, other)
-        )
-        if not self._has_route:
-            names = names or self._blockers.names(own.pose, self._goal, settled)
+        near = [o for o in settled if self._goal.distance_to(o.pose) < at_goal + o.radius]
+        names: list[str] | None = sorted(o.name for o in near if self._stops(own, o))
+        if not names and not self._has_route:
+            names = self._blockers.names(own.pose, self._goal, settled)
         if not names:
-            self._hopeless_since = math.inf
+            # None: it is not known yet.
+            self._hopeless_since = self._hopeless_since if names is None else math.inf
             return
         self._hopeless_since = min(self._hopeless_since, time)
         waited = time - self._hopeless_since
@@ -306,7 +306,8 @@ class Traffic:
 
     def _stops(self, own: RobotOnMap, other: RobotOnMap) -> bool:
         """Return whether a body is on the robot's path: one that leads around it keeps off it."""
-        if other.name in self._bodies and self._routed_on is self._session.map.planner.prepared:
+        is_around = self._has_route and other.name in self._bodies
+        if is_around and self._routed_on is self._session.map.planner.prepared:
             return False
         return is_body_ahead(own, other, self._room)
 
@@ -325,11 +326,7 @@ class Traffic:
                 own.name, own.pose, own.radius, remaining_plan(session.plan, own.pose).corners
             )
             is_on_way = not self._progress.has_strayed(time, own.pose, session.plan)
-            in_way = {
-                other.name
-                for other in self.others.values()
-                if is_body_ahead(way, other, self._room, other.name in self._bodies)
-            }
+            in_way = self._bodies.ahead(way, self.others.values(), self._room)
             if in_way:
                 # It lets them pass; if they are still there then, it goes around them.
                 self._stopped_at, self._in_way = time, in_way

@@ -103,6 +103,17 @@ def test_a_kerb_is_found_where_feet_meet_it(off, side):
         assert felt.map_shift[0] == pytest.approx(side * off, abs=0.06)
 
 
+def test_pebbles_under_a_foot_move_no_map_that_is_right():
+    shown, truth = kerb(), kerb()
+    pebbles = truth.heights.copy()
+    x, y = np.moveaxis(truth.centers, -1, 0)
+    pebbles[(np.abs(x + 0.45) < 0.03) & (y > 0.0)] += 0.02
+    truth, felt = truth.with_heights(pebbles), FeltGround(ROBOT)
+    for _ in crawled(felt, truth, shown):
+        assert not felt.map_shift.any()
+    assert felt.count > 24
+
+
 def test_level_ground_moves_no_map():
     level, felt = HeightMap.level((-2.0, -2.0, 2.0, 2.0), CELL), FeltGround(ROBOT)
     for _ in crawled(felt, level, level):

@@ -74,6 +74,27 @@ def test_outside_its_work_nothing_is_superseded(worker, owner):
     assert not worker.is_superseded()
 
 
+def test_work_may_ask_any_worker_and_what_is_old_before_it_begins_is_not_done(worker, owner):
+    other, done = LatestRequest(owner.put), []
+    began = threading.Event()
+
+    def search():
+        began.set()
+        # A planner asks the worker that it was made with, whoever works with it.
+        while not other.is_superseded():
+            pass
+        done.append('given up')
+
+    worker.submit(search, lambda result: result())
+    assert began.wait(10.0)
+    worker.submit(lambda: done.append('old'), lambda result: result())
+    worker.submit(lambda: done.append('latest'), lambda result: result())
+    for _ in range(3):
+        owner.get(timeout=10.0)()
+    assert done == ['given up', 'latest']
+    other.close()
+
+
 def test_closing_ends_what_runs():
     answers = queue.SimpleQueue()
     requests = LatestRequest(answers.put)

@@ -77,6 +77,39 @@ class Scene:
         return distance_to_polyline((4.0, 2.0), plan.corners) > 2.0 * RADIUS
 
 
+def test_around_a_robot_that_blocks_for_long_it_goes_on_without_a_stop():
+    scene = Scene()
+    while not scene.session.hold_reason or scene.time < 25.0:
+        scene.tell('c', (2.3, 2.05), (2.3, 3.5))
+        scene.go_on(Pose2D(1.3, 2.0, 0.0))
+        if scene.time > 30.0:
+            break
+    # It wants to go on, and has not moved for long enough to be walked around.
+    for _ in range(10):
+        scene.tell('c', (2.3, 2.05), (2.3, 3.5))
+        scene.go_on()
+        assert scene.session.hold_reason == ''
+        assert distance_to_polyline((2.3, 2.05), scene.session.plan.corners) > 2.0 * RADIUS - 0.05
+
+
+def test_beside_a_robot_that_stays_it_passes_as_near_as_its_outline_may():
+    cells = np.zeros((80, 160), np.int8)
+    cells[:26] = cells[62:] = OCCUPIED
+    scene = Scene(cells, footprint='outline', safety_distance=0.05, any_angle=False)
+    for _ in range(14):
+        scene.tell('c', (4.0, 2.0))
+        scene.go_on()
+    places = scene.session.plan.corners
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+    along = np.arange(0.0, lengths[-1], 0.1)
+    for x, y in np.column_stack([np.interp(along, lengths, places[:, k]) for k in (0, 1)]):
+        scene.tell('c', (4.0, 2.0))
+        scene.go_on(Pose2D(float(x), float(y), 0.0), seconds=1.0)
+        scene.tell('c', (4.0, 2.0))
+        scene.go_on(seconds=1.0)
+        assert scene.session.hold_reason == ''
+
+
 def test_a_robot_alone_is_left_alone():
     scene = Scene()
     before = list(scene.output.plans)
@@ -387,6 +420,10 @@ class QueuedRequests(ImmediateRequest):
     def __init__(self):
         self.waiting = []
 
+    @property
+    def is_busy(self):
+        return bool(self.waiting)
+
     def submit(self, work, done):
         self.waiting.append((work, done))
 
@@ -412,6 +449,26 @@ def test_the_path_without_robots_is_searched_beside_the_traffic():
     assert len(requests.waiting) == 1
     requests.work_on_all()
     look(18)
+    assert scene.given.end is GoalEnd.REFUSED
+    assert scene.session.problem.names == ['a']
+
+
+def test_maps_that_change_all_the_time_do_not_keep_a_robot_waiting_for_ever():
+    requests = QueuedRequests()
+    scene = Scene(wall((29, 51)).cells, requests)
+    most = 0
+    for look in range(40):
+        scene.tell('a', (4.0, 2.0))
+        scene.go_on(seconds=9.0)
+        if scene.given.end is not None:
+            break
+        most = max(most, len(requests.waiting))
+        if look % 3 == 2:
+            requests.work_on_all()
+        cells = wall((29, 51)).cells.copy()
+        cells[2, look % 60] = OCCUPIED
+        scene.session.take_grid(OccupancyGrid(cells, 0.05, Pose2D(0.0, 0.0, 0.0)), 'map')
+    assert most == 1
     assert scene.given.end is GoalEnd.REFUSED
     assert scene.session.problem.names == ['a']
 
