@@ -86,15 +86,18 @@ class GaitStatus:
         *notes : str
             What else a user should know, as sentences; empty ones are left out.
         """
+        is_stopped = self._supervisor.activity is Activity.EMERGENCY_STOP
+        stop = 'the emergency stop is on' if is_stopped else ''
         if clock_problem is not None:
-            return Status(Level.STALE, clock_problem, is_waiting=True)
+            return Status(Level.STALE, clock_problem, is_waiting=True).with_notes(stop)
         received = self._received_at
         if received is None or self._clock() - received > self._timeout:
             if self._is_time_still:
                 message = 'stale odometry: it comes, and its time stands still'
             else:
                 message = f"no odometry: waiting for it on '{self._topic}'"
-            return Status(Level.WARN, message, is_waiting=not self._is_time_still)
+            status = Status(Level.WARN, message, is_waiting=not self._is_time_still)
+            return status.with_notes(stop)
         supervisor = self._supervisor
         activity, cycle = supervisor.activity, supervisor.cycle
         level = _LEVELS.get(activity, Level.OK)

@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import Header
+from std_msgs.msg import Bool, Header
 from visualization_msgs.msg import MarkerArray
 
 from quad_common.frames.map_frame import MapFrame
@@ -96,6 +96,8 @@ class GaitTopics:
     """
     Tells a session what the gait says of its plans: which it follows, and where it has no footing.
 
+    An emergency stop that the gait was asked for is remembered, for the gait node after it.
+
     Parameters
     ----------
     node : QuadNode
@@ -110,6 +112,9 @@ class GaitTopics:
             Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
         )
         node.create_subscription(PoseStamped, 'plan/impassable', self._on_impassable, 10)
+        # A joint controller does not say that it holds the joints, as a simulator does.
+        held = node.create_publisher(Bool, 'emergency_stop/held', _LATCHED)
+        node.create_subscription(Bool, 'emergency_stop/active', held.publish, _LATCHED)
 
     def _on_followed(self, message: Path) -> None:
         if self._node.rest_note():

@@ -10,7 +10,7 @@ pytest.importorskip('rclpy')
 from builtin_interfaces.msg import Time
 from harness import ERROR, LATCHED, OK, WARN, Bench
 from nav_msgs.msg import Path
-from std_msgs.msg import Header
+from std_msgs.msg import Bool, Header
 from std_srvs.srv import SetBool
 
 from quad_common.plan import Plan
@@ -74,6 +74,18 @@ def test_an_emergency_stop_outlives_the_gait_node_that_was_asked_for_it(bench: B
     bench.wait_until(
         'trajectories are executed', lambda: 'stop is on' not in bench.statuses['sim_node'].message
     )
+
+
+def test_the_planner_remembers_an_emergency_stop_where_no_simulator_does(bench: Bench):
+    bench.start('planner_node', use_sim_time=False)
+    bench.start('gait_node', use_sim_time=False)
+    bench.wait_for_status('gait_node', 'odometry')
+    assert bench.call('emergency_stop', SetBool, SetBool.Request(data=True)).success
+    held = bench.hear(Bool, 'emergency_stop/held', LATCHED)
+    bench.wait_until('it is remembered', lambda: bool(held) and held[-1].data)
+    bench.kill('gait_node')
+    bench.start('gait_node', use_sim_time=False)
+    bench.wait_for_status('gait_node', 'the emergency stop is on', level=WARN)
 
 
 def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(bench: Bench):
