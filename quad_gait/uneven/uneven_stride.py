@@ -193,11 +193,11 @@ class UnevenStride:
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
-        motion = self._motion
-        if motion is None or motion.done < swing.lifted_at or self._catches == _MOST_CATCHES:
+        # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
+        if self.height_map is None or now.loads is None or self._catches == _MOST_CATCHES:
             return False
-        slip = self._felt.slip(now, self.leg)
-        return slip > self._robot.relative_size * _SLIP and now.loads is not None
+        is_lifted = self._motion is not None and self._motion.done >= swing.lifted_at
+        return is_lifted and self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
 
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
