@@ -25,9 +25,6 @@ from quad_common.robot.robot_figures import derived_figures
 from quad_common.robot.urdf import published_urdf
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.robot_files.ros2_control import MOCK_PLUGIN, ExportOptions, export_robot
-from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import load_gait
-from quad_gait.cycle.gait_generator import generate_steady_cycle
 
 EXAMPLES = f"""examples:
   quadwalk robot import my_robot.urdf --effort 33.5 --speed 21
@@ -271,6 +268,11 @@ def speed_to_trot(robot: Robot) -> float | None:
         Twice what the least of a trot takes [rad/s]; None if joints are fast enough, or something
         else forbids it.
     """
+    # Imported late: what else is said of robots needs no gaits.
+    from quad_gait.cycle.body_motion import BodyMotion
+    from quad_gait.cycle.gait import load_gait
+    from quad_gait.cycle.gait_generator import generate_steady_cycle
+
     trot = load_gait('trot', robot)
     try:
         generate_steady_cycle(robot, trot, BodyMotion(forward=_LITTLE * robot.hip_height))
