@@ -17,7 +17,7 @@ from quad_planner.traffic.robot_on_map import RobotOnMap
 _MOVED = 0.15
 """Distance by which the robot has to move for the path to be planned again [m]."""
 
-_BESIDE = 0.02
+_BESIDE = 0.05
 """Distance by which a body on the map may lie beside the robot: it is moved seldom [m]."""
 
 

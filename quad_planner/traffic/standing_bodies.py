@@ -11,8 +11,9 @@ from quad_common.planar_pose import Pose2D
 from quad_planner.traffic.right_of_way import Distances, is_body_ahead
 from quad_planner.traffic.robot_on_map import RobotOnMap
 
-_MOVED = 0.02
-"""Distance by which a robot has to move for its body to be moved on the map [m]."""
+_MOVED = 0.05
+"""Distance by which a robot has to move for its body to be moved on the map: one that stands does
+not do so by the noise of where it believes to be [m]."""
 
 _GROWN = 0.1
 """Room that has to be gained before a body that was drawn smaller is drawn larger again [m]."""

@@ -54,8 +54,8 @@ def test_a_body_stays_as_it_was_drawn_while_both_hardly_move():
     assert bodies.discs == before
     bodies.place(Pose2D(-1.0, 0.0, 0.0), [standing(0.81, 0.01)], RADIUS + SAFETY, CELL)
     assert bodies.discs == ((0.8, 0.0, RADIUS),)
-    bodies.place(Pose2D(-1.0, 0.0, 0.0), [standing(0.85, 0.0)], RADIUS + SAFETY, CELL)
-    assert bodies.discs == ((0.85, 0.0, RADIUS),)
+    bodies.place(Pose2D(-1.0, 0.0, 0.0), [standing(0.87, 0.0)], RADIUS + SAFETY, CELL)
+    assert bodies.discs == ((0.87, 0.0, RADIUS),)
     bodies.place(Pose2D(-1.0, 0.0, 0.0), [], RADIUS + SAFETY, CELL)
     assert bodies.discs == ()
     assert 'a' not in bodies
