@@ -1,6 +1,5 @@
 """What the gait says of ground without footing reaches the planning session."""
 
-from types import SimpleNamespace
 from unittest import mock
 
 import pytest
@@ -24,7 +23,7 @@ def subscribed():
         callbacks[topic] = callback
 
     session = mock.Mock()
-    GaitTopics(SimpleNamespace(create_subscription=subscribe), session)
+    GaitTopics(mock.Mock(create_subscription=subscribe), session)
     return session, callbacks['plan/impassable']
 
 
