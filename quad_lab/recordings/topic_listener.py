@@ -60,6 +60,7 @@ class TopicListener:
         self._batches: Any = None
         self._batched: dict[str, RecordedTopic] = {}
         self._complete_up_to = 0
+        self._last_batched = 0
         for topic, name in names:
             kind = topic.message_type()
             if kind is not None:
@@ -119,7 +120,12 @@ class TopicListener:
             self._on_message(topic, data)
 
     def _batched_messages(self, data: bytes, received: int) -> list[_Received]:
-        """Return the messages of a batch as if each had come when it was published."""
+        """
+        Return the messages of a batch as if each had come when it was published.
+
+        A batch may be on its way for longer than the next one: none of the next one's messages
+        comes before it for that.
+        """
         self._complete_up_to = received
         messages: list[_Received] = []
         # Of a batch that is damaged, what comes before the damage is good.
@@ -129,7 +135,9 @@ class TopicListener:
             for message in read_batch(topics, bytes(batch.data)):
                 topic = self._batched.get(message.topic)
                 if topic is not None:
-                    messages.append((received - message.age, topic, message.data))
+                    published = received - message.age
+                    self._last_batched = min(max(self._last_batched, published), received)
+                    messages.append((self._last_batched, topic, message.data))
         return messages
 
 

@@ -11,8 +11,9 @@ pytest.importorskip('rclpy')
 
 import rclpy
 from rclpy.serialization import deserialize_message, serialize_message
-from std_msgs.msg import Float64, UInt8MultiArray
+from std_msgs.msg import Float64, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 
+from quad_common.message_batch import MessageBatch
 from quad_lab.recordings.recorded_topics import Delivery, RecordedTopic
 from quad_lab.recordings.topic_listener import TopicListener
 from quad_lab.topic_walk.node_processes import isolated_domain
@@ -121,6 +122,30 @@ def test_a_batch_that_is_damaged_ends_nothing():
             source.batches.send()
             listener.listen(0.05)
     assert set(got) == {serialize_message(Float64())}
+
+
+def test_a_batch_that_is_long_on_its_way_stays_before_the_next_one():
+    got: list[float] = []
+    seconds = 1_000_000_000
+    with source_and_listener(
+        lambda topic, data: got.append(deserialize_message(data, Float64).data)
+    ) as (source, listener):
+        raw = source.node.create_publisher(UInt8MultiArray, 'batches', 10)
+        deadline = time.monotonic() + LONGEST_WAIT
+        while raw.get_subscription_count() < 1:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        # The second batch tells of what was published 5 to 8 s before it was closed.
+        for first, closed in ((0, 4), (4, 16)):
+            batch = MessageBatch((source.batched.topic_name,))
+            for number in range(first, first + 4):
+                batch.add(0, serialize_message(Float64(data=float(number))), number * seconds)
+            layout = MultiArrayLayout(dim=[MultiArrayDimension(label=batch.topics[0])])
+            raw.publish(UInt8MultiArray(layout=layout, data=batch.close(closed * seconds)))
+        while len(got) < 8:
+            assert time.monotonic() < deadline
+            listener.listen(0.02)
+    assert got == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
 
 
 def test_messages_come_in_their_order():
