@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from quad_common.serial_legs.compiled_leg import CompiledLeg
 
@@ -161,7 +160,7 @@ def aspect_around(leg: CompiledLeg, ranges: Window, length: float) -> Aspect:
     grid: Array = np.vstack([window.nominal, nodes])
     grid = grid[leg.stays_regular(window.nominal, grid)]
     strangeness = np.linalg.norm(grid - window.nominal, axis=-1)
-    return Aspect(leg, window, grid, cKDTree(leg.feet(grid)), strangeness)
+    return Aspect(leg, window, grid, _tree(leg.feet(grid)), strangeness)
 
 
 def one_to_one(leg: CompiledLeg, window: Window, length: float) -> Window:
@@ -184,6 +183,14 @@ def one_to_one(leg: CompiledLeg, window: Window, length: float) -> Window:
     return narrow
 
 
+def _tree(places: Array) -> Any:
+    """Return places (n, k) for a search by distance."""
+    # Not above: a third of what a node imports, and few legs need it.
+    from scipy.spatial import cKDTree
+
+    return cKDTree(places)
+
+
 def _double_postures(leg: CompiledLeg, window: Window, length: float) -> tuple[Array, Array, Array]:
     """Return two postures of one place each, (m, 3), and their first joints' turn, (m,) [rad]."""
     ends = [np.linspace(window.lower[k], window.upper[k], _FINE) for k in (1, 2)]
@@ -199,7 +206,7 @@ def _double_postures(leg: CompiledLeg, window: Window, length: float) -> tuple[A
     azimuths = np.arctan2(around @ np.cross(leg.axes[0], ahead), around @ ahead)
     places = np.column_stack([along, np.linalg.norm(around, axis=1)])
     count = min(_AROUND, len(nodes))
-    near = np.reshape(cKDTree(places).query(places, k=count)[1], (len(nodes), count))
+    near = np.reshape(_tree(places).query(places, k=count)[1], (len(nodes), count))
     is_other = np.abs(nodes[near, 1:] - nodes[:, None, 1:]).max(axis=-1) > _OTHER
     # The nearest of other postures first, for the order of neighbors is by distance.
     order = np.argsort(~is_other, axis=1, kind='stable')[:, :_TRIED]
