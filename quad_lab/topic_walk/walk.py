@@ -34,10 +34,10 @@ if TYPE_CHECKING:
 START_TIMEOUT = 90.0
 """For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
 
-PLAN_TIMEOUT = 15.0
-"""For the planner to answer to the goal [s]."""
+PLAN_TIMEOUT = 60.0
+"""For the planner to answer to the goal; on a busy machine it may still compile its search [s]."""
 
-STALL_TIMEOUT = 20.0
+STALL_TIMEOUT = 60.0
 """For simulated time to advance at all [s]."""
 
 _PATIENCE = 30.0

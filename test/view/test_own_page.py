@@ -25,7 +25,7 @@ def closing_code(connection):
     """Read until a connection is closed; return the code."""
     try:
         while True:
-            connection.recv(timeout=10.0)
+            connection.recv(timeout=60.0)
     except ConnectionClosed as closed:
         return None if closed.rcvd is None else closed.rcvd.code
 

@@ -32,7 +32,7 @@ from quad_lab.topic_walk.node_processes import NodeDied, NodeProcess, NodeProces
 START_TIMEOUT = 90.0
 """For the nodes to be ready; after an installation the planner's searches are compiled [s]."""
 
-STALL_TIMEOUT = 20.0
+STALL_TIMEOUT = 60.0
 """For simulated time to advance [s]."""
 
 _TOLD_WITHIN = 5.0

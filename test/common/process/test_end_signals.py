@@ -64,8 +64,9 @@ def send(
         sent.touch()
     # Not by communicate, which does not know what readline has read ahead.
     said = process.stdout.read()
-    process.wait(20.0)
-    assert not numbers or time.monotonic() - began < 5.0
+    process.wait(60.0)
+    # Well before what it sleeps, however busy the machine is.
+    assert not numbers or time.monotonic() - began < 20.0
     return said
 
 
@@ -167,7 +168,7 @@ def test_signals_that_were_blocked_by_whom_started_a_node_wait_for_it(tmp_path):
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=20)[0] == ''
+    assert process.communicate(timeout=60)[0] == ''
     assert process.returncode == 0
 
 

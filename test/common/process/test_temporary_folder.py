@@ -52,7 +52,7 @@ def test_a_living_process_keeps_its_folder_and_a_killed_one_loses_it():
     remove_ownerless()
     assert (folder / 'node.log').exists()
     owner.send_signal(signal.SIGKILL)
-    owner.communicate(timeout=10)
+    owner.communicate(timeout=60)
     assert ownerless_folders() == [folder]
     with temporary_folder():
         assert not folder.exists()
@@ -91,7 +91,7 @@ except Interrupted as signal_:
 
 def test_a_signal_while_a_folder_is_removed_leaves_nothing(place):
     ended = subprocess.run(
-        [sys.executable, '-c', INTERRUPTED], capture_output=True, text=True, cwd=ROOT, timeout=30
+        [sys.executable, '-c', INTERRUPTED], capture_output=True, text=True, cwd=ROOT, timeout=90
     )
     assert (ended.stdout, ended.stderr) == (f'{int(signal.SIGTERM)}\n', '')
     assert list(place.iterdir()) == []

@@ -25,6 +25,9 @@ pytestmark = pytest.mark.ros
 WALL_TIMEOUT = 100.0
 """For whatever a test waits for [s]."""
 
+ENDS_WITHIN = 20.0
+"""Three seconds and a half on a quiet machine, on one that does ten other things more [s]."""
+
 
 @pytest.fixture(autouse=True)
 def place(domain, tmp_path, monkeypatch) -> Path:
@@ -94,9 +97,9 @@ def test_a_demo_that_is_ended_leaves_nothing_and_the_next_one_walks(tmp_path, pl
     began = time.monotonic()
     first.send_signal(number)
     said = first.communicate(timeout=WALL_TIMEOUT)[1]
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < ENDS_WITHIN
     wait_until(lambda: not any(map(is_running, nodes)))
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < ENDS_WITHIN
     assert 'Traceback' not in said
     if number == signal.SIGKILL:
         assert first.returncode == -number
@@ -147,7 +150,7 @@ def test_a_demo_whose_terminal_is_closed_ends_with_its_nodes(tmp_path, place):
     os.close(terminal)
     began = time.monotonic()
     _, status = os.waitpid(pid, 0)
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < ENDS_WITHIN
     assert os.waitstatus_to_exitcode(status) == 128 + signal.SIGHUP
     assert len(nodes) >= 3
     assert not any(map(is_running, nodes))
@@ -166,7 +169,7 @@ def test_a_bench_with_worker_processes_ends_with_them(place, number):
     command.send_signal(number)
     said = command.communicate(timeout=WALL_TIMEOUT)[1]
     wait_until(lambda: not any(map(is_running, workers)))
-    assert time.monotonic() - began < 5.0
+    assert time.monotonic() - began < ENDS_WITHIN
     assert command.returncode == (-number if number == signal.SIGKILL else 128 + number)
     assert 'Traceback' not in said
     assert list(place.iterdir()) == []

@@ -30,6 +30,9 @@ pytestmark = pytest.mark.ros
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
+ENDS_WITHIN = 20.0
+"""Three seconds and a half on a quiet machine, on one that does ten other things more [s]."""
+
 INVALID = [
     ('gait_node', {'settle_time': -1}, "'settle_time' is -1; it must be a finite number from 0"),
     ('gait_node', {'settle_time': float('nan')}, "'settle_time' is nan; it must be a finite"),
@@ -149,7 +152,7 @@ def test_a_node_ends_quietly_however_soon_a_signal_comes(domain, tmp_path, place
         os.kill(process.pid, SIGNALS[(place + turn) % len(SIGNALS)])
         began = time.monotonic()
         assert process.wait(WALL_TIMEOUT) == 0
-        assert time.monotonic() - began < 5.0
+        assert time.monotonic() - began < ENDS_WITHIN
         assert 'Traceback' not in process.log_tail(1000)
 
 

@@ -27,7 +27,7 @@ def test_a_request_is_answered_in_the_owners_thread(worker, owner):
         threading.get_ident, lambda result: answers.append((result(), threading.get_ident()))
     )
     assert worker.is_busy
-    owner.get(timeout=10.0)()
+    owner.get(timeout=60.0)()
     (worked_in, answered_in) = answers[0]
     assert worked_in != answered_in == threading.get_ident()
     assert not worker.is_busy
@@ -45,7 +45,7 @@ def test_what_the_work_raises_is_raised_in_the_owners_thread(worker, owner):
         caught.append(info.value)
 
     worker.submit(fail, done)
-    owner.get(timeout=10.0)()
+    owner.get(timeout=60.0)()
     assert len(caught) == 1
 
 
@@ -60,11 +60,11 @@ def test_a_newer_request_ends_what_runs_and_is_the_only_one_answered(worker, own
         return 'given up'
 
     worker.submit(search, lambda result: answers.append(result()))
-    assert began.wait(10.0)
+    assert began.wait(60.0)
     worker.submit(lambda: 'skipped', lambda result: answers.append(result()))
     worker.submit(lambda: 'latest', lambda result: answers.append(result()))
     for _ in range(3):
-        owner.get(timeout=10.0)()
+        owner.get(timeout=60.0)()
     assert answers == ['latest']
 
 
@@ -86,11 +86,11 @@ def test_work_may_ask_any_worker_and_what_is_old_before_it_begins_is_not_done(wo
         done.append('given up')
 
     worker.submit(search, lambda result: result())
-    assert began.wait(10.0)
+    assert began.wait(60.0)
     worker.submit(lambda: done.append('old'), lambda result: result())
     worker.submit(lambda: done.append('latest'), lambda result: result())
     for _ in range(3):
-        owner.get(timeout=10.0)()
+        owner.get(timeout=60.0)()
     assert done == ['given up', 'latest']
     other.close()
 
@@ -107,7 +107,7 @@ def test_closing_ends_what_runs():
         ended.set()
 
     requests.submit(search, lambda result: result())
-    assert began.wait(10.0)
+    assert began.wait(60.0)
     requests.close()
     assert ended.wait(10.0)
-    assert not requests.is_busy or answers.get(timeout=10.0)() is None
+    assert not requests.is_busy or answers.get(timeout=60.0)() is None

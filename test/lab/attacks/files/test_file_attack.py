@@ -302,7 +302,7 @@ def test_an_attack_that_is_killed_leaves_nothing_once_the_next_begins(tmp_path, 
         for pid in (thread / 'children').read_text().split()
     ]
     attack.kill()
-    attack.communicate(timeout=10)
+    attack.communicate(timeout=60)
     assert folder.exists()
     with Worker(0) as worker:
         assert not folder.parent.exists()
