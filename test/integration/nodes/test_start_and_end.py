@@ -15,6 +15,7 @@ pytest.importorskip('rclpy')
 
 from harness import WALL_TIMEOUT, Bench
 
+from quad_common.errors import QuadError
 from quad_common.network.reach import SecuritySettingUnknown, library_without_security, reach_of
 from quad_common.network.transport import PROFILES, RANGE
 from quad_common.planar_pose import Pose2D
@@ -35,15 +36,9 @@ ENDS_WITHIN = 20.0
 
 INVALID = [
     ('gait_node', {'settle_time': -1}, "'settle_time' is -1; it must be a finite number from 0"),
-    ('gait_node', {'settle_time': float('nan')}, "'settle_time' is nan; it must be a finite"),
-    ('gait_node', {'gait': 'gallop'}, "'gait' is 'gallop'; it must be one of crab, crawl,"),
     ('gait_node', {'use_sim_time': 'perhaps'}, "'use_sim_time' to 'perhaps'"),
     ('planner_node', {'robot': 'unicorn'}, "there is no robot 'unicorn'; available: "),
-    ('planner_node', {'robot': 5}, "'robot' is 5; it must be a text"),
-    ('planner_node', {'method': 'magic'}, "'method' is 'magic'; it must be one of mesh, "),
     ('sim_node', {'map_file': '/nowhere.yaml'}, 'map file /nowhere.yaml cannot be read: '),
-    ('sim_node', {'start_pose': [1.0, 2.0]}, "'start_pose' is [1.0, 2.0]; it must be 3 finite"),
-    ('sim_node', {'seed': -1}, "'seed' is -1; it must be a whole number of at least 0"),
     ('viewer_node', {'host': '192.0.2.1'}, "'host' is '192.0.2.1'; it must be an address of"),
     ('viewer_node', {'port': 70000}, "'port' is 70000; it must be a whole number from 0 to"),
 ]
@@ -56,6 +51,24 @@ def test_an_invalid_parameter_ends_a_node_with_one_sentence(bench: Bench, node, 
     assert end.code == 2
     [sentence] = end.log.splitlines()
     assert sentence.startswith('error: ')
+    assert words in sentence
+
+
+REFUSED = [
+    ('gait_node', {'settle_time': float('nan')}, "'settle_time' is nan; it must be a finite"),
+    ('gait_node', {'gait': 'gallop'}, "'gait' is 'gallop'; it must be one of crab, crawl,"),
+    ('planner_node', {'robot': 5}, "'robot' is 5; it must be a text"),
+    ('planner_node', {'method': 'magic'}, "'method' is 'magic'; it must be one of mesh, "),
+    ('sim_node', {'start_pose': [1.0, 2.0]}, "'start_pose' is [1.0, 2.0]; it must be 3 finite"),
+    ('sim_node', {'seed': -1}, "'seed' is -1; it must be a whole number of at least 0"),
+]
+
+
+@pytest.mark.parametrize(('node', 'parameters', 'words'), REFUSED)
+def test_no_node_is_made_with_an_invalid_parameter(composed_bench: Bench, node, parameters, words):
+    with pytest.raises(QuadError) as refused:
+        composed_bench.start(node, **parameters)
+    [sentence] = str(refused.value).splitlines()
     assert words in sentence
 
 
