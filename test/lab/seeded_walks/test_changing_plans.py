@@ -10,8 +10,10 @@ from quad_sim.engines.registry import ENGINES, engines_with
 BACKENDS = engines_with('has_world')
 
 
-@pytest.mark.parametrize('backend', BACKENDS)
-@pytest.mark.parametrize('seed', [13, 17, 20])
+@pytest.mark.parametrize(
+    ('seed', 'backend'),
+    [(13, BACKENDS[0]), (13, BACKENDS[-1]), (17, BACKENDS[0]), (20, BACKENDS[-1])],
+)
 def test_a_small_robot_stays_upright_whatever_the_turns(backend, seed):
     pytest.importorskip(ENGINES[backend].package)
     walk = walk_changing_plans('cuhk', seed, backend)

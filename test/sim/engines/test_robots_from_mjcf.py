@@ -60,7 +60,11 @@ def test_it_stands_level_on_four_feet_that_bear_its_weight(robot, engine):
         simulator.close()
 
 
+# Each in one of the engines: which of them walks it is no matter of how it was written.
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ('robot', 'engine'), list(zip(STYLES, ENGINES * len(STYLES))), indirect=True
+)
 def test_it_crawls_forward_as_far_as_it_is_asked_to(robot, engine):
     gait = load_gait('crawl', robot)
     controller = measuring_controller(robot, gait, least_margin=0.005)

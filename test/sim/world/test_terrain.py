@@ -281,8 +281,14 @@ def gap_below(world, foot, radius):
     return float(np.min(foot[2] - below - world.ground_at(around_it)))
 
 
-@pytest.mark.parametrize('text', ['bumps', 'noise', 'slope', 'cross_slope', 'boxes', 'kerb'])
-@pytest.mark.parametrize('place', [START, Pose2D(2.1, 1.2, 2.0), Pose2D(1.27, 0.3, -3.0)])
+@pytest.mark.parametrize(
+    ('text', 'place'),
+    [
+        *((text, START) for text in ('bumps', 'noise', 'slope', 'cross_slope', 'boxes', 'kerb')),
+        *((text, Pose2D(2.1, 1.2, 2.0)) for text in ('bumps', 'slope', 'boxes')),
+        *((text, Pose2D(1.27, 0.3, -3.0)) for text in ('noise', 'cross_slope', 'kerb')),
+    ],
+)
 def test_the_robot_stands_where_it_is_put_with_its_feet_on_the_ground(make, text, place):
     world = world_of(text)
     simulator = make(world)
