@@ -56,7 +56,8 @@ def test_a_walk_outlives_its_planner(bench: Bench):
     bench.wait_for_arrival(further)
 
 
-def test_without_its_gait_node_the_robot_stands_until_it_is_back(bench: Bench):
+def test_without_its_gait_node_the_robot_stands_until_it_is_back(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot(backend='bullet', real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
