@@ -46,6 +46,26 @@ def compiled(function: Function) -> Function:
     return cast(Function, numba.njit(cache=True, **_OPTIONS)(function))
 
 
+def compiled_loop(function: Function) -> Function:
+    """
+    Compile a function that makes no array and returns none, without counts of references.
+
+    Numba counts, at each call within, who uses an array: with many arrays in small functions that
+    takes several times as long as the work. Here the caller holds all of them meanwhile.
+
+    Parameters
+    ----------
+    function : callable
+        As for :func:`compiled`.
+
+    Returns
+    -------
+    callable
+        The same function, compiled when it is first called with arguments of a kind.
+    """
+    return cast(Function, numba.njit(cache=True, _nrt=False, **_OPTIONS)(function))
+
+
 def compiled_part(function: Function) -> Function:
     """
     Have a function compiled as a part of those that call it.
