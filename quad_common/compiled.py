@@ -1,8 +1,8 @@
 """
 Decorators that compile inner loops of searches.
 
-Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, what
-only such functions call is a `compiled_part` of them. Compiled code is kept beside the
+Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, or a
+`compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of them. Compiled code is kept beside the
 sources, or in the user's cache: only the first call after an installation compiles.
 
 That call is to be short, so loops fill arrays that are made outside, and copy element by
@@ -51,7 +51,8 @@ def compiled_loop(function: Function) -> Function:
     Compile a function that makes no array and returns none, without counts of references.
 
     Numba counts, at each call within, who uses an array: with many arrays in small functions that
-    takes several times as long as the work. Here the caller holds all of them meanwhile.
+    takes several times as long as the work. Nothing needs it where the caller holds all arrays
+    meanwhile, as Python does. Numba refuses to compile functions that make arrays so.
 
     Parameters
     ----------
@@ -63,6 +64,7 @@ def compiled_loop(function: Function) -> Function:
     callable
         The same function, compiled when it is first called with arguments of a kind.
     """
+    # Numba has the option in all versions, by this name only.
     return cast(Function, numba.njit(cache=True, _nrt=False, **_OPTIONS)(function))
 
 

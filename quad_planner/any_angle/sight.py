@@ -129,7 +129,7 @@ def _look(
     seen: Integers,
 ) -> bool:
     """Look from one point; return whether there was room."""
-    # The last: sides that are seen of one rectangle, whether the upper one, and from where to where.
+    # The last: sides seen of one rectangle, whether the upper one, and from where to where.
     numbers, marks, counts, spans = notes
     counts[_WAITING] = 0
     x, y = target[0], target[1]

@@ -6,8 +6,7 @@ outline keeps its distance. On maps up to a size that is known of all cells and 
 (:mod:`~quad_planner.outline.class_layers`); on larger ones it is looked at when a search asks, and
 remembered.
 
-All of it lies in one array: compiled code counts references to each array that it hands on, which
-would take longer than the look itself.
+All of it lies in one array, so that compiled functions hand on few.
 """
 
 from __future__ import annotations
