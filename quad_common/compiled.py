@@ -2,8 +2,9 @@
 Decorators that compile inner loops of searches.
 
 Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, or a
-`compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of them. Compiled code is kept beside the
-sources, or in the user's cache: only the first call after an installation compiles.
+`compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of them.
+Compiled code is kept beside the sources, or in the user's cache: only the first call after an
+installation compiles.
 
 That call is to be short, so loops fill arrays that are made outside, and copy element by
 element: slices that are assigned, copies and conversions within would have more of Numba's
