@@ -2,7 +2,8 @@
 Decorators that compile inner loops of searches.
 
 Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, or a
-`compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of them.
+`compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of
+them.
 Compiled code is kept beside the sources, or in the user's cache: only the first call after an
 installation compiles.
 
