@@ -1,9 +1,11 @@
 """
 Decorators that compile inner loops of searches.
 
-Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, what
-only such functions call is a `compiled_part` of them. Compiled code is kept beside the
-sources, or in the user's cache: only the first call after an installation compiles.
+Each loop is plain Python, and works uncompiled too. What Python calls is `compiled`, or a
+`compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of
+them.
+Compiled code is kept beside the sources, or in the user's cache: only the first call after an
+installation compiles.
 
 That call is to be short, so loops fill arrays that are made outside, and copy element by
 element: slices that are assigned, copies and conversions within would have more of Numba's
@@ -44,6 +46,28 @@ def compiled(function: Function) -> Function:
         The same function, compiled when it is first called with arguments of a kind.
     """
     return cast(Function, numba.njit(cache=True, **_OPTIONS)(function))
+
+
+def compiled_loop(function: Function) -> Function:
+    """
+    Compile a function that makes no array and returns none, without counts of references.
+
+    Numba counts, at each call within, who uses an array: with many arrays in small functions that
+    takes several times as long as the work. Nothing needs it where the caller holds all arrays
+    meanwhile, as Python does. Numba refuses to compile functions that make arrays so.
+
+    Parameters
+    ----------
+    function : callable
+        As for :func:`compiled`.
+
+    Returns
+    -------
+    callable
+        The same function, compiled when it is first called with arguments of a kind.
+    """
+    # Numba has the option in all versions, by this name only.
+    return cast(Function, numba.njit(cache=True, _nrt=False, **_OPTIONS)(function))
 
 
 def compiled_part(function: Function) -> Function:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, inlined_part
+from quad_common.compiled import compiled_loop, inlined_part
 from quad_planner.any_angle.intervals import neighbour, neighbours
 from quad_planner.any_angle.rectangles import Rectangles
 from quad_planner.grid.array_types import Mask
@@ -88,7 +88,7 @@ def _next(rectangles: Rectangles, here: int, at: int) -> int:
     return neighbour(rectangles, first + at, False) if first + at < last else _NONE
 
 
-@compiled
+@compiled_loop
 def _find(
     rectangles: Rectangles, notes: Integers, stack: Integers, block: Integers, top: Integers
 ) -> int:
@@ -131,7 +131,7 @@ def _find(
     return found
 
 
-@compiled
+@compiled_loop
 def _mark(blocks: Blocks, start: int, goal: int, on_path: Mask, is_open: Mask) -> bool:
     """Mark the blocks on the path of the tree, then their rectangles."""
     block, top = blocks.block, blocks.top

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, inlined_part
+from quad_common.compiled import compiled_loop, inlined_part
 from quad_common.robot_files.walking_time import LENGTH_SLACK
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.interval_search import lengths_from
@@ -257,7 +257,7 @@ def _begin(
             push(queue.heads, queue.entries, queue.state, edge, 0, bucket)
 
 
-@compiled
+@compiled_loop
 def _search(
     edges: _Edges,
     cycles: _Cycles,

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from quad_common.compiled import compiled
+from quad_common.compiled import compiled_loop
 from quad_planner.any_angle.blocks import Blocks, between, blocks_of
 from quad_planner.any_angle.intervals import holds
 from quad_planner.any_angle.rectangles import Rectangles, rectangles_of
@@ -55,7 +55,7 @@ class FreeSpace:
         return int(_rectangle_at(self.rectangles, float(point[0]), float(point[1])))
 
 
-@compiled
+@compiled_loop
 def _rectangle_at(rectangles: Rectangles, x: float, y: float) -> int:
     """Do what :meth:`FreeSpace.rectangle_at` says."""
     for here in range(len(rectangles.bounds)):

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, inlined_part
+from quad_common.compiled import compiled_loop, inlined_part
 from quad_planner.any_angle.free_space import FreeSpace
 from quad_planner.any_angle.intervals import (
     INTERVAL,
@@ -286,7 +286,7 @@ def _pass_on(
         push_node(search.heap, counts, key, node)
 
 
-@compiled
+@compiled_loop
 def _go_on(rectangles: Rectangles, search: _Search, at_a_time: int) -> int:
     """
     Go on with a search, for so many expansions at a time.

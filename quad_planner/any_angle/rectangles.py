@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part, inlined_part
+from quad_common.compiled import compiled_loop, compiled_part, inlined_part
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitMask, Bits, first_bit
 
@@ -83,8 +83,9 @@ def corners_of(rectangles: Rectangles) -> Points:
     ndarray, shape (n, 2)
         x and y; two of them in one place where forbidden cells touch in this corner only [cells].
     """
-    count = 4 * len(rectangles.bounds)
-    return corner_places(rectangles, np.flatnonzero(_convex(rectangles, np.zeros(count, np.bool_))))
+    is_convex = np.zeros(4 * len(rectangles.bounds), dtype=np.bool_)
+    _mark_convex(rectangles, is_convex)
+    return corner_places(rectangles, np.flatnonzero(is_convex))
 
 
 def corner_places(rectangles: Rectangles, corners: Integers) -> Points:
@@ -95,8 +96,8 @@ def corner_places(rectangles: Rectangles, corners: Integers) -> Points:
     return np.column_stack((x, y)).astype(np.float64)
 
 
-@compiled
-def _convex(rectangles: Rectangles, is_convex: NDArray[np.bool_]) -> NDArray[np.bool_]:
+@compiled_loop
+def _mark_convex(rectangles: Rectangles, is_convex: NDArray[np.bool_]) -> None:
     """Mark the corners of rectangles at which an opening ends."""
     for here in range(len(rectangles.bounds)):
         for there in range(rectangles.above[here, 0], rectangles.above[here, 1]):
@@ -105,7 +106,6 @@ def _convex(rectangles: Rectangles, is_convex: NDArray[np.bool_]) -> NDArray[np.
                 is_convex[left] = True
             if right >= 0:
                 is_convex[right] = True
-    return is_convex
 
 
 @inlined_part
@@ -165,7 +165,7 @@ def _is_as_before(words: Bits, row: int) -> bool:
     return is_same
 
 
-@compiled
+@compiled_loop
 def _count(words: Bits, width: int, runs: Integers) -> int:
     """Return how many rectangles there are at most."""
     most = 0
@@ -175,7 +175,7 @@ def _count(words: Bits, width: int, runs: Integers) -> int:
     return most
 
 
-@compiled
+@compiled_loop
 def _cut(
     words: Bits,
     width: int,

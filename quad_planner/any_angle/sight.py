@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part, inlined_part
+from quad_common.compiled import compiled_loop, compiled_part, inlined_part
 from quad_planner.any_angle.intervals import (
     INTERVAL,
     crossing,
@@ -80,7 +80,7 @@ class Sight:
             until = min(done + _AT_A_TIME, len(places))
             reached = _look_from(
                 self._rectangles,
-                (self._numbers, marks, counts),
+                (self._numbers, marks, counts, np.empty((3, 3))),
                 places[:until],
                 targets,
                 self._waiting,
@@ -96,10 +96,10 @@ class Sight:
         return points, self._seen[: len(points)].copy()
 
 
-@compiled
+@compiled_loop
 def _look_from(
     rectangles: Rectangles,
-    notes: tuple[Integers, Integers, Integers],
+    notes: tuple[Integers, Integers, Integers, Floats],
     places: Integers,
     targets: Floats,
     waiting: Records,
@@ -122,18 +122,17 @@ def _look_from(
 @compiled_part
 def _look(
     rectangles: Rectangles,
-    notes: tuple[Integers, Integers, Integers],
+    notes: tuple[Integers, Integers, Integers, Floats],
     rectangle: int,
     target: Floats,
     waiting: Records,
     seen: Integers,
 ) -> bool:
     """Look from one point; return whether there was room."""
-    numbers, marks, counts = notes
+    # The last: sides seen of one rectangle, whether the upper one, and from where to where.
+    numbers, marks, counts, spans = notes
     counts[_WAITING] = 0
     x, y = target[0], target[1]
-    # Sides that are seen of one rectangle: whether the upper one, and from where to where.
-    spans = np.empty((3, 3))
     spans[0, 0], spans[0, 1], spans[0, 2] = 1.0, -np.inf, np.inf
     spans[1, 0], spans[1, 1], spans[1, 2] = 0.0, -np.inf, np.inf
     here, sides = rectangle, 2

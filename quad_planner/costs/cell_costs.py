@@ -150,8 +150,11 @@ class GroundCost:
         ground = difficulty(safety.grid)
         if ground is None:
             return np.ones(safety.grid.cells.shape)
-        factors: Floats = 1.0 + (self.roughness - 1.0) * ground.roughness
-        factors *= 1.0 + (self.slope - 1.0) * ground.slope
+        factors = np.empty(ground.slope.shape)
+        # Row by row, without arrays as large between.
+        for row, rough, steep in zip(factors, ground.roughness, ground.slope):
+            row[:] = 1.0 + (self.roughness - 1.0) * rough.astype(np.float64)
+            row *= 1.0 + (self.slope - 1.0) * steep.astype(np.float64)
         return factors
 
 

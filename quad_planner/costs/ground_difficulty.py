@@ -16,12 +16,15 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_planner.grid.ground_shape import Floats, fitted_planes
 from quad_planner.grid.traversability import Ground
+
+Singles = NDArray[np.float32]
 
 _STEP_OVER_RMS = math.sqrt(12.0)
 """
@@ -30,12 +33,16 @@ h sqrt(q - 3 q^2), root mean square, with q = p (1 - p): that is h / sqrt(12) at
 """
 
 
+_BAND = 64
+"""Rows of a map that are looked up at a time."""
+
+
 class Difficulty(NamedTuple):
     """How difficult the ground is, of each cell of a map, shape (height, width) each."""
 
-    roughness: Floats
+    roughness: Singles
     """Roughness over the robot's step height, from 0 to 1; 0 where the ground is not known."""
-    slope: Floats
+    slope: Singles
     """Slope over the largest one, from 0 to 1; 0 where the ground is not known."""
 
 
@@ -90,17 +97,19 @@ def _difficulty(
     )
     rough = np.clip(_STEP_OVER_RMS * off_plane / limits.step_height, 0.0, 1.0)
     steep = np.clip(np.arctan(slopes) / limits.largest_slope, 0.0, 1.0)
-    rows, columns = np.indices(grid.cells.shape)
-    middles = np.column_stack((columns.ravel(), rows.ravel())) + 0.5
-    places = (grid.map_to_world(middles) - heights.origin) / heights.resolution
-    at = np.floor(places).astype(np.int64)
-    inside = np.all((at >= 0) & (at < (heights.columns, heights.rows)), axis=1)
-    found = []
-    for values in (rough, steep):
-        here = np.zeros(len(at))
-        here[inside] = values[at[inside, 1], at[inside, 0]]
-        found.append(here.reshape(grid.cells.shape))
-    return Difficulty(*found)
+    found = Difficulty(*(np.zeros(shape, dtype=np.float32) for _ in range(2)))
+    # A band of rows at a time: the places of all cells take many times the memory of what is found.
+    for row in range(0, shape[0], _BAND):
+        band = slice(row, row + _BAND)
+        rows, columns = np.indices(found.slope[band].shape)
+        middles = np.stack((columns, rows + row), axis=-1) + 0.5
+        places = (grid.map_to_world(middles) - heights.origin) / heights.resolution
+        at = np.floor(places).astype(np.int64)
+        inside = np.all((at >= 0) & (at < (heights.columns, heights.rows)), axis=-1)
+        x, y = at[inside].T
+        found.roughness[band][inside] = rough[y, x]
+        found.slope[band][inside] = steep[y, x]
+    return found
 
 
 def _to_the_border(values: Floats, heights: HeightMap, length: float) -> Floats:

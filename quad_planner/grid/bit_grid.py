@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_planner.grid.array_types import Mask
 
 Bits = NDArray[np.uint64]
@@ -220,7 +220,7 @@ def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     return words
 
 
-@compiled
+@compiled_loop
 def _pack(
     cells: NDArray[np.int8],
     least: np.int8,
@@ -247,7 +247,7 @@ def _free_rows(forbidden: Bits, width: int) -> Bits:
     return rows
 
 
-@compiled
+@compiled_loop
 def _invert(forbidden: Bits, width: int, rows: Bits) -> None:
     """Fill the rows of a grid."""
     height, words = forbidden.shape
@@ -271,7 +271,7 @@ def _transposed(rows: Bits, width: int) -> Bits:
     return columns
 
 
-@compiled
+@compiled_loop
 def _transpose(rows: Bits, columns: Bits, block: Bits, other: Bits) -> None:
     """Fill columns, in blocks of 64 by 64; `block` and `other` are 64 words for notes."""
     height, width = len(rows), len(columns)
@@ -317,13 +317,13 @@ def _shuffle(words: Bits, result: Bits, step: int, low: np.uint64) -> None:
         result[2 * k + 1] = ((first >> shift) & low) | (second & ~low)
 
 
-@compiled
+@compiled_loop
 def first_bit(word: np.uint64) -> int:
     """Return the place of the lowest bit that is set, of a word that is not 0."""
     return int(_PLACES[((word & (~word + _ONE)) * _DE_BRUIJN) >> np.uint64(58)])
 
 
-@compiled
+@compiled_loop
 def last_bit(word: np.uint64) -> int:
     """Return the place of the highest bit that is set, of a word that is not 0."""
     for shift in (1, 2, 4, 8, 16, 32):

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.maps.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits, is_set
@@ -84,7 +84,7 @@ def segment_clearance(
         reach = min(4.0 * reach, farthest)
 
 
-@compiled
+@compiled_loop
 def _least_distance(
     blocked: Bits, width: int, ax: float, ay: float, bx: float, by: float, reach: float
 ) -> float:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 
 Bits = NDArray[np.uint64]
 
@@ -33,7 +33,7 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
     return result
 
 
-@compiled
+@compiled_loop
 def _dilate(rows: Bits, reaches: NDArray[np.int64], wide: Bits, result: Bits) -> None:
     """Add what is near to a result; `wide` is a row for notes."""
     height, words = rows.shape

@@ -6,14 +6,14 @@ from __future__ import annotations
 
 import math
 
-from quad_common.compiled import compiled
+from quad_common.compiled import compiled_loop
 from quad_planner.grid.bit_grid import Bits, is_set
 
 _EPSILON = 1e-9
 """Segments that come so near to a cell only touch it [cells]."""
 
 
-@compiled
+@compiled_loop
 def sees(forbidden: Bits, width: int, x0: float, y0: float, x1: float, y1: float) -> bool:
     """
     Return whether a segment stays within allowed cells and their edges.

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part, inlined_part
+from quad_common.compiled import compiled_loop, compiled_part, inlined_part
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bit_grid import BitMask, Bits, is_set
 
@@ -53,7 +53,7 @@ def mesh_moves(
     return candidates, exits
 
 
-@compiled
+@compiled_loop
 def _lay(
     forbidden: Bits,
     width: int,
@@ -99,7 +99,7 @@ def _is_allowed(forbidden: Bits, width: int, x: float, y: float) -> bool:
     )
 
 
-@compiled
+@compiled_loop
 def segment_allowed(forbidden: Bits, width: int, x: float, y: float, dx: float, dy: float) -> bool:
     """
     Return whether a segment stays in allowed cells all along.

@@ -15,7 +15,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -207,7 +207,7 @@ def turns_saved(cells: NDArray[np.int64], forbidden: Bits) -> NDArray[np.int64]:
     return without_straights(kept[: _save_turns(kept, forbidden)])
 
 
-@compiled
+@compiled_loop
 def _save_turns(cells: NDArray[np.int64], forbidden: Bits) -> int:
     """Change a path; return how many of its places are left."""
     count, at = len(cells), 0

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quad_common.compiled import compiled
+from quad_common.compiled import compiled_loop
 from quad_planner.grid.array_types import Points
 from quad_planner.outline.heading_kernels import CLASSES, STEP
 from quad_planner.outline.outline_zones import Zones, leg_fits
@@ -88,7 +88,7 @@ def with_short_arcs(zones: Zones, points: Points, arcs: ArcTurns, resolution: fl
     return np.concatenate(kept)
 
 
-@compiled
+@compiled_loop
 def arc_fits(zones: Zones, x: float, y: float, heading: float, turn: float, tangent: float) -> bool:
     """
     Return whether the robot fits along a circle that rounds a corner.

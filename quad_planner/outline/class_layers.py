@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from quad_common.compiled import compiled
+from quad_common.compiled import compiled_loop
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.outline.heading_kernels import CLASSES, Integers, Kernels
 
@@ -52,7 +52,7 @@ def class_layers(blocked: Bits, width: int, kernels: Kernels) -> Bits | None:
     return layers
 
 
-@compiled
+@compiled_loop
 def _spread(blocked: Bits, spread: Bits) -> None:
     """
     Mark from where an obstacle is at most so many cells ahead along the row, for each number.
@@ -71,7 +71,7 @@ def _spread(blocked: Bits, spread: Bits) -> None:
                 spread[y, far, at] = spread[y, 0, at] | moved
 
 
-@compiled
+@compiled_loop
 def _lay(spread: Bits, low: Integers, high: Integers, layers: Bits) -> None:
     """Add up what the rows of each class's kernel hold."""
     height, words = layers.shape[1], layers.shape[2]

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, inlined_part
+from quad_common.compiled import compiled_loop, inlined_part
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 from quad_planner.outline.heading_moves import Moves, is_between_rooms, may_move
 from quad_planner.outline.outline_zones import Zones, fits, is_narrow, is_room
@@ -57,6 +57,8 @@ class _Reached(NamedTuple):
     """States that wait, 73 cell + class; the last comes first."""
     counts: Integers
     """Numbers, see `_USED`."""
+    turned: Integers
+    """Notes of one state: classes to which the robot may turn."""
 
 
 class Flood:
@@ -88,6 +90,7 @@ class Flood:
             np.zeros((_ROOM_AT_FIRST, _STATES), dtype=np.uint8),
             np.empty(4 * _ROOM_AT_FIRST, dtype=np.int64),
             np.array([1, 0, 0]),
+            np.empty(_MOST_TURNS, dtype=np.int64),
         )
         self.is_too_large = False
         """Whether it takes too much memory to go on: whether there is a path is not known."""
@@ -195,18 +198,18 @@ def _turns(
     return CLASSES
 
 
-@compiled
+@compiled_loop
 def _is_room(zones: Zones, x: int, y: int) -> bool:
     return is_room(zones, x, y)
 
 
-@compiled
+@compiled_loop
 def _begin(zones: Zones, x: int, y: int, k: int, reached: _Reached) -> None:
     """Let the states at the goal wait from which the robot has its heading."""
     if is_room(zones, x, y):
         _come(zones, x, y, _ANY, reached)
         return
-    notes, turned = reached.records[_record(x, y, reached)], np.empty(_MOST_TURNS, dtype=np.int64)
+    notes, turned = reached.records[_record(x, y, reached)], reached.turned
     # After it nothing is walked: the turn may be small.
     for at in range(_turns(zones, x, y, k, 1, notes, turned)):
         _come(zones, x, y, turned[at], reached)
@@ -238,7 +241,7 @@ def _leads(zones: Zones, moves: Moves, x: int, y: int, move: int) -> bool:
     return may_move(zones, moves, x, y, move, move)
 
 
-@compiled
+@compiled_loop
 def _flood(
     zones: Zones,
     moves: Moves,
@@ -247,7 +250,7 @@ def _flood(
     states: int,
 ) -> int:
     """Go on against the moves, for so many states: ``DONE``, ``PAUSED``, or ``FULL``."""
-    counts, turned = reached.counts, np.empty(_MOST_TURNS, dtype=np.int64)
+    counts, turned = reached.counts, reached.turned
     for _ in range(states):
         if not _has_room(reached):
             return FULL

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.robot_files.walking_time import WalkingTimeModel
 from quad_planner.grid.array_types import Points
 from quad_planner.outline.heading_kernels import CLASSES, STEP, Integers
@@ -120,6 +120,7 @@ def chosen_legs(
         np.full(shape, np.inf),
         before,
         np.empty(shape),
+        (np.empty(CLASSES, dtype=np.int64), np.empty(count, dtype=np.int64)),
     )
     if last < 0:
         return None
@@ -219,7 +220,7 @@ def _may_overshoot(zones: Zones, x: float, y: float, heading: float, costs: LegC
     return leg_fits(zones, x, y, to_x, to_y, _class(heading))
 
 
-@compiled
+@compiled_loop
 def _choose(
     zones: Zones,
     points: Floats,
@@ -231,6 +232,7 @@ def _choose(
     cheapest: Floats,
     before: Integers,
     headings: Floats,
+    notes: tuple[Integers, Integers],
 ) -> int:
     """
     Fill costs of legs and the turning points before them; return the one before the goal.
@@ -238,11 +240,10 @@ def _choose(
     Of legs from a to b they are at [a, b - a].
     """
     count = len(points)
-    fitting = np.empty(CLASSES, dtype=np.int64)
+    # By the place before: whether the robot may overshoot, -1 where that was not looked at.
+    fitting, may_overshoot = notes
     best, last = np.inf, -1
     begin = 0
-    # By the place before: whether the robot may overshoot, -1 where that was not looked at.
-    may_overshoot = np.empty(count, dtype=np.int64)
     for at in range(count):
         # Legs from places before it pass over too many.
         while ranks[at] - ranks[begin] > window:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -110,6 +110,8 @@ class Reached(NamedTuple):
     """State from which it was reached; of the first its own."""
     counts: Integers
     """Places in use, the state at the goal plus one, expansions."""
+    fitting: Integers
+    """Notes of one expansion: which classes fit."""
 
 
 def free_for_smallest(inner: Mask) -> Mask:
@@ -234,6 +236,7 @@ def _table(size: int) -> Reached:
         np.empty(size, dtype=np.int64),
         np.empty(size, dtype=np.int64),
         np.zeros(3, dtype=np.int64),
+        np.empty(CLASSES, dtype=np.int64),
     )
 
 
@@ -247,7 +250,7 @@ def _place(states: Integers, state: int) -> int:
     return at
 
 
-@compiled
+@compiled_loop
 def _copy(old: Reached, new: Reached) -> None:
     """Put all states into a larger table."""
     for at in range(len(old.states)):
@@ -280,7 +283,7 @@ def _reach(
     push(queue.heads, queue.entries, queue.state, state, length, bucket)
 
 
-@compiled
+@compiled_loop
 def _begin(zones: Zones, ends: Ends, left: Integers, reached: Reached, queue: BucketQueue) -> None:
     """Let the start wait."""
     in_room = is_room(zones, ends.x, ends.y) and not ends.keeps_heading
@@ -292,7 +295,7 @@ def _begin(zones: Zones, ends: Ends, left: Integers, reached: Reached, queue: Bu
     _reach(state, 0, state, ahead, reached, queue)
 
 
-@compiled
+@compiled_loop
 def _search(
     every: int,
     zones: Zones,
@@ -307,7 +310,7 @@ def _search(
 
     Returns ``DONE``, ``PAUSED``, or ``FULL`` if the queue must grow.
     """
-    fitting = np.empty(CLASSES, dtype=np.int64)
+    fitting = reached.fitting
     for _ in range(_AT_A_TIME):
         if is_empty(queue.state):
             return DONE

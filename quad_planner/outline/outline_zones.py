@@ -6,8 +6,7 @@ outline keeps its distance. On maps up to a size that is known of all cells and 
 (:mod:`~quad_planner.outline.class_layers`); on larger ones it is looked at when a search asks, and
 remembered.
 
-All of it lies in one array: compiled code counts references to each array that it hands on, which
-would take longer than the look itself.
+All of it lies in one array, so that compiled functions hand on few.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_planner.grid.bit_grid import Bits
 from quad_planner.outline.heading_kernels import CLASSES, Integers, Kernels
 
@@ -206,7 +205,7 @@ def has_room_to_turn(zones: Zones, x: int, y: int) -> bool:
     return k == CLASSES
 
 
-@compiled
+@compiled_loop
 def fits_in(zones: Zones, x: int, y: int, heading_class: int) -> bool:
     """Return whether the robot fits in a cell at a class of headings."""
     return fits(zones, x, y, heading_class)
@@ -231,7 +230,7 @@ def leg_fits(zones: Zones, x0: float, y0: float, x1: float, y1: float, heading_c
     return True
 
 
-@compiled
+@compiled_loop
 def fitting_classes(zones: Zones, x: int, y: int, result: Integers) -> int:
     """Fill an array of 72 with 1 where a class fits in a cell; return how many do."""
     count = 0

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitMask, Bits
@@ -263,7 +263,7 @@ def _distance(distances: Floats, x: float, y: float) -> tuple[float, float, floa
     return low + v * (high - low), (1.0 - v) * (b - a) + v * (d - c), high - low
 
 
-@compiled
+@compiled_loop
 def _potential(
     distances: Floats,
     resolution: float,
@@ -289,7 +289,7 @@ def _potential(
     return float(value)
 
 
-@compiled
+@compiled_loop
 def _gradient(
     distances: Floats,
     resolution: float,
@@ -335,7 +335,7 @@ def _lower(
     return _potential(distances, resolution, goal_x, goal_y, gains, new_x, new_y)
 
 
-@compiled
+@compiled_loop
 def _descend(
     distances: Floats,
     resolution: float,

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Mask, Points
 from quad_planner.grid.bit_grid import BitMask, Bits
@@ -143,7 +143,7 @@ def _march(
             return
 
 
-@compiled
+@compiled_loop
 def _expand(
     slowness: Floats,
     times: Floats,
@@ -249,7 +249,7 @@ def descend_times(
             return np.concatenate(parts)
 
 
-@compiled
+@compiled_loop
 def _descend(
     times: Floats, forbidden: Bits, goal_x: int, goal_y: int, state: Floats, points: Points
 ) -> tuple[int, bool]:

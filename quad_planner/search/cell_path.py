@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled
+from quad_common.compiled import compiled_loop
 
 Cells = NDArray[np.int64]
 
@@ -48,7 +48,7 @@ def without_straights(cells: Cells) -> Cells:
     return cells[: _drop_straights(cells)]
 
 
-@compiled
+@compiled_loop
 def _drop_straights(cells: Cells) -> int:
     """Move the places that are kept to the front, and count them."""
     last = len(cells) - 1

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part, inlined_part
+from quad_common.compiled import compiled_loop, compiled_part, inlined_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
@@ -161,16 +161,18 @@ def may_step(word: int, direction: int) -> bool:
 def _search(words: Integers, start: int, beyond: Beyond, check: Callable[[], None]) -> None:
     """Reach every cell; `start` is the place of a cell in `words`."""
     flat = words.reshape(-1)
+    width = words.shape[1]
+    offsets = np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, 1 - width])
     queue = bucket_queue((_WINDOW + DIAGONAL >> _BUCKET) + 1)
     flat[start] &= _KEPT
     push(*queue, start, 0, 0)
     while not is_empty(queue.state):
         queue = with_room(queue, _MOST_PUSHES)
-        _expand(flat, words.shape[1], ONWARD, beyond, *queue, _EXPANSIONS)
+        _expand(flat, offsets, ONWARD, beyond, *queue, _EXPANSIONS)
         check()
 
 
-@compiled
+@compiled_loop
 def _make_words(padded: NDArray[np.uint8], words: Integers) -> None:
     """Describe cells by their neighbours; `padded` is 1 where allowed, in a wall of 0."""
     height, width = padded.shape
@@ -194,7 +196,7 @@ def _make_words(padded: NDArray[np.uint8], words: Integers) -> None:
             words[y, x] = word if here[x] else _BLOCKED
 
 
-@compiled
+@compiled_loop
 def _keep_lengths(words: Integers) -> None:
     """Reduce words to their lengths."""
     for y in range(words.shape[0]):
@@ -203,10 +205,10 @@ def _keep_lengths(words: Integers) -> None:
             words[y, x] = length if length < _FAR else NOT_REACHED
 
 
-@compiled
+@compiled_loop
 def _expand(
     words: Integers,
-    width: int,
+    offsets: Integers,
     onward: NDArray[np.uint8],
     beyond: Beyond,
     heads: Integers,
@@ -219,7 +221,7 @@ def _expand(
 
     Returns after `most` of them, or when there is too little room for what may be pushed.
     """
-    offsets = np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, 1 - width])
+    width = offsets[2]
     for _ in range(most):
         if is_empty(state) or not has_room(entries, state, _MOST_PUSHES):
             return

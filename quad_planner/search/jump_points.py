@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_loop, compiled_part
 from quad_planner.grid.bit_grid import BitGrid, Bits, is_set
 from quad_planner.search.cell_path import CellPath, without_straights
 from quad_planner.search.cell_steps import DIAGONAL, DX, DY, ONWARD, STRAIGHT
@@ -112,7 +112,7 @@ def _around(rows: Bits, x: int, y: int) -> int:
     return pattern
 
 
-@compiled
+@compiled_loop
 def _search(
     rows: Bits,
     columns: Bits,

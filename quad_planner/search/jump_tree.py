@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 
 Records = NDArray[np.void]
 
@@ -85,7 +85,7 @@ def larger_tree(tree: Tree) -> Tree:
     return larger
 
 
-@compiled
+@compiled_loop
 def _fill_slots(nodes: Records, slots: NDArray[np.int32], count: int) -> None:
     for node in range(count):
         slots[slot_of(nodes, slots, nodes[node].x, nodes[node].y)] = node + 1

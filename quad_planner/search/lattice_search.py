@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, inlined_part
+from quad_common.compiled import compiled_loop, inlined_part
 from quad_planner.grid.bit_grid import BitGrid
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
@@ -180,7 +180,7 @@ def _begin(
             push(queue.heads, queue.entries, queue.state, state, 0, bucket)
 
 
-@compiled
+@compiled_loop
 def _search(
     words: Numbers,
     width: int,

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part, inlined_part
+from quad_common.compiled import compiled_loop, compiled_part, inlined_part
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
     bucket_queue,
@@ -195,7 +195,7 @@ def _octile(
     return lengths
 
 
-@compiled
+@compiled_loop
 def _go_back(
     mesh: Mesh,
     from_start: Integers,
@@ -243,7 +243,7 @@ def _go_back(
     return PAUSED
 
 
-@compiled
+@compiled_loop
 def _fewest_turns(
     mesh: Mesh,
     ends: Ends,

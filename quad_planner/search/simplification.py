@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.errors import ParameterError
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitMask, Bits
@@ -92,7 +92,7 @@ def all_seen(points: Points, forbidden: BitMask) -> bool:
     return bool(_all_seen(points, forbidden.words, forbidden.width))
 
 
-@compiled
+@compiled_loop
 def _all_seen(points: Points, forbidden: Bits, width: int) -> bool:
     for k in range(len(points) - 1):
         if not sees(
@@ -102,7 +102,7 @@ def _all_seen(points: Points, forbidden: Bits, width: int) -> bool:
     return True
 
 
-@compiled
+@compiled_loop
 def _go_on(
     points: Points,
     deviation: float,

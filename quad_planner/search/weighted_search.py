@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_loop, compiled_part
 from quad_planner.grid.array_types import Points
 from quad_planner.grid.bit_grid import BitGrid, BitMask, Bits, is_set
 from quad_planner.grid.bucket_queue import (
@@ -138,7 +138,7 @@ def straightened(
     return points[path_back(before.__getitem__, count - 1, 0)]
 
 
-@compiled
+@compiled_loop
 def line_cost(factors: Floats, x0: float, y0: float, x1: float, y1: float) -> float:
     """
     Integrate the factor along a segment.
@@ -176,7 +176,7 @@ def line_cost(factors: Floats, x0: float, y0: float, x1: float, y1: float) -> fl
     return float(total * length)
 
 
-@compiled
+@compiled_loop
 def _straighten(
     points: Floats,
     factors: Floats,
@@ -205,7 +205,7 @@ def _octile(cell: int, goal: int, width: int) -> int:
     return STRAIGHT * max(along, across) + (DIAGONAL - STRAIGHT) * min(along, across)
 
 
-@compiled
+@compiled_loop
 def _search(
     rows: Bits,
     width: int,

@@ -22,6 +22,7 @@ from quad_common.errors import (
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_planner.grid.array_types import Points
+from quad_planner.methods.planner_options import within
 from quad_planner.navigation.remaining_plan import remaining_plan
 from quad_planner.session.planning_session import PlanningSession
 from quad_planner.session.session_ports import Requests
@@ -55,6 +56,9 @@ _RETRY = 2.0
 
 _UNSEEN, _SLOWEST = 1.0, 0.1
 """Speed of another robot, and of this one, as long as they were not seen to walk [m/s]."""
+
+_LONGEST_ROUTE = 1.0
+"""Time that the search for a waiting robot's path may take: the node does nothing else [s]."""
 
 _MOVED = 0.15
 """Distance by which a robot that stands has to move for another route to be planned [m]."""
@@ -200,7 +204,8 @@ class Traffic:
         planner = self._session.map.planner
         self._routed_from, self._routed_on = pose, planner.prepared
         try:
-            self._route = planner.plan(pose, goal)
+            with within(_LONGEST_ROUTE):
+                self._route = planner.plan(pose, goal)
             self._has_route = True
         except PlannerError as error:
             # The path from before still says where the robot wants to go.

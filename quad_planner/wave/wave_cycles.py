@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from quad_common.compiled import compiled, compiled_part, inlined_part
+from quad_common.compiled import compiled_loop, compiled_part, inlined_part
 from quad_planner.grid.bit_grid import first_bit
 from quad_planner.search.cell_steps import DX, DY
 from quad_planner.search.distance_field import word_length
@@ -44,7 +44,7 @@ _COLUMN = (1 << 29) - 1
 _ONE = np.uint64(1)
 
 
-@compiled
+@compiled_loop
 def go_on(ground: WaveGround, costs: WaveCosts, tiles: WaveTiles, lists: WaveLists) -> int:
     """
     Go on with a wave for some cycles.

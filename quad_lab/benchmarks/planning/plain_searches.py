@@ -128,6 +128,32 @@ def least_cycles_over_points(
     return best
 
 
+def least_length_over_points(forbidden: BitMask, points: NDArray[np.float64]) -> float:
+    """
+    Measure the shortest path over all pairs of points that see each other.
+
+    The first two are start and goal [cells]; infinite without a path.
+    """
+    waiting = [(0.0, 0)]
+    least = np.full(len(points), math.inf)
+    least[0] = 0.0
+    done = np.zeros(len(points), dtype=np.bool_)
+    while waiting:
+        length, here = heapq.heappop(waiting)
+        if here == 1:
+            return length
+        if done[here]:
+            continue
+        done[here] = True
+        onward = length + np.hypot(*(points - points[here]).T)
+        # Only those to which it would be shorter are looked at.
+        for there in np.flatnonzero(onward < least).tolist():
+            if sees(forbidden.words, forbidden.width, *points[here], *points[there]):
+                least[there] = onward[there]
+                heapq.heappush(waiting, (float(onward[there]), there))
+    return math.inf
+
+
 def path_over_whole_mesh(mesh: Mesh, ends: Ends) -> list[int] | None:
     """Search crossings and bearings by length, then turns; of equal costs the first to wait."""
     columns = mesh.exits.shape[1]

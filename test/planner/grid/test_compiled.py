@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba.core.errors import NumbaError
 
-from quad_common.compiled import compiled, compiled_part
+from quad_common.compiled import compiled, compiled_loop, compiled_part
 
 ROOT = Path(__file__).parents[3]
 
@@ -105,3 +106,33 @@ def test_python_may_call_a_part_of_compiled_code():
     numbers = np.arange(10)
     _halves(numbers)
     assert numbers.tolist() == [_half(k) for k in range(10)]
+
+
+@compiled_loop
+def _add_up(rows, total):
+    for k in range(len(rows[0])):
+        row = rows[0][k]
+        for value in row:
+            total[0] += value
+
+
+def test_a_loop_holds_no_array_longer_than_its_call():
+    rows, total = np.ones((5, 7)), np.zeros(1)
+    # The first call compiles.
+    _add_up((rows,), total)
+    before = sys.getrefcount(rows), sys.getrefcount(total)
+    for _ in range(100):
+        _add_up((rows,), total)
+    assert (sys.getrefcount(rows), sys.getrefcount(total)) == before
+    assert total[0] == 101 * rows.sum()
+
+
+@compiled_loop
+def _make(count):
+    return np.zeros(count)
+
+
+def test_a_loop_that_makes_an_array_is_refused():
+    # Without counts nobody would ever give its memory back.
+    with pytest.raises(NumbaError):
+        _make(3)
