@@ -46,19 +46,33 @@ class BalancedMotion:
         When it begins [s].
     joints : ndarray, shape (4, 3)
         Where the joints are commanded then, at rest [rad].
+    body : BodyEstimate, optional
+        How it stands; level if not given.
     """
 
     def __init__(
-        self, robot: Robot, gait: Gait, options: BalanceOptions, start: float, joints: Array
+        self,
+        robot: Robot,
+        gait: Gait,
+        options: BalanceOptions,
+        start: float,
+        joints: Array,
+        body: BodyEstimate | None = None,
     ) -> None:
         self._robot, self._options = robot, options
         self._planner = FootPlanner(robot, gait, options)
         self._joint_planner = JointMotionPlanner(robot, options.speed_fraction)
         self._start = start
         still = math.ceil(options.reaction_time / options.knot_time - 1e-6) + 1
-        self.clock = PhaseClock.of(gait, self._time_of(still - 1))
+        begins = self._time_of(still - 1)
+        feet = robot.foot_positions(joints)
+        if body is None or body.slope.is_level:
+            plan = self._planner.at_rest(feet)
+        else:
+            begins += options.leaning * options.leaning_time
+            plan = self._planner.at_rest(feet, body.slope, body.roll, body.pitch)
+        self.clock = PhaseClock.of(gait, begins)
         """When feet swing."""
-        plan = self._planner.at_rest(robot.foot_positions(joints))
         self._first = 0
         self._knots = still * [plan]
         self._given = JointMotion(
@@ -157,7 +171,11 @@ class BalancedMotion:
         """Return the knot that still holds, and those after it that answer to a measurement."""
         plan = self._knots[place]
         roll, pitch = body.tilt_in(self._time_of(index) - time)
-        demand = Demand(pace, Pace(*body.velocity, body.turn), roll, pitch, self._trim)
+        slope = body.slope
+        demand = Demand(
+            pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
+            slope, self._trim,
+        )  # fmt: skip
         knots = [plan]
         for k in range(index, index + self._options.knots):
             times = self._time_of(k), self._time_of(k + 1)
@@ -173,7 +191,9 @@ class BalancedMotion:
         slowing = GRAVITY * options.slowing
         speed = math.hypot(*body.velocity)
         end = time
-        if speed > _LEAST_SPEED * self._unit or any(foot.roll or foot.pitch for foot in plan.feet):
+        slope = plan.slope
+        is_tilted = any(f.roll != slope.roll or f.pitch != slope.pitch for f in plan.feet)
+        if speed > _LEAST_SPEED * self._unit or is_tilted:
             end += max(clock.period, speed / slowing)
         clock = replace(clock, end=min(clock.end, end))
         plan = plan._replace(pace=Pace(*body.velocity, plan.pace.turn))
@@ -188,7 +208,7 @@ class BalancedMotion:
             # What stands is not to move by a trim.
             trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
             measured = Pace(ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn)
-            demand = Demand(STILL, measured, trim=trim)
+            demand = Demand(STILL, measured, slope=slope, trim=trim)
             times.append(times[-1] + options.rest_knot_time)
             plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
             knots.append(plan)

@@ -80,8 +80,9 @@ class BalancedTrot(Walk):
         assert done.step is not None
         gait = self._guidance.gait_pair.of(done.step).gait
         positions, _ = self._joints.gate.command(state.time, state.joints.reshape(-1))
+        body = self._estimate(state, np.ones(4, dtype=bool))
         self._motion = BalancedMotion(
-            self._robot, gait, self._balance, state.time, positions.reshape(4, 3)
+            self._robot, gait, self._balance, state.time, positions.reshape(4, 3), body
         )
         self._cycles.clear()
         self._stops_since = self._calm_since = math.inf
@@ -105,7 +106,7 @@ class BalancedTrot(Walk):
     def _balanced(self, state: RobotState, motion: BalancedMotion) -> Command:
         """Give out how it goes on."""
         self._pose = state.pose
-        body = self._estimate(state, motion)
+        body = self._estimate(state, motion.clock.in_stance(state.time))
         course = self._next_course(state)
         if motion.is_pushed(body):
             # It is caught where it is; what it was pushed off is taken back by the next steps.
@@ -123,7 +124,7 @@ class BalancedTrot(Walk):
             self._joints.busy_until = trajectory.end
         return Command(trajectory)
 
-    def _estimate(self, state: RobotState, motion: BalancedMotion) -> BodyEstimate:
+    def _estimate(self, state: RobotState, in_stance: NDArray[np.bool_]) -> BodyEstimate:
         assert state.imu is not None
         assert state.orientation is not None
         assert state.joint_velocities is not None
@@ -137,7 +138,7 @@ class BalancedTrot(Walk):
                 state.orientation,
                 state.imu.angular_velocity,
                 state.imu.specific_force,
-                motion.clock.in_stance(state.time),
+                in_stance,
             )
         )
 
@@ -201,7 +202,7 @@ class BalancedTrot(Walk):
     ) -> None:
         """Let no foot lift any more once nothing is wanted and the body is calm."""
         fastest = max(math.hypot(*body.velocity), math.hypot(pace.forward, pace.left))
-        is_calm = fastest < _CALM_SPEED * motion.unit and state.tilt < _CALM_TILT
+        is_calm = fastest < _CALM_SPEED * motion.unit and body.tilt < _CALM_TILT
         self._calm_since = min(self._calm_since, state.time) if is_calm else math.inf
         waited = state.time - self._stops_since
         if waited < motion.clock.period:
