@@ -16,6 +16,7 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
 from quad_gait.balance.foot_plan import Demand, FootPlan, FootPlanner
+from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
@@ -93,6 +94,11 @@ class BalancedMotion:
     def pace(self) -> Pace:
         """Velocity that is planned at the first knot that answers to the last measurement."""
         return self._knots[min(1, len(self._knots) - 1)].pace
+
+    @property
+    def slope(self) -> Slope:
+        """The ground by the last measurement."""
+        return self._knots[-1].slope
 
     def footholds(self) -> Array:
         """Return where the feet land next, or have landed, beside the body, (4, 3) [m]."""

@@ -108,6 +108,8 @@ class BodyEstimator:
         self._bias: Array = np.zeros(2)
         self.loads: Array | None = None
         """Vertical forces on the feet at the last measurement, shape (4,) [N]; None if unknown."""
+        self.bears: NDArray[np.bool_] = np.ones(4, dtype=bool)
+        """Which feet stood and bore load at the last measurement, shape (4,)."""
 
     def update(self, reading: BodyReading) -> BodyEstimate:
         """Take a measurement."""
@@ -117,6 +119,7 @@ class BodyEstimator:
         dt = reading.time - self._time
         self._time = reading.time
         weights = self._weights(reading, rotation)
+        self.bears = weights > 0.0
         if not 0.0 < dt <= self._options.longest_gap:
             self._velocity[:] = self._acceleration[:] = 0.0
             self._slope.forget()
@@ -131,7 +134,7 @@ class BodyEstimator:
             self._velocity += dt * (mean - self._bias)
             self._acceleration = acceleration
         feet = self._robot.foot_positions(reading.joints) @ rotation.T
-        self._slope.update(dt, turn, feet[weights > 0.0])
+        self._slope.update(dt, turn, feet[self.bears])
         slope = self._slope.slope
         if weights.any():
             by_legs = leg_velocity(self._robot, reading, rotation, weights, slope)

@@ -60,6 +60,13 @@ class BalancedTrot(Walk):
             return np.ones(4, dtype=bool)
         return self._motion.clock.in_stance(time)
 
+    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
+        """Return which feet stand and bear at a time [s], (4,), on a slope; None on level ground."""
+        motion = self._motion
+        if motion is None or time >= self._joints.busy_until or motion.slope.is_level:
+            return None
+        return motion.clock.in_stance(time) & self._estimator.bears
+
     def footholds(self) -> NDArray[np.float64]:
         """Return where the feet are to land, (4, 3) [m]; (0, 3) without a motion."""
         if self._motion is None:

@@ -100,13 +100,13 @@ def ground_of(robot: Robot, ground: str, seed: int) -> Terrain | None:
         yaw += SLOPES[ground]
     else:
         text = f'slope:angle={RAMPS[ground] * ANGLE:.4f},length=20,clear={clear:.3f}'
-    reach = 20.0 * size
+    reach = 32.0 * size
     return make_terrain(
         specs_from_text(text),
-        (-0.4 * reach, -0.5 * reach, reach, 0.5 * reach),
+        (-0.2 * reach, -0.4 * reach, reach, 0.4 * reach),
         Pose2D(0.0, 0.0, 0.0 if ground == BUMPS else yaw),
         level_at=((0.0, 0.0),),
-        resolution=min(0.02, 0.1 * size),
+        resolution=min(0.02, 0.15 * size),
     )
 
 
