@@ -14,8 +14,9 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
+from quad_gait.balance.feet import Demand, FootPlan
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
-from quad_gait.balance.foot_plan import Demand, FootPlan, FootPlanner
+from quad_gait.balance.foot_plan import FootPlanner
 from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.phase_clock import PhaseClock
@@ -114,6 +115,10 @@ class BalancedMotion:
         x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
         return math.hypot(x, y) > self._options.pushed * self._unit
 
+    def is_leaning(self, time: float) -> bool:
+        """Return whether a robot leans uphill at a time [s], before its first step on a slope."""
+        return time < self.clock.start and not self.slope.is_level
+
     def is_due(self, time: float) -> bool:
         """Return whether a decision is due at a time [s]."""
         return time >= self._decided + self._options.knot_time - 1e-6
@@ -145,7 +150,10 @@ class BalancedMotion:
         place = index - self._first
         if place >= len(self._knots):
             return None
-        self._adapt_trim(body, self._knots[place].pace, pace)
+        if self.is_leaning(time):
+            pace = STILL
+        else:
+            self._adapt_trim(body, self._knots[place].pace, pace)
         knots = self._answers(index, place, time, body, pace)
         times = [self._time_of(index + k) for k in range(len(knots))]
         rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)

@@ -5,7 +5,6 @@ The feet of a trotting robot at one knot, and at the next.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from quad_common.robot.robot import Robot
 from quad_common.rotations import matrix_from_angles
 from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.feet import Demand, Foot, FootPlan
 from quad_gait.balance.foot_laws import (
     GRAVITY,
     STILL,
@@ -23,72 +23,13 @@ from quad_gait.balance.foot_laws import (
     pendulum_time,
     swing_height,
     swing_on,
-    tilted_back,
 )
 from quad_gait.balance.ground_slope import LEVEL, Slope
+from quad_gait.balance.leg_rates import rolling_factors, swing_use
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
 
 Array = NDArray[np.float64]
-
-
-class Foot(NamedTuple):
-    """A foot at a knot, beside the level body."""
-
-    x: float
-    """Place of its center along x [m]."""
-    y: float
-    """The same along y [m]."""
-    z: float
-    """The same along z [m]."""
-    vx: float = 0.0
-    """Velocity along x while it swings [m/s]."""
-    vy: float = 0.0
-    """The same along y [m/s]."""
-    rise: float = 0.0
-    """Height above the plane of the ground of what it stands on, or left [m]."""
-    roll: float = 0.0
-    """Roll of the body that the leg makes up for [rad]."""
-    pitch: float = 0.0
-    """Pitch of the body that the leg makes up for [rad]."""
-    swings: bool = False
-    """Whether it swings."""
-    target: tuple[float, float] = (0.0, 0.0)
-    """Place where it lands, or has landed [m]."""
-
-    @property
-    def in_body(self) -> tuple[float, float, float]:
-        """Place in the body's axes [m]."""
-        return tilted_back(self.x, self.y, self.z, self.roll, self.pitch)
-
-
-class FootPlan(NamedTuple):
-    """The feet at a knot, and how fast the body is to be."""
-
-    feet: tuple[Foot, ...]
-    """Feet in the order of ``LEGS``."""
-    pace: Pace
-    """Velocity that is planned by now."""
-    slope: Slope = LEVEL
-    """The ground on which they are planned."""
-
-
-@dataclass(frozen=True)
-class Demand:
-    """What is to be done from one knot to the next."""
-
-    pace: Pace
-    """Velocity that is wanted."""
-    measured: Pace
-    """Velocity of the body."""
-    roll: float = 0.0
-    """Roll of the body, over that which it is to have [rad]."""
-    pitch: float = 0.0
-    """Pitch of the body, over that which it is to have [rad]."""
-    slope: Slope = LEVEL
-    """The ground."""
-    trim: tuple[float, float] = (0.0, 0.0)
-    """Velocity by which less is asked for than is wanted [m/s]."""
 
 
 class SwingTime(NamedTuple):
@@ -341,68 +282,6 @@ class FootPlanner:
             _toward(last.left, wanted.left, step),
             _toward(last.turn, wanted.turn, turn_step),
         )
-
-
-def swing_use(robot: Robot, gait: Gait) -> float:
-    """
-    Return how much of their largest speeds the joints need for a swing.
-
-    At its fastest a foot goes 1.5 L / T forward in the largest stride L, along a cubic, and
-    pi H / T up to its height H, in its time T; in the initial posture.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    gait : Gait
-        Its trot.
-
-    Returns
-    -------
-    float
-        Of the joint that needs most, as a fraction of its largest speed; for both together.
-    """
-    duration = min(swing.touchdown - swing.liftoff for swing in gait.swings)
-    per_speed = np.linalg.inv(robot.foot_jacobians(robot.initial_joint_angles))
-    per_speed = np.abs(per_speed / np.broadcast_to(robot.velocity, per_speed.shape[:2])[..., None])
-    ahead = 1.5 * robot.largest_stride * per_speed[..., 0].max()
-    up = math.pi * gait.swing_height * per_speed[..., 2].max()
-    return float(ahead + up) / duration
-
-
-def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """
-    Return what the ground's velocity beside the body is multiplied by for the feet's centers.
-
-    With a body at v the center of a foot that stands moves beside it by u, and rolls on its ball
-    of the radius r as the calf turns, by w = C J^-1 u: from u + v = r w x z follows
-    u = -(I - r [. x z] C J^-1)^-1 v; in the plane, and in the initial posture.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-
-    Returns
-    -------
-    list of tuple
-        A matrix of 2 rows for each foot.
-    """
-    joints = robot.initial_joint_angles
-    jacobians = robot.foot_jacobians(joints)
-    factors = []
-    for leg in range(len(joints)):
-        columns = []
-        for axis in range(2):
-            moves = np.zeros((len(joints), 3))
-            moves[leg, axis] = 1.0
-            solved = np.linalg.solve(jacobians, moves[..., None])
-            speeds = np.asarray(solved[..., 0], dtype=np.float64)
-            calf = robot.calf_angular_velocities(joints, speeds)[leg]
-            columns.append([robot.foot_radius * calf[1], -robot.foot_radius * calf[0]])
-        (a, b), (c, d) = np.linalg.inv(np.eye(2) - np.array(columns).T).tolist()
-        factors.append(((a, b), (c, d)))
-    return factors
 
 
 def _toward(value: float, wanted: float, step: float) -> float:

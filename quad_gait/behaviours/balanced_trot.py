@@ -115,7 +115,7 @@ class BalancedTrot(Walk):
         self._pose = state.pose
         body = self._estimate(state, motion.clock.in_stance(state.time))
         course = self._next_course(state)
-        if motion.is_pushed(body):
+        if motion.is_pushed(body) or motion.is_leaning(state.time):
             # It is caught where it is; what it was pushed off is taken back by the next steps.
             self._course = course = course.through(state.time, state.motion_pose)
             self._guidance.steering.lose_course()

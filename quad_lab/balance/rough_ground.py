@@ -110,7 +110,9 @@ def ground_of(robot: Robot, ground: str, seed: int) -> Terrain | None:
     )
 
 
-def trot_over(case: BalanceCase, ground: str, seed: int) -> GroundTrot:
+def trot_over(
+    case: BalanceCase, ground: str, seed: int, duration: float = _DURATION
+) -> GroundTrot:
     """
     Trot straight on over ground.
 
@@ -122,6 +124,8 @@ def trot_over(case: BalanceCase, ground: str, seed: int) -> GroundTrot:
         One of :data:`SLOPES`, or :data:`BUMPS`.
     seed : int
         Seed of the ground and of the sensors' errors.
+    duration : float
+        Time of the walk, with its start [s].
 
     Returns
     -------
@@ -130,9 +134,9 @@ def trot_over(case: BalanceCase, ground: str, seed: int) -> GroundTrot:
     walk = BalanceWalk(case, seed, lambda robot: ground_of(robot, ground, seed))
     loop = walk.loop
     try:
-        loop.run(_DURATION - loop.time, until=lambda: loop.record.has_fallen)
+        loop.run(duration - loop.time, until=lambda: loop.record.has_fallen)
         record = loop.record
-        asked = walk.speed * _DURATION
+        asked = walk.speed * duration
         angles = record.rolls_and_pitches
         apart = np.hypot(*(angles - angles.mean(axis=0)).T)
         progress = record.poses[-1].x / asked if asked else 1.0
