@@ -203,7 +203,9 @@ class FootPlanner:
         center, normal = self._center, slope.normal
         arms = np.array(self._neutral) - center
         arms[:, 2] = 0.0
-        places = (arms @ rotation.T + rotation @ center)[:, :2] + self._radius * np.array(normal[:2])
+        places = (arms @ rotation.T + rotation @ center)[:, :2] + self._radius * np.array(
+            normal[:2]
+        )
         return [(x, y, self._neutral[k][2]) for k, (x, y) in enumerate(places.tolist())]
 
     def _on(self, plan: FootPlan, slope: Slope) -> FootPlan:
@@ -211,7 +213,9 @@ class FootPlanner:
         if slope == plan.slope:
             return plan
         feet = tuple(
-            foot._replace(rise=foot.rise + plan.slope.rise(foot.x, foot.y) - slope.rise(foot.x, foot.y))
+            foot._replace(
+                rise=foot.rise + plan.slope.rise(foot.x, foot.y) - slope.rise(foot.x, foot.y)
+            )
             for foot in plan.feet
         )
         return plan._replace(feet=feet, slope=slope)

@@ -20,7 +20,7 @@ _STEEPEST = 0.45
 """Largest gradient that is believed."""
 
 _KEPT = 1e-3
-"""Weight of the last estimate, over that of feet a metre apart [m^2]."""
+"""Weight of the last estimate, over that of what feet have told."""
 
 
 class Slope(NamedTuple):
@@ -66,9 +66,9 @@ class SlopeEstimator:
     Follows the gradient g of the ground by recursive least squares.
 
     Feet that stand at the same instant lie on the ground: about their mean, with their places p
-    in the plane and their heights z, z = g p. Two feet tell of one line, and the next two of another.
-    What was told is forgotten with a time constant T (L. Ljung, *System Identification*, Prentice
-    Hall 1999, 11.2)::
+    in the plane and their heights z, z = g p. Two feet tell of one line, and the next two of
+    another. What was told is forgotten with a time constant T (L. Ljung, *System Identification*,
+    Prentice Hall 1999, 11.2)::
 
         A = e^(-dt / T) A + dt / T sum p p^T,   b = e^(-dt / T) b + dt / T sum p z,   A g = b
 
@@ -118,12 +118,12 @@ class SlopeEstimator:
         self._matrix += weight * apart[:, :2].T @ apart[:, :2]
         self._vector += weight * apart[:, :2].T @ apart[:, 2]
         # A line tells nothing across: there the last estimate is kept.
-        kept = _KEPT * float(np.trace(self._matrix))
-        solved = np.linalg.solve(
-            self._matrix + kept * np.eye(2), self._vector + kept * self._gradient
+        prior = _KEPT * float(np.trace(self._matrix))
+        solved: Array = np.linalg.solve(
+            self._matrix + prior * np.eye(2), self._vector + prior * self._gradient
         )
         size = math.hypot(*solved.tolist())
-        self._gradient = solved * min(1.0, _STEEPEST / max(size, 1e-9))
+        self._gradient = min(1.0, _STEEPEST / max(size, 1e-9)) * solved
 
     @property
     def slope(self) -> Slope:

@@ -61,7 +61,7 @@ class BalancedTrot(Walk):
         return self._motion.clock.in_stance(time)
 
     def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
-        """Return which feet stand and bear at a time [s], (4,), on a slope; None on level ground."""
+        """Return which feet stand and bear at a time [s], (4,), on a slope; else None."""
         motion = self._motion
         if motion is None or time >= self._joints.busy_until or motion.slope.is_level:
             return None

@@ -15,7 +15,7 @@ from rich.table import Table
 
 from quad_lab.balance.balance_case import BalanceCase
 from quad_lab.balance.pushes import Survival, survival, survivors
-from quad_lab.balance.rough_ground import BUMPS, SLOPES, trot_over
+from quad_lab.balance.rough_ground import BUMPS, RAMPS, SLOPES, trot_over
 from quad_lab.balance.steady import SteadyTrot, silences, steady_trot
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
@@ -258,17 +258,17 @@ def _silence(console: Console, quick: bool, seed: int) -> Bars:
 
 
 def _slopes(console: Console, quick: bool, seed: int) -> Bars:
-    """Trot up, down and across slopes."""
-    return _over_ground(tuple(SLOPES), 20, quick, seed)
+    """Trot up, down and across slopes, and over the edges where they begin."""
+    return _over_ground({**dict.fromkeys(SLOPES, 20), **dict.fromkeys(RAMPS)}, quick, seed)
 
 
 def _bumps(console: Console, quick: bool, seed: int) -> Bars:
     """Trot over bumps."""
-    return _over_ground((BUMPS,), 19, quick, seed)
+    return _over_ground({BUMPS: 19}, quick, seed)
 
 
-def _over_ground(grounds: tuple[str, ...], least: int, quick: bool, seed: int) -> Bars:
-    """Trot over each ground with sensors that err, and by plans too."""
+def _over_ground(grounds: dict[str, int | None], quick: bool, seed: int) -> Bars:
+    """Trot over each ground, as often as is wanted of it, with sensors that err; planned too."""
     count = 2 if quick else _WALKS
     cases = [
         BalanceCase(robot, speed=_ON_GROUND, is_noisy=True, keeps_balance=keeps)
@@ -278,14 +278,17 @@ def _over_ground(grounds: tuple[str, ...], least: int, quick: bool, seed: int) -
     whats = [(case, ground) for case in cases for ground in grounds]
     seeds = range(seed, seed + count)
     trots = iter(_in_workers(trot_over, [(*what, number) for what in whats for number in seeds]))
-    bars, details = [], {}
+    bars: list[Criterion] = []
+    details: dict[str, object] = {}
     for case, ground in whats:
         found = [next(trots) for _ in seeds]
         number = sum(trot.succeeds for trot in found)
         name = f'{case}: walks {ground}, of {count}'
-        wanted = math.floor(least * count / _WALKS)
-        keeps = case.keeps_balance
-        bars.append(at_least(name, number, '', wanted) if keeps else figure(name, number, ''))
+        least = grounds[ground] if case.keeps_balance else None
+        if least is None:
+            bars.append(figure(name, number, ''))
+        else:
+            bars.append(at_least(name, number, '', math.floor(least * count / _WALKS)))
         details[name] = [asdict(trot) for trot in found]
     return bars, details
 

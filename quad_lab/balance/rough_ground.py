@@ -16,10 +16,10 @@ from quad_sim.world.terrain import Terrain
 from quad_sim.world.terrain_spec import make_terrain, specs_from_text
 
 SLOPES = {'up': -math.pi / 2.0, 'down': math.pi / 2.0, 'across': 0.0}
-"""Slopes on which a robot starts, and the heading along which the ground rises to the left [rad]."""
+"""Slopes on which a robot starts, and the heading along which they rise to the left [rad]."""
 
 RAMPS = {'onto': 1.0, 'off': -1.0}
-"""Slopes which a robot comes upon, up and down."""
+"""Slopes that begin at an edge ahead of the robot, up and down, by the sign of their angle."""
 
 BUMPS = 'bumps'
 """Round bumps all over the ground."""
@@ -53,7 +53,7 @@ class GroundTrot:
     case: BalanceCase
     """Who, and how fast."""
     ground: str
-    """One of :data:`SLOPES`, or :data:`BUMPS`."""
+    """One of :data:`SLOPES`, of :data:`RAMPS`, or :data:`BUMPS`."""
     seed: int
     """Seed of the ground, of the heading and of the sensors' errors."""
     progress: float
@@ -78,7 +78,7 @@ def ground_of(robot: Robot, ground: str, seed: int) -> Terrain | None:
     robot : Robot
         The robot.
     ground : str
-        One of :data:`SLOPES`, or :data:`BUMPS`.
+        One of :data:`SLOPES`, of :data:`RAMPS`, or :data:`BUMPS`.
     seed : int
         Where things are, and at what angle a slope lies.
 
@@ -110,9 +110,7 @@ def ground_of(robot: Robot, ground: str, seed: int) -> Terrain | None:
     )
 
 
-def trot_over(
-    case: BalanceCase, ground: str, seed: int, duration: float = _DURATION
-) -> GroundTrot:
+def trot_over(case: BalanceCase, ground: str, seed: int, duration: float = _DURATION) -> GroundTrot:
     """
     Trot straight on over ground.
 
@@ -121,7 +119,7 @@ def trot_over(
     case : BalanceCase
         Who, and how fast.
     ground : str
-        One of :data:`SLOPES`, or :data:`BUMPS`.
+        One of :data:`SLOPES`, of :data:`RAMPS`, or :data:`BUMPS`.
     seed : int
         Seed of the ground and of the sensors' errors.
     duration : float
