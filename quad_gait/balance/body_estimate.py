@@ -40,6 +40,8 @@ class BodyReading:
     """What the accelerometer says, in the body's axes, shape (3,) [m/s^2]; None without one."""
     in_stance: NDArray[np.bool_]
     """Which feet are to stand, shape (4,)."""
+    tells_slope: bool = True
+    """Whether they tell of the ground: feet that slip and bounce do not."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ class BodyEstimator:
             self._velocity += dt * (mean - self._bias)
             self._acceleration = acceleration
         feet = self._robot.foot_positions(reading.joints) @ rotation.T
-        self._slope.update(dt, turn, feet[self.bears])
+        self._slope.update(dt, turn, feet[self.bears & reading.tells_slope])
         slope = self._slope.slope
         if weights.any():
             by_legs = leg_velocity(self._robot, reading, rotation, weights, slope)

@@ -49,6 +49,7 @@ class BalancedTrot(Walk):
         self._steered: Twist2D | None = None
         self._pose = Pose2D(0.0, 0.0, 0.0)
         self._stops_since = self._calm_since = math.inf
+        self._pushed_at = -math.inf
         self._is_ending = False
 
     def take(self, wish: Wish) -> None:
@@ -87,6 +88,7 @@ class BalancedTrot(Walk):
         assert done.step is not None
         gait = self._guidance.gait_pair.of(done.step).gait
         positions, _ = self._joints.gate.command(state.time, state.joints.reshape(-1))
+        self._pushed_at = -math.inf
         body = self._estimate(state, np.ones(4, dtype=bool))
         self._motion = BalancedMotion(
             self._robot, gait, self._balance, state.time, positions.reshape(4, 3), body
@@ -115,6 +117,8 @@ class BalancedTrot(Walk):
         self._pose = state.pose
         body = self._estimate(state, motion.clock.in_stance(state.time))
         course = self._next_course(state)
+        if motion.is_pushed(body):
+            self._pushed_at = state.time
         if motion.is_pushed(body) or motion.is_leaning(state.time):
             # It is caught where it is; what it was pushed off is taken back by the next steps.
             self._course = course = course.through(state.time, state.motion_pose)
@@ -146,8 +150,14 @@ class BalancedTrot(Walk):
                 state.imu.angular_velocity,
                 state.imu.specific_force,
                 in_stance,
+                tells_slope=not self._is_caught(state.time),
             )
         )
+
+    def _is_caught(self, time: float) -> bool:
+        """Return whether the robot was pushed within a cycle before a time [s]."""
+        motion = self._motion
+        return motion is not None and time < self._pushed_at + motion.clock.period
 
     def _next_course(self, state: RobotState) -> Course:
         """Return the course that holds now: the next one, if its time has come."""

@@ -7,9 +7,9 @@ import pytest
 
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.rotations import matrix_from_angles
-from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.balance_options import BalanceOptions, EstimateOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
-from quad_gait.balance.body_estimate import BodyEstimate
+from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import STILL, Pace
 from quad_gait.balance.foot_plan import FootPlanner
@@ -158,3 +158,16 @@ def test_level_ground_is_walked_as_if_no_slope_were_known():
     assert plain.clock == told.clock
     assert planner.at_rest(ROBOT.neutral_feet, LEVEL).feet[0].rise == 0.0
     assert not told.is_leaning(1.0)
+
+
+def test_feet_of_a_robot_that_is_pushed_tell_nothing_of_the_ground():
+    tilted = np.array([0.0, math.sin(0.1), 0.0, math.cos(0.1)])
+    stands, still = np.ones(4, dtype=bool), np.zeros(3)
+    found = {}
+    for tells in (True, False):
+        estimator = BodyEstimator(ROBOT, EstimateOptions())
+        joints, speeds = ROBOT.initial_joint_angles, np.zeros((4, 3))
+        reading = BodyReading(1.0, joints, speeds, None, tilted, still, None, stands, tells)
+        found[tells] = estimator.update(reading).slope
+    assert found[False] == LEVEL
+    assert found[True].pitch == pytest.approx(0.2, abs=2e-3)
