@@ -118,10 +118,10 @@ class SlopeEstimator:
         self._matrix += weight * apart[:, :2].T @ apart[:, :2]
         self._vector += weight * apart[:, :2].T @ apart[:, 2]
         # A line tells nothing across: there the last estimate is kept.
-        prior = _KEPT * float(np.trace(self._matrix))
-        solved: Array = np.linalg.solve(
-            self._matrix + prior * np.eye(2), self._vector + prior * self._gradient
-        )
+        prior = _KEPT * float(self._matrix.trace())
+        matrix = self._matrix + prior * np.eye(2)
+        told = np.linalg.solve(matrix, self._vector + prior * self._gradient)
+        solved: Array = np.asarray(told, dtype=np.float64)
         size = math.hypot(*solved.tolist())
         self._gradient = min(1.0, _STEEPEST / max(size, 1e-9)) * solved
 
