@@ -158,6 +158,10 @@ class Supervisor:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
         return self._routine.walk.in_contact_at(time)
 
+    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
+        """Return which feet stand at a time [s], (4,), where heights do not tell; else None."""
+        return self._routine.walk.contacts_at(time)
+
     def footholds(self) -> NDArray[np.float64]:
         """Return the footholds at the end of what is planned, (4, 3) [m]; (0, 3) for none."""
         return self._routine.walk.footholds()

@@ -21,6 +21,10 @@ class EstimateOptions:
     """Load from which on a foot counts, as a fraction of the robot's weight."""
     slip_fraction: float = 0.25
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
+    slope_memory: float = 3.0
+    """Time over which the ground's gradient is estimated, in units of sqrt(h / g)."""
+    slope_fraction: float = 1.0
+    """Fraction of the ground's tilt that the body takes: 0 stays level, 1 goes along."""
     longest_gap: float = 0.1
     """Time between two measurements, at most; after a longer one the body is taken to rest [s]."""
 
@@ -91,6 +95,10 @@ class BalanceOptions:
     speed_fraction: float = 0.68
     """Fraction of their largest speeds to which the joints of a leg are slowed that would exceed
     them: between two knots a cubic may be 1.5 times as fast as its mean."""
+    leaning_time: float = 0.1
+    """Time constant with which a robot that begins to trot on a slope first leans uphill [s]."""
+    leaning: float = 5.0
+    """Time for which it does, in units of that."""
     steps_in_place: bool = False
     """Whether a robot that is steered with no velocity trots in place, and does not stand."""
     estimate: EstimateOptions = field(default_factory=EstimateOptions)

@@ -14,8 +14,10 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
+from quad_gait.balance.feet import Demand, FootPlan
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
-from quad_gait.balance.foot_plan import Demand, FootPlan, FootPlanner
+from quad_gait.balance.foot_plan import FootPlanner
+from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
@@ -46,19 +48,33 @@ class BalancedMotion:
         When it begins [s].
     joints : ndarray, shape (4, 3)
         Where the joints are commanded then, at rest [rad].
+    body : BodyEstimate, optional
+        How it stands; level if not given.
     """
 
     def __init__(
-        self, robot: Robot, gait: Gait, options: BalanceOptions, start: float, joints: Array
+        self,
+        robot: Robot,
+        gait: Gait,
+        options: BalanceOptions,
+        start: float,
+        joints: Array,
+        body: BodyEstimate | None = None,
     ) -> None:
         self._robot, self._options = robot, options
         self._planner = FootPlanner(robot, gait, options)
         self._joint_planner = JointMotionPlanner(robot, options.speed_fraction)
         self._start = start
         still = math.ceil(options.reaction_time / options.knot_time - 1e-6) + 1
-        self.clock = PhaseClock.of(gait, self._time_of(still - 1))
+        begins = self._time_of(still - 1)
+        feet = robot.foot_positions(joints)
+        if body is None or body.slope.is_level:
+            plan = self._planner.at_rest(feet)
+        else:
+            begins += options.leaning * options.leaning_time
+            plan = self._planner.at_rest(feet, body.slope, body.roll, body.pitch)
+        self.clock = PhaseClock.of(gait, begins)
         """When feet swing."""
-        plan = self._planner.at_rest(robot.foot_positions(joints))
         self._first = 0
         self._knots = still * [plan]
         self._given = JointMotion(
@@ -80,6 +96,11 @@ class BalancedMotion:
         """Velocity that is planned at the first knot that answers to the last measurement."""
         return self._knots[min(1, len(self._knots) - 1)].pace
 
+    @property
+    def slope(self) -> Slope:
+        """The ground by the last measurement."""
+        return self._knots[-1].slope
+
     def footholds(self) -> Array:
         """Return where the feet land next, or have landed, beside the body, (4, 3) [m]."""
         return np.array([(*foot.target, 0.0) for foot in self._knots[-1].feet])
@@ -93,6 +114,10 @@ class BalancedMotion:
         pace = self.pace
         x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
         return math.hypot(x, y) > self._options.pushed * self._unit
+
+    def is_leaning(self, time: float) -> bool:
+        """Return whether a robot leans uphill at a time [s], before its first step on a slope."""
+        return time < self.clock.start and not self.slope.is_level
 
     def is_due(self, time: float) -> bool:
         """Return whether a decision is due at a time [s]."""
@@ -125,7 +150,10 @@ class BalancedMotion:
         place = index - self._first
         if place >= len(self._knots):
             return None
-        self._adapt_trim(body, self._knots[place].pace, pace)
+        if self.is_leaning(time):
+            pace = STILL
+        else:
+            self._adapt_trim(body, self._knots[place].pace, pace)
         knots = self._answers(index, place, time, body, pace)
         times = [self._time_of(index + k) for k in range(len(knots))]
         rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)
@@ -157,7 +185,11 @@ class BalancedMotion:
         """Return the knot that still holds, and those after it that answer to a measurement."""
         plan = self._knots[place]
         roll, pitch = body.tilt_in(self._time_of(index) - time)
-        demand = Demand(pace, Pace(*body.velocity, body.turn), roll, pitch, self._trim)
+        slope = body.slope
+        demand = Demand(
+            pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
+            slope, self._trim,
+        )  # fmt: skip
         knots = [plan]
         for k in range(index, index + self._options.knots):
             times = self._time_of(k), self._time_of(k + 1)
@@ -173,7 +205,9 @@ class BalancedMotion:
         slowing = GRAVITY * options.slowing
         speed = math.hypot(*body.velocity)
         end = time
-        if speed > _LEAST_SPEED * self._unit or any(foot.roll or foot.pitch for foot in plan.feet):
+        slope = plan.slope
+        is_tilted = any(f.roll != slope.roll or f.pitch != slope.pitch for f in plan.feet)
+        if speed > _LEAST_SPEED * self._unit or is_tilted:
             end += max(clock.period, speed / slowing)
         clock = replace(clock, end=min(clock.end, end))
         plan = plan._replace(pace=Pace(*body.velocity, plan.pace.turn))
@@ -188,7 +222,7 @@ class BalancedMotion:
             # What stands is not to move by a trim.
             trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
             measured = Pace(ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn)
-            demand = Demand(STILL, measured, trim=trim)
+            demand = Demand(STILL, measured, slope=slope, trim=trim)
             times.append(times[-1] + options.rest_knot_time)
             plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
             knots.append(plan)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from quad_common.robot.robot import Robot
 from quad_common.rotations import angles_from_quaternion, matrix_from_angles
 from quad_gait.balance.balance_options import EstimateOptions
-from quad_gait.balance.foot_laws import GRAVITY
+from quad_gait.balance.foot_laws import GRAVITY, pendulum_time
+from quad_gait.balance.ground_slope import LEVEL, Slope, SlopeEstimator
 from quad_gait.state.foot_forces import weight_torques
 
 Array = NDArray[np.float64]
@@ -39,6 +40,8 @@ class BodyReading:
     """What the accelerometer says, in the body's axes, shape (3,) [m/s^2]; None without one."""
     in_stance: NDArray[np.bool_]
     """Which feet are to stand, shape (4,)."""
+    tells_slope: bool = True
+    """Whether they tell of the ground: feet that slip and bounce do not."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +60,17 @@ class BodyEstimate:
     """Angular velocity about the level x axis [rad/s]."""
     pitch_rate: float
     """Angular velocity about the level y axis [rad/s]."""
+    slope: Slope = LEVEL
+    """The ground under its feet."""
 
     def tilt_in(self, time: float) -> tuple[float, float]:
         """Return roll and pitch so much later [s], turning on as it does [rad]."""
         return self.roll + time * self.roll_rate, self.pitch + time * self.pitch_rate
+
+    @property
+    def tilt(self) -> float:
+        """Angle by which it is off the attitude that it is to have over the ground [rad]."""
+        return math.hypot(self.roll - self.slope.roll, self.pitch - self.slope.pitch)
 
 
 class BodyEstimator:
@@ -90,6 +100,9 @@ class BodyEstimator:
         center = robot.center_of_mass(robot.initial_joint_angles)
         height = float(center[2] + robot.standing_height)
         self._slip = options.slip_fraction * math.sqrt(GRAVITY * height)
+        self._slope = SlopeEstimator(
+            options.slope_memory * pendulum_time(height), options.slope_fraction
+        )
         self._own_weight = weight_torques(robot, robot.initial_joint_angles, np.eye(3)[2])
         self._time = -math.inf
         self._velocity: Array = np.zeros(2)
@@ -97,6 +110,8 @@ class BodyEstimator:
         self._bias: Array = np.zeros(2)
         self.loads: Array | None = None
         """Vertical forces on the feet at the last measurement, shape (4,) [N]; None if unknown."""
+        self.bears: NDArray[np.bool_] = np.ones(4, dtype=bool)
+        """Which feet stood and bore load at the last measurement, shape (4,)."""
 
     def update(self, reading: BodyReading) -> BodyEstimate:
         """Take a measurement."""
@@ -106,8 +121,10 @@ class BodyEstimator:
         dt = reading.time - self._time
         self._time = reading.time
         weights = self._weights(reading, rotation)
+        self.bears = weights > 0.0
         if not 0.0 < dt <= self._options.longest_gap:
             self._velocity[:] = self._acceleration[:] = 0.0
+            self._slope.forget()
             dt = 0.0
         turn = float(rates[2]) * dt
         vx, vy = self._velocity.tolist()
@@ -118,15 +135,19 @@ class BodyEstimator:
             mean = (self._acceleration + acceleration) / 2.0
             self._velocity += dt * (mean - self._bias)
             self._acceleration = acceleration
+        feet = self._robot.foot_positions(reading.joints) @ rotation.T
+        self._slope.update(dt, turn, feet[self.bears & reading.tells_slope])
+        slope = self._slope.slope
         if weights.any():
-            error = leg_velocity(self._robot, reading, rotation, weights) - self._velocity
+            by_legs = leg_velocity(self._robot, reading, rotation, weights, slope)
+            error = by_legs - self._velocity
             trust = self._options.leg_gain / (1.0 + float(error @ error) / self._slip**2)
             self._velocity = self._velocity + trust * error
             bias = self._bias - dt * self._options.bias_gain * error
             self._bias = np.clip(bias, -self._options.largest_bias, self._options.largest_bias)
         return BodyEstimate(
             (float(self._velocity[0]), float(self._velocity[1])),
-            float(rates[2]), roll, pitch, float(rates[0]), float(rates[1]),
+            float(rates[2]), roll, pitch, float(rates[0]), float(rates[1]), slope,
         )  # fmt: skip
 
     def _weights(self, reading: BodyReading, rotation: Array) -> Array:
@@ -157,15 +178,17 @@ class BodyEstimator:
         return loads
 
 
-def leg_velocity(robot: Robot, reading: BodyReading, rotation: Array, weights: Array) -> Array:
+def leg_velocity(
+    robot: Robot, reading: BodyReading, rotation: Array, weights: Array, slope: Slope = LEVEL
+) -> Array:
     """
     Find the body's velocity by the feet that stand.
 
     With a foot's center p and its velocity J q' in the body, which turns with w, and the calf
-    turning with w_c in the world, a ball of the radius r that rolls on the ground has its center
-    move by r w_c x z; so the body moves by::
+    turning with w_c in the world, a ball of the radius r that rolls on ground with the normal n has
+    its center move by r w_c x n; so the body moves by::
 
-        v = r w_c x z - w x p - J q'
+        v = r w_c x n - w x p - J q'
 
     Parameters
     ----------
@@ -177,6 +200,8 @@ def leg_velocity(robot: Robot, reading: BodyReading, rotation: Array, weights: A
         From the body's axes to its level axes.
     weights : ndarray, shape (4,)
         How much each foot counts; not all 0.
+    slope : Slope
+        The ground.
 
     Returns
     -------
@@ -187,7 +212,8 @@ def leg_velocity(robot: Robot, reading: BodyReading, rotation: Array, weights: A
     feet = robot.foot_positions(joints)
     moving = np.einsum('kij,kj->ki', robot.foot_jacobians(joints), speeds)
     calves = robot.calf_angular_velocities(joints, speeds) + rates
-    velocities = robot.foot_radius * _cross(calves, rotation[2]) + _cross(feet, rates) - moving
+    normal = np.array(slope.normal) @ rotation
+    velocities = robot.foot_radius * _cross(calves, normal) + _cross(feet, rates) - moving
     level: Array = rotation @ (weights @ velocities / weights.sum())
     return level[:2]
 

@@ -5,14 +5,15 @@ The feet of a trotting robot at one knot, and at the next.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
+from quad_common.rotations import matrix_from_angles
 from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.feet import Demand, Foot, FootPlan
 from quad_gait.balance.foot_laws import (
     GRAVITY,
     STILL,
@@ -22,65 +23,13 @@ from quad_gait.balance.foot_laws import (
     pendulum_time,
     swing_height,
     swing_on,
-    tilted_back,
 )
+from quad_gait.balance.ground_slope import LEVEL, Slope
+from quad_gait.balance.leg_rates import rolling_factors, swing_use
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
 
 Array = NDArray[np.float64]
-
-
-class Foot(NamedTuple):
-    """A foot at a knot, beside the level body."""
-
-    x: float
-    """Place of its center along x [m]."""
-    y: float
-    """The same along y [m]."""
-    z: float
-    """The same along z [m]."""
-    vx: float = 0.0
-    """Velocity along x while it swings [m/s]."""
-    vy: float = 0.0
-    """The same along y [m/s]."""
-    roll: float = 0.0
-    """Roll of the body that the leg makes up for [rad]."""
-    pitch: float = 0.0
-    """Pitch of the body that the leg makes up for [rad]."""
-    swings: bool = False
-    """Whether it swings."""
-    target: tuple[float, float] = (0.0, 0.0)
-    """Place where it lands, or has landed [m]."""
-
-    @property
-    def in_body(self) -> tuple[float, float, float]:
-        """Place in the body's axes [m]."""
-        return tilted_back(self.x, self.y, self.z, self.roll, self.pitch)
-
-
-class FootPlan(NamedTuple):
-    """The feet at a knot, and how fast the body is to be."""
-
-    feet: tuple[Foot, ...]
-    """Feet in the order of ``LEGS``."""
-    pace: Pace
-    """Velocity that is planned by now."""
-
-
-@dataclass(frozen=True)
-class Demand:
-    """What is to be done from one knot to the next."""
-
-    pace: Pace
-    """Velocity that is wanted."""
-    measured: Pace
-    """Velocity of the body."""
-    roll: float = 0.0
-    """Roll of the body [rad]."""
-    pitch: float = 0.0
-    """Pitch of the body [rad]."""
-    trim: tuple[float, float] = (0.0, 0.0)
-    """Velocity by which less is asked for than is wanted [m/s]."""
 
 
 class SwingTime(NamedTuple):
@@ -107,6 +56,10 @@ class _Law(NamedTuple):
     """Velocity with which standing feet go."""
     excess: tuple[float, float]
     """Step to the capture point [m]."""
+    slope: Slope
+    """The ground."""
+    neutral: list[tuple[float, ...]]
+    """Places of the feet under a standing body [m]."""
 
 
 class FootPlanner:
@@ -132,6 +85,8 @@ class FootPlanner:
         self.capture_time = options.capture_gain * pendulum_time(self.height)
         """Length of the capture step over the error of the velocity [s]."""
         self._rate = 1.0 / pendulum_time(self.height)
+        self._center = center
+        self._radius = robot.foot_radius
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
         self._rolling = rolling_factors(robot)
         spare = 1.0 - options.speed_kept - swing_use(robot, gait)
@@ -142,10 +97,37 @@ class FootPlanner:
             fast * PhaseClock.of(gait).longest_swing,
         )
 
-    def at_rest(self, places: Array) -> FootPlan:
-        """Return the plan of a robot that stands level, its feet at places (4, 3) [m]."""
-        feet = tuple(Foot(x, y, z, target=(x, y)) for x, y, z in places.tolist())
-        return FootPlan(feet, STILL)
+    def at_rest(
+        self, places: Array, slope: Slope = LEVEL, roll: float = 0.0, pitch: float = 0.0
+    ) -> FootPlan:
+        """
+        Return the plan of a robot that stands.
+
+        Parameters
+        ----------
+        places : ndarray, shape (4, 3)
+            Its feet in the body's axes [m].
+        slope : Slope
+            The ground.
+        roll, pitch : float
+            Tilt of the body [rad].
+
+        Returns
+        -------
+        FootPlan
+        """
+        level = places
+        if roll or pitch:
+            level = places @ matrix_from_angles(np.array([roll, pitch, 0.0])).T
+        feet = tuple(
+            Foot(
+                x, y, z,
+                rise=0.0 if slope.is_level else z - self._neutral[k][2] - slope.rise(x, y),
+                roll=roll, pitch=pitch, target=(x, y),
+            )
+            for k, (x, y, z) in enumerate(level.tolist())
+        )  # fmt: skip
+        return FootPlan(feet, STILL, slope)
 
     def advance(
         self, plan: FootPlan, clock: PhaseClock, times: tuple[float, float], demand: Demand
@@ -171,6 +153,9 @@ class FootPlanner:
         dt = times[1] - times[0]
         pace = self._pace_after(plan.pace, demand.pace, dt)
         law = self._law(pace, demand, clock.pendulum_factor(sum(times) / 2.0, self._rate), dt)
+        plan = self._on(plan, demand.slope)
+        if times[0] < clock.start and not law.slope.is_level:
+            law = self._leaning(plan, law)
         before, after = clock.swing_phases(times[0]), clock.swing_phases(times[1])
         feet = []
         for k, foot in enumerate(plan.feet):
@@ -189,7 +174,7 @@ class FootPlanner:
             if swung < dt and fraction is None:
                 foot = self._standing(k, foot, dt - swung, law)
             feet.append(foot)
-        return FootPlan(tuple(feet), pace)
+        return FootPlan(tuple(feet), pace, demand.slope)
 
     def _law(self, pace: Pace, demand: Demand, factor: float, dt: float) -> _Law:
         """Return how feet move for a time [s], for a body that is to be faster than on average."""
@@ -203,7 +188,45 @@ class FootPlanner:
             aim.turn + options.turn_giving_way * (measured.turn - aim.turn),
         )
         excess = self.capture_time * error[0], self.capture_time * error[1]
-        return _Law(mean, given_way, excess)
+        return _Law(mean, given_way, excess, demand.slope, self._neutral_on(demand.slope))
+
+    def _neutral_on(self, slope: Slope) -> list[tuple[float, ...]]:
+        """
+        Return where the feet are under a standing body, as it is tilted over the ground [m].
+
+        Its hips move with it, and its center of mass; a ball touches the ground uphill of its
+        center.
+        """
+        if slope.is_level:
+            return self._neutral
+        rotation = matrix_from_angles(np.array([slope.roll, slope.pitch, 0.0]))
+        center, normal = self._center, slope.normal
+        arms = np.array(self._neutral) - center
+        arms[:, 2] = 0.0
+        places = (arms @ rotation.T + rotation @ center)[:, :2] + self._radius * np.array(
+            normal[:2]
+        )
+        return [(x, y, self._neutral[k][2]) for k, (x, y) in enumerate(places.tolist())]
+
+    def _on(self, plan: FootPlan, slope: Slope) -> FootPlan:
+        """Return the plan on ground that is known better by now; no foot jumps."""
+        if slope == plan.slope:
+            return plan
+        feet = tuple(
+            foot._replace(
+                rise=foot.rise + plan.slope.rise(foot.x, foot.y) - slope.rise(foot.x, foot.y)
+            )
+            for foot in plan.feet
+        )
+        return plan._replace(feet=feet, slope=slope)
+
+    def _leaning(self, plan: FootPlan, law: _Law) -> _Law:
+        """Return how feet move while the body leans to above them, on a slope, before it trots."""
+        apart = [(f.x - n[0], f.y - n[1]) for f, n in zip(plan.feet, law.neutral)]
+        rate = 1.0 / (len(apart) * self._options.leaning_time)
+        x, y = (rate * sum(place) for place in zip(*apart))
+        way = law.given_way
+        return law._replace(given_way=way._replace(forward=x, left=y), excess=(0.0, 0.0))
 
     def _drift(self, leg: int, x: float, y: float, pace: Pace) -> tuple[float, float]:
         """Return how fast a foot that stands at a place rolls by beside a body [m/s]."""
@@ -215,14 +238,17 @@ class FootPlanner:
         """Return a foot that stands for a time [s], with the part of its tilt that is kept."""
         vx, vy = self._drift(leg, foot.x, foot.y, law.given_way)
         kept = math.exp(-dt / self._options.righting_time)
+        x, y, rise, slope = foot.x + dt * vx, foot.y + dt * vy, kept * foot.rise, law.slope
         return Foot(
-            foot.x + dt * vx, foot.y + dt * vy, self._neutral[leg][2], vx, vy,
-            kept * foot.roll, kept * foot.pitch, False, foot.target,
+            x, y, self._neutral[leg][2] + slope.rise(x, y) + rise, vx, vy, rise,
+            slope.roll + kept * (foot.roll - slope.roll),
+            slope.pitch + kept * (foot.pitch - slope.pitch),
+            False, foot.target,
         )  # fmt: skip
 
     def _swinging(self, leg: int, foot: Foot, swing: SwingTime, law: _Law, demand: Demand) -> Foot:
         """Return a foot that swings for a time."""
-        options, neutral = self._options, self._neutral[leg]
+        options, neutral, slope = self._options, law.neutral[leg], law.slope
         target, dt = foot.target, swing.dt
         if not foot.swings or swing.left >= options.freeze_time:
             drift = self._drift(leg, neutral[0], neutral[1], law.mean)
@@ -243,9 +269,11 @@ class FootPlanner:
         lift = 0.0
         if swing.fraction is not None:
             lift = self._swing_height * swing_height(swing.fraction, options.easing)
+        rise = foot.rise * swing.left / (swing.left + dt)
         return Foot(
-            x, y, neutral[2] + lift, *speed,
-            options.leveling * demand.roll, options.leveling * demand.pitch,
+            x, y, neutral[2] + slope.rise(x, y) + rise + lift, *speed, rise,
+            slope.roll + options.leveling * demand.roll,
+            slope.pitch + options.leveling * demand.pitch,
             swing.fraction is not None, target,
         )  # fmt: skip
 
@@ -258,68 +286,6 @@ class FootPlanner:
             _toward(last.left, wanted.left, step),
             _toward(last.turn, wanted.turn, turn_step),
         )
-
-
-def swing_use(robot: Robot, gait: Gait) -> float:
-    """
-    Return how much of their largest speeds the joints need for a swing.
-
-    At its fastest a foot goes 1.5 L / T forward in the largest stride L, along a cubic, and
-    pi H / T up to its height H, in its time T; in the initial posture.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    gait : Gait
-        Its trot.
-
-    Returns
-    -------
-    float
-        Of the joint that needs most, as a fraction of its largest speed; for both together.
-    """
-    duration = min(swing.touchdown - swing.liftoff for swing in gait.swings)
-    per_speed = np.linalg.inv(robot.foot_jacobians(robot.initial_joint_angles))
-    per_speed = np.abs(per_speed / np.broadcast_to(robot.velocity, per_speed.shape[:2])[..., None])
-    ahead = 1.5 * robot.largest_stride * per_speed[..., 0].max()
-    up = math.pi * gait.swing_height * per_speed[..., 2].max()
-    return float(ahead + up) / duration
-
-
-def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """
-    Return what the ground's velocity beside the body is multiplied by for the feet's centers.
-
-    With a body at v the center of a foot that stands moves beside it by u, and rolls on its ball
-    of the radius r as the calf turns, by w = C J^-1 u: from u + v = r w x z follows
-    u = -(I - r [. x z] C J^-1)^-1 v; in the plane, and in the initial posture.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-
-    Returns
-    -------
-    list of tuple
-        A matrix of 2 rows for each foot.
-    """
-    joints = robot.initial_joint_angles
-    jacobians = robot.foot_jacobians(joints)
-    factors = []
-    for leg in range(len(joints)):
-        columns = []
-        for axis in range(2):
-            moves = np.zeros((len(joints), 3))
-            moves[leg, axis] = 1.0
-            solved = np.linalg.solve(jacobians, moves[..., None])
-            speeds = np.asarray(solved[..., 0], dtype=np.float64)
-            calf = robot.calf_angular_velocities(joints, speeds)[leg]
-            columns.append([robot.foot_radius * calf[1], -robot.foot_radius * calf[0]])
-        (a, b), (c, d) = np.linalg.inv(np.eye(2) - np.array(columns).T).tolist()
-        factors.append(((a, b), (c, d)))
-    return factors
 
 
 def _toward(value: float, wanted: float, step: float) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from quad_common.errors import GaitError, TrajectoryError
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.trajectory_gate import JointLimits
-from quad_gait.balance.foot_plan import FootPlan
+from quad_gait.balance.feet import FootPlan
 
 Array = NDArray[np.float64]
 

@@ -49,6 +49,7 @@ class BalancedTrot(Walk):
         self._steered: Twist2D | None = None
         self._pose = Pose2D(0.0, 0.0, 0.0)
         self._stops_since = self._calm_since = math.inf
+        self._pushed_at = -math.inf
         self._is_ending = False
 
     def take(self, wish: Wish) -> None:
@@ -59,6 +60,13 @@ class BalancedTrot(Walk):
         if self._motion is None or time >= self._joints.busy_until:
             return np.ones(4, dtype=bool)
         return self._motion.clock.in_stance(time)
+
+    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
+        """Return which feet stand and bear at a time [s], (4,), on a slope; else None."""
+        motion = self._motion
+        if motion is None or time >= self._joints.busy_until or motion.slope.is_level:
+            return None
+        return motion.clock.in_stance(time) & self._estimator.bears
 
     def footholds(self) -> NDArray[np.float64]:
         """Return where the feet are to land, (4, 3) [m]; (0, 3) without a motion."""
@@ -80,8 +88,10 @@ class BalancedTrot(Walk):
         assert done.step is not None
         gait = self._guidance.gait_pair.of(done.step).gait
         positions, _ = self._joints.gate.command(state.time, state.joints.reshape(-1))
+        self._pushed_at = -math.inf
+        body = self._estimate(state, np.ones(4, dtype=bool))
         self._motion = BalancedMotion(
-            self._robot, gait, self._balance, state.time, positions.reshape(4, 3)
+            self._robot, gait, self._balance, state.time, positions.reshape(4, 3), body
         )
         self._cycles.clear()
         self._stops_since = self._calm_since = math.inf
@@ -105,9 +115,11 @@ class BalancedTrot(Walk):
     def _balanced(self, state: RobotState, motion: BalancedMotion) -> Command:
         """Give out how it goes on."""
         self._pose = state.pose
-        body = self._estimate(state, motion)
+        body = self._estimate(state, motion.clock.in_stance(state.time))
         course = self._next_course(state)
         if motion.is_pushed(body):
+            self._pushed_at = state.time
+        if motion.is_pushed(body) or motion.is_leaning(state.time):
             # It is caught where it is; what it was pushed off is taken back by the next steps.
             self._course = course = course.through(state.time, state.motion_pose)
             self._guidance.steering.lose_course()
@@ -123,7 +135,7 @@ class BalancedTrot(Walk):
             self._joints.busy_until = trajectory.end
         return Command(trajectory)
 
-    def _estimate(self, state: RobotState, motion: BalancedMotion) -> BodyEstimate:
+    def _estimate(self, state: RobotState, in_stance: NDArray[np.bool_]) -> BodyEstimate:
         assert state.imu is not None
         assert state.orientation is not None
         assert state.joint_velocities is not None
@@ -137,9 +149,15 @@ class BalancedTrot(Walk):
                 state.orientation,
                 state.imu.angular_velocity,
                 state.imu.specific_force,
-                motion.clock.in_stance(state.time),
+                in_stance,
+                tells_slope=not self._is_caught(state.time),
             )
         )
+
+    def _is_caught(self, time: float) -> bool:
+        """Return whether the robot was pushed within a cycle before a time [s]."""
+        motion = self._motion
+        return motion is not None and time < self._pushed_at + motion.clock.period
 
     def _next_course(self, state: RobotState) -> Course:
         """Return the course that holds now: the next one, if its time has come."""
@@ -201,7 +219,7 @@ class BalancedTrot(Walk):
     ) -> None:
         """Let no foot lift any more once nothing is wanted and the body is calm."""
         fastest = max(math.hypot(*body.velocity), math.hypot(pace.forward, pace.left))
-        is_calm = fastest < _CALM_SPEED * motion.unit and state.tilt < _CALM_TILT
+        is_calm = fastest < _CALM_SPEED * motion.unit and body.tilt < _CALM_TILT
         self._calm_since = min(self._calm_since, state.time) if is_calm else math.inf
         waited = state.time - self._stops_since
         if waited < motion.clock.period:

@@ -116,6 +116,10 @@ class Walk(Behaviour):
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
 
+    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
+        """Return which feet stand at a time [s], (4,), where heights do not tell; else None."""
+        return None
+
     @abstractmethod
     def footholds(self) -> NDArray[np.float64]:
         """Return the footholds at the end of what is planned, (4, 3) [m]; (0, 3) for none."""

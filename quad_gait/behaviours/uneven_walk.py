@@ -65,6 +65,10 @@ class UnevenWalk(Walk):
         """Return which feet stand, by what was measured last, shape (4,)."""
         return np.ones(4, dtype=bool) if self._stride is None else self._stride.in_contact
 
+    def contacts_at(self, time: float) -> NDArray[np.bool_]:
+        """Return which feet stand, as :meth:`in_contact_at` does: they stand at any height."""
+        return self.in_contact_at(time)
+
     def footholds(self) -> NDArray[np.float64]:
         """Return the footholds at the end of the stride, (4, 3) [m]; (0, 3) without one."""
         return np.empty((0, 3)) if self._stride is None else self._stride.footholds

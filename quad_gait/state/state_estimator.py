@@ -23,8 +23,8 @@ from quad_gait.state.sensor_inputs import InputOptions, JointReadings, SensorInp
 
 Array = NDArray[np.float64]
 
-Contacts = Callable[[float], NDArray[np.bool_]]
-"""Which feet stand at a time [s], shape (4,)."""
+Contacts = Callable[[float], NDArray[np.bool_] | None]
+"""Which feet stand at a time [s], shape (4,); None for those that are the lowest."""
 
 _CLOCK_SET_BACK = 1.0
 """Time by which a measurement must be older than the last one for that [s]."""

@@ -5,12 +5,14 @@ A robot that keeps its balance, and what makes that harder.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.planar_pose import Twist2D
+from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import GaitSettings
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.balance.balance_options import BalanceOptions
@@ -21,6 +23,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.balance_loop import NO_NOISE, NOISY, BalanceLoop
 from quad_lab.closed_loop.controllers import controller_for
+from quad_sim.world.terrain import Terrain
 from quad_sim.world.world import World
 
 Array = NDArray[np.float64]
@@ -88,9 +91,16 @@ class BalanceWalk:
         Who, how fast, and what makes it harder.
     seed : int
         Seed of its sensors' errors.
+    ground : callable, optional
+        Makes the ground for the robot; level without it.
     """
 
-    def __init__(self, case: BalanceCase, seed: int = 0) -> None:
+    def __init__(
+        self,
+        case: BalanceCase,
+        seed: int = 0,
+        ground: Callable[[Robot], Terrain | None] | None = None,
+    ) -> None:
         robot = load_robot(case.robot)
         if case.period is not None:
             own = robot.gaits.get('trot', GaitSettings())
@@ -103,7 +113,11 @@ class BalanceWalk:
             balance=BalanceOptions(steps_in_place=True) if case.keeps_balance else None,
         )
         controller = controller_for(robot, gait, options)
-        world = World(np.empty((0, 4, 2)), friction=_SLIPPERY if case.is_slippery else 0.8)
+        world = World(
+            np.empty((0, 4, 2)),
+            friction=_SLIPPERY if case.is_slippery else 0.8,
+            terrain=None if ground is None else ground(robot),
+        )
         delay = (LATENCY if case.keeps_balance else 0.0) + _DELAY * case.is_late
         noise = NOISY if case.is_noisy else NO_NOISE
         self.loop = BalanceLoop(robot, controller, delay, noise, seed, world=world)

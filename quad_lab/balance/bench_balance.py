@@ -15,6 +15,7 @@ from rich.table import Table
 
 from quad_lab.balance.balance_case import BalanceCase
 from quad_lab.balance.pushes import Survival, survival, survivors
+from quad_lab.balance.rough_ground import BUMPS, RAMPS, SLOPES, trot_over
 from quad_lab.balance.steady import SteadyTrot, silences, steady_trot
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
@@ -52,6 +53,15 @@ _STEADY = 20.0
 """Time of a trot that nothing disturbs [s]."""
 
 _QUICK = ('a1', 0.3)
+
+_WALKERS = ('a1', 'genibo', 'cuhk')
+"""Robots that trot over slopes and bumps."""
+
+_ON_GROUND, _ON_GROUND_QUICK = 0.6, ('cuhk',)
+"""Fraction of the most speed at which they do, and which of them in a hurry."""
+
+_WALKS = 20
+"""Walks of each over each ground."""
 
 
 def measure(
@@ -247,11 +257,49 @@ def _silence(console: Console, quick: bool, seed: int) -> Bars:
     ], {str(case): number for case, number in zip(cases, stood)}
 
 
+def _slopes(console: Console, quick: bool, seed: int) -> Bars:
+    """Trot up, down and across slopes, and over the edges where they begin."""
+    return _over_ground({**dict.fromkeys(SLOPES, 20), **dict.fromkeys(RAMPS)}, quick, seed)
+
+
+def _bumps(console: Console, quick: bool, seed: int) -> Bars:
+    """Trot over bumps."""
+    return _over_ground({BUMPS: 19}, quick, seed)
+
+
+def _over_ground(grounds: dict[str, int | None], quick: bool, seed: int) -> Bars:
+    """Trot over each ground, as often as is wanted of it, with sensors that err; planned too."""
+    count = 2 if quick else _WALKS
+    cases = [
+        BalanceCase(robot, speed=_ON_GROUND, is_noisy=True, keeps_balance=keeps)
+        for keeps in (True, False)
+        for robot in (_ON_GROUND_QUICK if quick else _WALKERS)
+    ]
+    whats = [(case, ground) for case in cases for ground in grounds]
+    seeds = range(seed, seed + count)
+    trots = iter(_in_workers(trot_over, [(*what, number) for what in whats for number in seeds]))
+    bars: list[Criterion] = []
+    details: dict[str, object] = {}
+    for case, ground in whats:
+        found = [next(trots) for _ in seeds]
+        number = sum(trot.succeeds for trot in found)
+        name = f'{case}: walks {ground}, of {count}'
+        least = grounds[ground] if case.keeps_balance else None
+        if least is None:
+            bars.append(figure(name, number, ''))
+        else:
+            bars.append(at_least(name, number, '', math.floor(least * count / _WALKS)))
+        details[name] = [asdict(trot) for trot in found]
+    return bars, details
+
+
 PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
     'levels': _levels,
     'pushes': _pushes,
     'disturbed': _disturbed,
     'unpushed': _unpushed,
     'silence': _silence,
+    'slopes': _slopes,
+    'bumps': _bumps,
 }
 """What is measured, by the name for ``--only``."""

@@ -79,7 +79,7 @@ class BalanceLoop(ClosedLoop):
     ) -> None:
         super().__init__(robot, controller, **others)
         options = EstimatorOptions(has_leg_odometry=True, starts_at_origin=True)
-        self._estimator = StateEstimator(robot, options)
+        self._estimator = StateEstimator(robot, options, controller.contacts_at)
         self.locate = self._place_by_legs
         self._delay = delay
         self._noise = noise

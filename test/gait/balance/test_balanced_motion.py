@@ -13,9 +13,11 @@ from quad_gait.balance.balance_options import BalanceOptions, EstimateOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading, leg_velocity
 from quad_gait.balance.course import Course
+from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import Pace
-from quad_gait.balance.foot_plan import Demand, FootPlanner, rolling_factors, swing_use
+from quad_gait.balance.foot_plan import FootPlanner
 from quad_gait.balance.joint_motion import monotone_speeds, smooth_speeds
+from quad_gait.balance.leg_rates import rolling_factors, swing_use
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait

@@ -15,6 +15,7 @@ from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
 from quad_lab.balance.balance_case import BalanceCase, BalanceWalk
 from quad_lab.balance.pushes import apart, survivors
+from quad_lab.balance.rough_ground import trot_over
 from quad_lab.balance.steady import silences, steady_trot
 from quad_lab.closed_loop.balance_loop import NOISY, BalanceLoop
 from quad_lab.closed_loop.controllers import controller_for
@@ -45,6 +46,13 @@ def loop():
 def test_pushes_from_all_sides_are_survived():
     case = BalanceCase('cuhk', speed=0.0)
     assert survivors(case, 0.6, directions=4, phases=1) == 1.0
+
+
+@pytest.mark.parametrize('ground', ['up', 'across'])
+def test_slopes_are_walked(ground):
+    trot = trot_over(BalanceCase('cuhk', speed=0.6, is_noisy=True), ground, 1, duration=5.0)
+    assert trot.succeeds
+    assert math.degrees(trot.tilt) < 3.0
 
 
 def test_a_robot_that_receives_nothing_more_comes_to_stand_on_four_feet():
