@@ -131,7 +131,7 @@ PACKAGES = {
         Package('map_msgs', ('std_msgs',), 'planner_node takes updates of maps'),
         Package(
             'simulation_interfaces',
-            ('builtin_interfaces', 'std_msgs', 'geometry_msgs'),
+            ('builtin_interfaces', 'std_msgs', 'geometry_msgs', 'service_msgs'),
             'sim_node serves the services that simulators have in common',
         ),
         Package(

@@ -50,6 +50,7 @@ SHARED = {
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
     'plan_topics': ('gait_node',),
+    'entity_services': ('sim_node',),
     'gait_actions': ('gait_node',),
     'navigation_actions': ('planner_node',),
     'path_actions': ('planner_node',),

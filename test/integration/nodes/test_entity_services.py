@@ -5,14 +5,15 @@ from __future__ import annotations
 import pytest
 
 pytest.importorskip('rclpy')
-services = pytest.importorskip(
-    'simulation_interfaces.srv',
+pytest.importorskip(
+    'simulation_interfaces',
     reason='simulation_interfaces is not installed; make simulation builds it',
 )
 
 from geometry_msgs.msg import PoseStamped
 from harness import SENSOR, Bench
 from nav_msgs.msg import Odometry
+from simulation_interfaces import srv as services
 from simulation_interfaces.msg import Result, SimulationState, SimulatorFeatures
 from test_parameter_services import set_parameter, value_of
 
@@ -47,7 +48,7 @@ def spawn(bench, **fields):
     return answer.result.result, answer.entity_name
 
 
-def names(bench, **filters):
+def names(bench):
     return list(ask(bench, 'get_entities').entities)
 
 
