@@ -62,7 +62,7 @@ def test_a_definition_is_that_of_the_message_that_is_installed(path):
             name: kind_name.removeprefix('sequence<').removesuffix('>')
             for name, kind_name in each.get_fields_and_field_types().items()
         }
-        short = {'float32': 'float', 'bool': 'boolean'}
+        short = {'float32': 'float', 'float64': 'double', 'bool': 'boolean'}
         wanted = {
             name: short.get(kind_name, kind_name).removesuffix('[]')
             for name, kind_name in fields.items()

@@ -31,9 +31,9 @@ def bench(composed_bench: Bench) -> Bench:
     return composed_bench
 
 
-def ask(bench, name, **fields):
-    kind = getattr(services, ''.join(part.capitalize() for part in name.split('_')))
-    return bench.call(name, kind, kind.Request(**fields))
+def ask(bench, service, /, **fields):
+    kind = getattr(services, ''.join(part.capitalize() for part in service.split('_')))
+    return bench.call(service, kind, kind.Request(**fields))
 
 
 def at(x, y, yaw=0.0, frame='map'):

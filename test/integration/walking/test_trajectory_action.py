@@ -108,7 +108,7 @@ def test_a_robot_walks_by_goals_that_replace_one_another(walk):
     tolerances = walk.controller.goals[0].path_tolerance
     assert [each.name for each in tolerances] == walk.published[0].joint_names
     assert {each.position for each in tolerances} == {-1.0}
-    assert walk.problem == ''
+    walk.until(lambda: walk.problem == '')
 
     # The controller gives up: it is said, with its reason.
     code = actions.FollowJointTrajectory.Result.PATH_TOLERANCE_VIOLATED
