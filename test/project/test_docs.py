@@ -77,6 +77,9 @@ QUALITIES = {
 }
 """How the pages call what the code asks for; ``test_..._profiles_mean_...`` checks it."""
 
+CALLED = {'follow_joint_trajectory': ('gait_node', 'trajectory_action')}
+"""Pages of what others serve: the node that calls it, and its parameter with the name."""
+
 ROWS = {
     'create_publisher': 'published by',
     'create_subscription': 'subscribed by',
@@ -449,7 +452,11 @@ def test_every_page_of_an_interface_stands_in_the_index():
 
 
 def test_every_page_is_about_something_that_exists():
-    about = {page_of(interface).stem for interface in INTERFACES} | set(NODES)
+    about = {page_of(interface).stem for interface in INTERFACES} | set(NODES) | set(CALLED)
+    for page, (node, parameter) in CALLED.items():
+        assert f'`{node}`' in first_table(MSG_DOCS / f'{page}.md')['called by']
+        assert f'{page}.md' in set(links(MSG_DOCS / f'{node}.md'))
+        assert parameter in {each.name for each in parameters_of(TABLES[node])}
     assert {page.stem for page in MSG_DOCS.glob('*.md')} - {'README'} == about
 
 
