@@ -15,7 +15,7 @@ unexport PYTHONPATH PYTHONHOME LD_LIBRARY_PATH AMENT_PREFIX_PATH _ROS_WHEELS_BOO
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo view test smoke smokes bench lint lock site tf nav2 clean
+.PHONY: help venv demo view test smoke smokes bench lint lock site tf nav2 simulation control clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
@@ -28,6 +28,8 @@ help:
 	@echo 'make venv    set everything up in .venv, and nothing else'
 	@echo 'make tf      build tf2_msgs into .venv, so that the nodes publish tf (optional; CMake, a C++ compiler)'
 	@echo "make nav2    build nav2_msgs and map_msgs into .venv, for Nav2's actions and updates of maps (optional; the same)"
+	@echo 'make simulation  build simulation_interfaces into .venv, for services that spawn robots (optional; the same)'
+	@echo 'make control  build control_msgs into .venv, for controllers that take an action (optional; the same)'
 	@echo 'make lock    write requirements.lock anew (python3.10 to python3.13)'
 	@echo 'make clean   remove .venv and everything else that was built'
 	@echo "Arguments for the command behind a target: make test ARGS='-k gait'"
@@ -112,6 +114,12 @@ tf: venv
 
 nav2: venv
 	@$(BIN)/python tools/build_messages.py nav2_msgs map_msgs
+
+simulation: venv
+	@$(BIN)/python tools/build_messages.py simulation_interfaces
+
+control: venv
+	@$(BIN)/python tools/build_messages.py control_msgs
 
 clean:
 	rm -rf $(VENV) .venv-3.* build install log dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

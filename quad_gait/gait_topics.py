@@ -38,6 +38,7 @@ from quad_gait.ros_conversions import (
 from quad_gait.state.leg_odometry import LegOdometry
 from quad_gait.state.robot_state import RobotState
 from quad_gait.supervisor import Supervisor
+from quad_gait.trajectory_actions import TrajectoryGoals
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -75,6 +76,7 @@ class GaitTopics:
         self._followed: Plan | None = None
         self._last_footholds: NDArray[np.float64] | None = None
         self._trajectories = node.create_publisher(JointTrajectoryMessage, 'joint_trajectory', 10)
+        self._goals = TrajectoryGoals(node, parameters.trajectory_action)
         self._margins = node.create_publisher(Float64, 'stability_margin', 10)
         self._measured_margins = node.create_publisher(Float64, 'stability_margin/measured', 10)
         self._polygons = node.create_publisher(PolygonStamped, 'support_polygon', 10)
@@ -93,7 +95,7 @@ class GaitTopics:
 
     def problems(self) -> tuple[str, ...]:
         """Say what is wrong with who publishes what, as sentences; empty ones if nothing is."""
-        return self._cmd_vel_problem(), self._trajectory_problem()
+        return self._cmd_vel_problem(), self._trajectory_problem(), self._goals.problem()
 
     def _trajectory_problem(self) -> str:
         """Say that somebody else commands the same joints; empty if nobody does."""
@@ -132,10 +134,14 @@ class GaitTopics:
         self.publish_followed()
         self._publish_heartbeat(state.time, stamp)
 
-    def publish_trajectory(self, trajectory: JointTrajectory | None) -> None:
-        """Publish a trajectory, if there is one."""
+    def publish_trajectory(
+        self, trajectory: JointTrajectory | None, is_last: bool = False
+    ) -> None:
+        """Publish a trajectory, if there is one; the last one holds the joints in any case."""
         if trajectory is not None:
-            self._trajectories.publish(trajectory_message(trajectory))
+            message = trajectory_message(trajectory)
+            self._trajectories.publish(message)
+            self._goals.send(message, is_last)
 
     def publish_emergency_stop(self, is_on: bool) -> None:
         """Publish whether the emergency stop is on."""
@@ -276,7 +282,7 @@ class GaitServices:
             self._freeze()
 
     def _freeze(self) -> None:
-        self._topics.publish_trajectory(self._supervisor.freeze())
+        self._topics.publish_trajectory(self._supervisor.freeze(), is_last=True)
         self._tell(True)
 
     def _tell(self, is_on: bool) -> None:

@@ -129,6 +129,11 @@ class GaitParameters:
     stamped_cmd_vel: bool = parameter(
         False, 'Whether cmd_vel is a TwistStamped, as later ROS distributions have it.'
     )
+    trajectory_action: str = parameter(
+        '',
+        'Action of a joint controller, of type control_msgs/FollowJointTrajectory, to which '
+        'trajectories go as goals, besides the topic; empty: none.',
+    )
     settle_time: float = parameter(
         0.2, "After a cycle's end at rest, before the pose is measured.", 's', 0.0, 10.0
     )

@@ -6,16 +6,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from quad_common.errors import ParameterError
+from quad_common.errors import ParameterError, RobotNameTaken, RobotNotFound
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
 from quad_sim.fleet.shared_world import make_shared_world
 from quad_sim.fleet_simulation import FleetSimulation
-from quad_sim.fleet_text import NamedRobot, check_apart, placed, robots_from_text
+from quad_sim.fleet_text import (
+    NamedRobot,
+    check_apart,
+    placed,
+    robots_from_text,
+    text_from_robots,
+)
 from quad_sim.parameters import SimParameters
 from quad_sim.sim_session import SimSession
 from quad_sim.simulated_robot import SimulatedRobot
+from quad_sim.simulation import start_from
 
 _ONE_ONLY = ('camera', 'gui', 'failing_joint')
 """Parameters that are for a robot alone in its world."""
@@ -46,8 +53,8 @@ class FleetSession(SimSession):
             if getattr(parameters, name):
                 value = getattr(parameters, name)
                 raise ParameterError(name, value, "not set where 'robots' names several")
-        first = next(iter(self._wanted.values()))
-        super().__init__(parameters, load_robot(first.kind), clock)
+        kinds = [one.kind for one in self._wanted.values()] or [parameters.robot]
+        super().__init__(parameters, load_robot(kinds[0]), clock)
 
     def _build(self) -> None:
         p = self._parameters
@@ -89,6 +96,32 @@ class FleetSession(SimSession):
         self._spawn({n: one for n, one in wanted.items() if n not in self.robots}, gone)
         self._text = text
 
+    @property
+    def can_spawn(self) -> bool:
+        """Whether robots may come and go: they may."""
+        return True
+
+    @property
+    def robots_text(self) -> str:
+        """Robots that there are, as the parameter ``robots`` has them."""
+        return self._text
+
+    def spawn_robot(self, name: str, kind: str, start: Pose2D) -> None:
+        """Put a robot into the world; see :meth:`SimSession.spawn_robot`."""
+        one = NamedRobot(kind, start_from('initial_pose', (start.x, start.y, start.yaw)))
+        if name in self.robots:
+            raise RobotNameTaken(name)
+        text = text_from_robots({**self._wanted, name: one})
+        self._spawn({name: one})
+        self._text = text
+
+    def remove_robot(self, name: str) -> None:
+        """Take a robot out of the world; RobotNotFound if it is not there."""
+        if name not in self.robots:
+            raise RobotNotFound(name, self.robots)
+        self._spawn({}, [name])
+        self._text = text_from_robots(self._wanted)
+
     def plan_failure(self, parameters: SimParameters) -> None:
         """Raise ParameterError if a joint is to fail: it is not said whose."""
         if parameters.failing_joint:
@@ -117,6 +150,6 @@ class FleetSession(SimSession):
 
 def session_from_parameters(parameters: SimParameters, clock: Callable[[], float]) -> SimSession:
     """Make the session of one robot, or of those that ``robots`` names."""
-    if robots_from_text(parameters.robots):
+    if parameters.robots.strip():
         return FleetSession(parameters, clock)
     return SimSession(parameters, load_robot(parameters.robot), clock)

@@ -4,7 +4,6 @@ Which robots are in one world, as a user writes it: kinds, names and places.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,6 +13,7 @@ from quad_common.errors import ParameterError, PlaceTaken
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
+from quad_sim.entities.spawn_request import ROBOT_NAME
 from quad_sim.simulation import check_start, start_from
 
 _VALID = (
@@ -21,7 +21,8 @@ _VALID = (
     'left=cuhk@1,2,0; right=a1@4,2,3.14'
 )
 
-_NAME = re.compile(r'[A-Za-z]\w{0,60}', re.ASCII)
+NO_ROBOTS = 'none'
+"""Text of a world without robots, into which they may come."""
 
 _SPACING = 0.3
 """Distance that is left between robots that are put somewhere [m]."""
@@ -47,7 +48,8 @@ def robots_from_text(text: str) -> dict[str, NamedRobot]:
     Parameters
     ----------
     text : str
-        ``kind, kind, ...``, or ``name=kind@x,y,yaw; ...``, where name and place may be missing.
+        ``kind, kind, ...``, or ``name=kind@x,y,yaw; ...``, where name and place may be missing;
+        :data:`NO_ROBOTS` or nothing for none.
 
     Returns
     -------
@@ -59,16 +61,41 @@ def robots_from_text(text: str) -> dict[str, NamedRobot]:
     ParameterError
         If the text is nothing like it, or a name is there twice.
     """
+    if text.strip() == NO_ROBOTS:
+        return {}
     separator = ';' if ';' in text or '@' in text else ','
     robots: dict[str, NamedRobot] = {}
     for number, part in enumerate(filter(None, map(str.strip, text.split(separator))), 1):
         given, equals, rest = part.partition('=')
         name = given.strip() if equals else f'robot{number}'
         kind, at, place = (rest if equals else part).partition('@')
-        if not _NAME.fullmatch(name) or name in robots or not kind.strip():
+        if not ROBOT_NAME.fullmatch(name) or name in robots or not kind.strip():
             raise ParameterError('robots', text, _VALID)
         robots[name] = NamedRobot(kind.strip(), _pose(place, text) if at else None)
     return robots
+
+
+def text_from_robots(robots: Mapping[str, NamedRobot]) -> str:
+    """
+    Write robots so that they can be read again.
+
+    Parameters
+    ----------
+    robots : mapping of str to NamedRobot
+        By their names.
+
+    Raises
+    ------
+    ParameterError
+        If the file of one has a path that cannot be written.
+    """
+    parts = []
+    for name, one in robots.items():
+        at = '' if one.start is None else f'@{one.start.x!r},{one.start.y!r},{one.start.yaw!r}'
+        parts.append(f'{name}={one.kind}{at}')
+        if any(mark in one.kind for mark in ';,@') or one.kind != one.kind.strip():
+            raise ParameterError('uri', one.kind, "without ';', ',' and '@'")
+    return '; '.join(parts) or NO_ROBOTS
 
 
 def placed(

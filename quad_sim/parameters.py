@@ -20,7 +20,8 @@ class SimParameters:
         '',
         'Several robots in one world, each with its topics in a namespace: "titan_viii, cuhk, a1", '
         'or with names and places "left=cuhk@1,2,0; right=a1@4,2,3.14"; empty: the one of '
-        "'robot'. A change spawns those that are new, and removes those that are missing.",
+        "'robot'; 'none': a world without any. A change spawns those that are new, and removes "
+        'those that are missing.',
         is_dynamic=True,
     )
     map_file: str = parameter(

@@ -21,6 +21,7 @@ from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
 from quad_sim.engines.registry import AUTO, resolved
+from quad_sim.entities.entity_services import EntityServices
 from quad_sim.fleet_session import session_from_parameters
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
@@ -46,6 +47,7 @@ class SimNode(QuadNode[SimParameters]):
         self.create_subscription(PoseStamped, 'goal_marker', self._on_goal_marker, 10)
         self.create_service(Trigger, 'pause', self._on_pause)
         self.create_service(Trigger, 'unpause', self._on_unpause)
+        EntityServices(self, self._session)
         if p.backend == AUTO:
             self.get_logger().info(f"backend '{AUTO}': simulating with {resolved(AUTO)}")
         self._session.observe(self._topics)

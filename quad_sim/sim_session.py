@@ -11,11 +11,12 @@ from typing import Protocol
 
 import numpy as np
 
-from quad_common.errors import ParameterError
+from quad_common.errors import ParameterError, RobotIsAlone
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.status import Level, Status
 from quad_sim.engines.registry import make_simulator
+from quad_sim.engines.simulator import Observation
 from quad_sim.pacing import Pacing
 from quad_sim.parameters import SimParameters
 from quad_sim.scenery import appearance_from, camera_from, scenery_from
@@ -143,6 +144,49 @@ class SimSession:
         if text.strip():
             raise ParameterError('robots', text, 'empty, as it was when the node began')
 
+    @property
+    def can_spawn(self) -> bool:
+        """Whether robots may come and go."""
+        return False
+
+    def observations(self) -> dict[str, Observation]:
+        """Return the state of each robot by its name; one alone has that of its kind."""
+        return {
+            name or robot.robot.name: robot.simulation.observe()
+            for name, robot in self.robots.items()
+        }
+
+    @property
+    def robots_text(self) -> str:
+        """Robots that there are, as the parameter ``robots`` has them."""
+        return ''
+
+    def spawn_robot(self, name: str, kind: str, start: Pose2D) -> None:
+        """
+        Put a robot into the world.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+        kind : str
+            Name of one that is known, or path of its file.
+        start : Pose2D
+            Where it stands, in the map [m, m, rad].
+
+        Raises
+        ------
+        RobotIsAlone
+            If this simulation has one robot for good.
+        QuadError
+            If it cannot come; then all stays as it was.
+        """
+        raise RobotIsAlone()
+
+    def remove_robot(self, name: str) -> None:
+        """Take a robot out of the world; RobotNotFound or RobotIsAlone if it cannot go."""
+        raise RobotIsAlone()
+
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""
         self._alone.simulation.put_goal_marker(pose)
@@ -189,6 +233,11 @@ class SimSession:
     def reset(self, name: str) -> None:
         """Put a robot back to its start pose, its name being empty if it is alone."""
         self.robots[name].reset()
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether simulated time stands still."""
+        return self._is_paused
 
     def pause(self) -> None:
         """Let simulated time stand still."""

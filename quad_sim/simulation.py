@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,6 +93,20 @@ def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
         )
 
 
+class HasObstacles(Protocol):
+    """A world in which obstacles come and go."""
+
+    @property
+    def obstacles(self) -> Mapping[Hashable, Obstacle]:
+        """Those that stand there now, by name."""
+
+    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
+        """Put an obstacle, in the place of the one of that name if there is one."""
+
+    def remove_obstacle(self, name: Hashable) -> None:
+        """Take an obstacle away, if it is there."""
+
+
 @dataclass(frozen=True)
 class ObstacleChange:
     """An obstacle comes, moves or goes."""
@@ -113,6 +128,31 @@ def _count_after(changes: Iterable[ObstacleChange], standing: Iterable[Hashable]
         else:
             names.discard(change.name)
     return len(names)
+
+
+def change_empty_world(
+    world: HasObstacles, changes: Sequence[ObstacleChange], most: int | None = None
+) -> None:
+    """Put and remove obstacles where no robot is; see :meth:`Simulation.change_obstacles`."""
+    _check_count(changes, world, most)
+    _put_and_remove(changes, world)
+
+
+def _check_count(changes: Sequence[ObstacleChange], world: HasObstacles, most: int | None) -> None:
+    """Raise TooManyObstacles if there would be more than may be."""
+    count = _count_after(changes, world.obstacles)
+    if most is not None and count > max(most, len(world.obstacles)):
+        raise TooManyObstacles(count, most)
+
+
+def _put_and_remove(changes: Sequence[ObstacleChange], world: HasObstacles) -> None:
+    for change in changes:
+        if change.obstacle is not None:
+            world.put_obstacle(change.name, change.obstacle)
+        else:
+            gone = list(world.obstacles) if change.name is None else [change.name]
+            for name in gone:
+                world.remove_obstacle(name)
 
 
 class Simulation:
@@ -310,17 +350,9 @@ class Simulation:
         """
         changes = list(changes)
         world = self.check_solid('an obstacle')
-        count = _count_after(changes, world.obstacles)
-        if most is not None and count > max(most, len(world.obstacles)):
-            raise TooManyObstacles(count, most)
+        _check_count(changes, world, most)
         self.check_clear(changes)
-        for change in changes:
-            if change.obstacle is not None:
-                world.put_obstacle(change.name, change.obstacle)
-            else:
-                gone = list(world.obstacles) if change.name is None else [change.name]
-                for name in gone:
-                    world.remove_obstacle(name)
+        _put_and_remove(changes, world)
 
     def check_clear(self, changes: Iterable[ObstacleChange]) -> None:
         """Raise ObstacleOnRobot if an obstacle would stand where the robot is."""

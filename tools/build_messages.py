@@ -2,13 +2,16 @@
 Build packages of ROS messages that PyPI lacks into the environment that runs this program.
 
 PyPI has rclpy and the common messages, but not ``tf2_msgs``, without which the nodes cannot
-publish tf, ``nav2_msgs``, without which they serve no actions, and ``map_msgs``, without which
-a map is received as a whole only. The generators that build such packages are on PyPI, and
-``tools/interfaces`` has the definitions, of nav2_msgs those of the actions that are served.
+publish tf, ``nav2_msgs``, without which they serve no actions, ``map_msgs``, without which a map
+is received as a whole only, ``simulation_interfaces``, without which no service spawns a robot,
+and ``control_msgs``, without which trajectories go to controllers by topic only. The generators
+that build such packages are on PyPI, and ``tools/interfaces`` has the definitions, of large
+packages those that are used.
 This makes packages of them in a temporary environment, and installs the result into this one.
 A ROS 2 installation has them already and needs none of this.
 
-Usage: ``make tf``, ``make nav2``, or ``.venv/bin/python tools/build_messages.py NAME ...``. It
+Usage: ``make tf``, ``make nav2``, ``make simulation``, ``make control``, or
+``.venv/bin/python tools/build_messages.py NAME ...``. It
 takes a minute or two, CMake 3.20 and a C++ compiler.
 """
 
@@ -102,8 +105,8 @@ find_package(rosidl_default_generators REQUIRED)
 {found}
 
 # The packages of PyPI export an include folder that they do not contain.
-foreach(package builtin_interfaces std_msgs geometry_msgs nav_msgs action_msgs service_msgs
-        unique_identifier_msgs)
+foreach(package builtin_interfaces std_msgs geometry_msgs nav_msgs trajectory_msgs action_msgs
+        service_msgs unique_identifier_msgs)
   if(TARGET ${{package}}::${{package}}__rosidl_generator_py)
     set_target_properties(${{package}}::${{package}}__rosidl_generator_py
       PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
@@ -126,6 +129,16 @@ PACKAGES = {
             "planner_node and gait_node serve Nav2's actions",
         ),
         Package('map_msgs', ('std_msgs',), 'planner_node takes updates of maps'),
+        Package(
+            'simulation_interfaces',
+            ('builtin_interfaces', 'std_msgs', 'geometry_msgs', 'service_msgs'),
+            'sim_node serves the services that simulators have in common',
+        ),
+        Package(
+            'control_msgs',
+            ('builtin_interfaces', 'std_msgs', 'trajectory_msgs', 'action_msgs'),
+            'trajectories can go to a controller by its action',
+        ),
     )
 }
 """Packages that can be built, by name."""

@@ -143,7 +143,9 @@ def permissions(found: list[Page]) -> dict[str, dict[tuple[str, str], set[str]]]
             rights[VIEWER]['service', 'request'].add(page.name)
         for owner in page.names_in('served by'):
             rights[owner]['action', 'execute'].add(page.name)
-            operator['action', 'call'].add(page.name)
+            # What nodes call of one another moves joints, and is not for people.
+            for caller in page.names_in('called by') or (OPERATOR,):
+                rights[caller]['action', 'call'].add(page.name)
         if not page.rows.keys() & {'offered by', 'served by'}:
             operator['topic', 'subscribe'].add(page.name)
     for node in NODES:

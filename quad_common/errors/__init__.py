@@ -24,6 +24,14 @@ from quad_common.errors.descriptions import JointFiguresMissing as JointFiguresM
 from quad_common.errors.descriptions import LegNotFeasible as LegNotFeasible
 from quad_common.errors.descriptions import MeshNotFound as MeshNotFound
 from quad_common.errors.descriptions import NotAQuadruped as NotAQuadruped
+from quad_common.errors.entities import EntityNameInvalid as EntityNameInvalid
+from quad_common.errors.entities import EntityNamespaceInvalid as EntityNamespaceInvalid
+from quad_common.errors.entities import FilterUnsupported as FilterUnsupported
+from quad_common.errors.entities import NamePatternInvalid as NamePatternInvalid
+from quad_common.errors.entities import ResourceFormatUnknown as ResourceFormatUnknown
+from quad_common.errors.entities import ResourceMissing as ResourceMissing
+from quad_common.errors.entities import ResourceStringGiven as ResourceStringGiven
+from quad_common.errors.entities import RobotIsAlone as RobotIsAlone
 from quad_common.errors.files import FileEntryInvalid as FileEntryInvalid
 from quad_common.errors.files import FileUnusable as FileUnusable
 from quad_common.errors.gaits import CannotFollow as CannotFollow

@@ -22,6 +22,34 @@ _PACKAGES = (
 )  # fmt: skip
 """Packages of messages that the nodes need."""
 
+_OPTIONAL = (
+    (
+        'tf2_msgs',
+        'make tf',
+        'nodes publish no tf; recordings have it all the same',
+        'nodes publish tf',
+    ),
+    (
+        'nav2_msgs',
+        'make nav2',
+        "nodes serve none of Nav2's actions; goals go by topic",
+        "nodes serve Nav2's actions",
+    ),
+    (
+        'simulation_interfaces',
+        'make simulation',
+        "no service spawns robots; the parameter 'robots' does",
+        'sim_node serves what spawns robots',
+    ),
+    (
+        'control_msgs',
+        'make control',
+        'trajectories go to controllers by topic alone',
+        'trajectories can go to a controller by its action',
+    ),
+)
+"""Packages of messages that nodes do without: who builds each, what is without it and with it."""
+
 _INSTALL = "pip install 'quadwalk[ros]', or source a ROS 2 installation"
 
 _PATIENCE = 15.0
@@ -61,16 +89,11 @@ def check_ros() -> Iterator[Finding]:
     middleware = os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp')
     yield good('rclpy', f'{distribution}, {middleware}')
     yield good('network', reach_of(os.environ).rstrip('.'))
-    if importlib.util.find_spec('tf2_msgs') is None:
-        said = 'absent: nodes publish no tf; recordings have it all the same'
-        yield missing('tf2_msgs', said, 'make tf, or a ROS 2 installation')
-    else:
-        yield good('tf2_msgs', 'nodes publish tf')
-    if importlib.util.find_spec('nav2_msgs') is None:
-        said = "absent: nodes serve none of Nav2's actions; goals go by topic"
-        yield missing('nav2_msgs', said, 'make nav2, or a ROS 2 installation')
-    else:
-        yield good('nav2_msgs', "nodes serve Nav2's actions")
+    for package, target, without, effect in _OPTIONAL:
+        if importlib.util.find_spec(package) is None:
+            yield missing(package, f'absent: {without}', f'{target}, or a ROS 2 installation')
+        else:
+            yield good(package, effect)
     yield _round_trip()
 
 

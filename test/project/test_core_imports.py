@@ -25,7 +25,7 @@ SHELLS = {
 }  # fmt: skip
 """Modules whose work it is to talk to ROS or an engine, besides those of :data:`_SHELL_NAMES`."""
 
-_SHELL_NAMES = ('_node', '_conversions', '_topics', '_actions')
+_SHELL_NAMES = ('_node', '_conversions', '_topics', '_actions', '_services')
 
 ROS_COMMANDS = {
     'quad_lab.topic_walk.walk',
@@ -76,7 +76,7 @@ class Blocker:
         top = name.partition('.')[0]
         if top in {'rclpy', 'mujoco', 'pybullet', 'pybullet_utils', 'pybullet_data',
                    'builtin_interfaces', 'ament_index_python', 'rosidl_parser', 'launch',
-                   'rosbags', 'tf2_ros',
+                   'rosbags', 'tf2_ros', 'simulation_interfaces',
                    'std_srvs'} or top.endswith('_msgs'):
             raise ImportError(f'{name} is blocked')
 

@@ -50,6 +50,7 @@ SHARED = {
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
     'plan_topics': ('gait_node',),
+    'entity_services': ('sim_node',),
     'gait_actions': ('gait_node',),
     'navigation_actions': ('planner_node',),
     'path_actions': ('planner_node',),
@@ -75,6 +76,9 @@ QUALITIES = {
     'qos_profile_sensor_data': 'best effort, volatile, depth 5',
 }
 """How the pages call what the code asks for; ``test_..._profiles_mean_...`` checks it."""
+
+CALLED = {'follow_joint_trajectory': ('gait_node', 'trajectory_action')}
+"""Pages of what others serve: the node that calls it, and its parameter with the name."""
 
 ROWS = {
     'create_publisher': 'published by',
@@ -448,7 +452,11 @@ def test_every_page_of_an_interface_stands_in_the_index():
 
 
 def test_every_page_is_about_something_that_exists():
-    about = {page_of(interface).stem for interface in INTERFACES} | set(NODES)
+    about = {page_of(interface).stem for interface in INTERFACES} | set(NODES) | set(CALLED)
+    for page, (node, parameter) in CALLED.items():
+        assert f'`{node}`' in first_table(MSG_DOCS / f'{page}.md')['called by']
+        assert f'{page}.md' in set(links(MSG_DOCS / f'{node}.md'))
+        assert parameter in {each.name for each in parameters_of(TABLES[node])}
     assert {page.stem for page in MSG_DOCS.glob('*.md')} - {'README'} == about
 
 

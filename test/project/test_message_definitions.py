@@ -44,23 +44,25 @@ def test_a_package_has_definitions_of_no_type_that_it_does_not_depend_on(name):
         assert f'"{path.parent.name}/{path.name}"' in package.cmake
         for fields, _ in parts(path):
             types = {kind.partition('/')[0] for kind in fields.values() if '/' in kind}
-            assert types <= depends
+            assert types <= depends | {name}
         assert path.suffix != '.action' or 'action_msgs' in depends
+        assert path.suffix != '.srv' or 'service_msgs' in depends
 
 
 @pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
 def test_a_definition_is_that_of_the_message_that_is_installed(path):
     package, folder = path.parts[-3:-1]
-    pytest.importorskip(package, reason=f'{package} is not installed; make tf, make nav2')
+    pytest.importorskip(package, reason=f'{package} is not installed; see the Makefile')
     kind = getattr(importlib.import_module(f'{package}.{folder}'), path.stem)
-    types = (kind.Goal, kind.Result, kind.Feedback) if folder == 'action' else (kind,)
+    names = {'action': ('Goal', 'Result', 'Feedback'), 'srv': ('Request', 'Response')}
+    types = [getattr(kind, name) for name in names[folder]] if folder in names else [kind]
     assert len(parts(path)) == len(types)
     for (fields, constants), each in zip(parts(path), types, strict=True):
         installed = {
             name: kind_name.removeprefix('sequence<').removesuffix('>')
             for name, kind_name in each.get_fields_and_field_types().items()
         }
-        short = {'float32': 'float', 'bool': 'boolean'}
+        short = {'float32': 'float', 'float64': 'double', 'bool': 'boolean'}
         wanted = {
             name: short.get(kind_name, kind_name).removesuffix('[]')
             for name, kind_name in fields.items()

@@ -105,7 +105,11 @@ def test_only_people_and_the_camera_give_goals_and_only_people_call_services():
     assert '/stop' in allowed('operator', 'services', 'request')
     assert '/joint_trajectory' not in allowed('operator', 'topics', 'publish')
     assert '/navigate_to_pose' in allowed('operator', 'actions', 'call')
-    assert not any(allowed(node, 'actions', 'call') for node in (*NODES, 'robot'))
+    joints = '/joint_trajectory_controller/follow_joint_trajectory'
+    assert set(allowed('gait_node', 'actions', 'call')) == {joints}
+    assert joints in allowed('robot', 'actions', 'execute')
+    assert joints not in allowed('operator', 'actions', 'call')
+    assert not any(allowed(node, 'actions', 'call') for node in ({*NODES, 'robot'} - {'gait_node'}))
 
 
 def test_a_namespace_moves_all_but_what_is_absolute():

@@ -2,12 +2,22 @@
 
 import pytest
 
-from quad_common.errors import ParameterError, PlaceTaken
+from quad_common.errors import (
+    ParameterError,
+    PlaceTaken,
+    QuadError,
+    RobotIsAlone,
+    RobotNotFound,
+    RobotUnknown,
+    TooManyObstacles,
+)
 from quad_common.planar_pose import Pose2D
 from quad_sim.fleet_session import FleetSession, session_from_parameters
 from quad_sim.fleet_text import robots_from_text
 from quad_sim.parameters import SimParameters
 from quad_sim.sim_session import SimSession
+from quad_sim.simulation import ObstacleChange
+from quad_sim.world.world import Obstacle
 
 
 class Recorded:
@@ -112,3 +122,73 @@ def test_a_prefix_of_frames_goes_before_the_names_of_robots():
     running = session('a=a1@0,0,0; b=a1@2,0,0', frame_prefix='x_')
     frames = [robot.parameters.odom_frame for robot in running.robots.values()]
     assert frames == ['x_a/odom', 'x_b/odom']
+
+
+def test_robots_come_to_an_empty_world_and_leave_it():
+    running, output = session('none'), Recorded()
+    running.advance(output)
+    assert (running.robots, running.robots_text) == ({}, 'none')
+    assert output.clock
+    running.spawn_robot('left', 'a1', Pose2D(1.0, 2.0, 0.5))
+    running.advance(output)
+    assert output.readings['left'].truth.time == output.clock[-1]
+    assert running.observations()['left'].pose.x == pytest.approx(1.0, abs=1e-6)
+    running.remove_robot('left')
+    assert (running.robots, running.robots_text) == ({}, 'none')
+    with pytest.raises(RobotNotFound):
+        running.remove_robot('left')
+
+
+def test_the_text_of_robots_that_came_one_by_one_is_read_as_the_same_robots():
+    running = session('a1, cuhk')
+    running.spawn_robot('third', 'a1', Pose2D(-3.0, 1.0 / 3.0, 0.1))
+    text = running.robots_text
+    assert list(robots_from_text(text)) == ['robot1', 'robot2', 'third']
+    assert robots_from_text(text)['third'].start == Pose2D(-3.0, 1.0 / 3.0, 0.1)
+    before = dict(running.robots)
+    running.take_robots(text)
+    assert running.robots == before
+    again = session(text)
+    assert list(again.robots) == list(running.robots)
+
+
+def test_a_robot_that_cannot_come_changes_nothing():
+    running = session('a=a1@0,0,0')
+    before = running.robots_text
+    for name, kind, start in (
+        ('a', 'a1', Pose2D(3.0, 0.0, 0.0)),
+        ('b', 'a1', Pose2D(0.1, 0.0, 0.0)),
+        ('b', 'no_such', Pose2D(3.0, 0.0, 0.0)),
+        ('b', '/a;b.urdf', Pose2D(3.0, 0.0, 0.0)),
+        ('b', 'a1', Pose2D(1e300, 0.0, 0.0)),
+    ):
+        with pytest.raises(QuadError):
+            running.spawn_robot(name, kind, start)
+        assert (list(running.robots), running.robots_text) == (['a'], before)
+
+
+def test_a_robot_alone_stays_alone():
+    alone = session('')
+    assert not alone.can_spawn
+    for change in (
+        lambda: alone.spawn_robot('b', 'a1', Pose2D(3.0, 0.0, 0.0)),
+        lambda: alone.remove_robot('titan_viii'),
+    ):
+        with pytest.raises(RobotIsAlone, match='robots:=none'):
+            change()
+    assert list(alone.observations()) == ['titan_viii']
+
+
+@pytest.mark.parametrize('backend', ['bullet', 'mujoco'])
+def test_obstacles_come_to_a_world_without_robots(backend):
+    pytest.importorskip({'bullet': 'pybullet', 'mujoco': 'mujoco'}[backend])
+    made = SimParameters(backend=backend, map_file='none', robots='none')
+    running = session_from_parameters(made, lambda: 0.0)
+    box = Obstacle.box(Pose2D(1.0, 0.0, 0.0), 0.2, 0.2, 0.2)
+    running.simulation.change_obstacles([ObstacleChange('box', box)], 1)
+    assert list(running.simulation.obstacles) == ['box']
+    with pytest.raises(TooManyObstacles):
+        running.simulation.change_obstacles([ObstacleChange('other', box)], 1)
+    with pytest.raises(RobotUnknown):
+        running.spawn_robot('a', 'no_such', Pose2D(1.0, 0.0, 0.0))
+    running.close()
