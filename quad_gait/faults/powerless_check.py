@@ -1,10 +1,11 @@
 """
 Notices a joint without torque whose command is hidden by a trajectory that is followed no more.
 
-After each trajectory that is given out it takes a while until the earlier ones are void. What a joint
-without torque does by chance may fit one of them, or the transition into the latest, while all other
-joints follow the latest closely. How much worse that fits is summed up over time, as in Page's
-test (CUSUM): with the distance e of each joint from its command, in units of what sound joints may be off,
+After each trajectory that is given out it takes a while until the earlier ones are void. What a
+joint without torque does by chance may fit one of them, or the transition into the latest, while
+all other joints follow the latest closely. How much worse that fits is summed up over time, as in
+Page's test (CUSUM; Biometrika 41, 1954): with the distance e of each joint from its command, in
+units of what sound joints may be off,
 
     S <- max(0, S + dt * (sum of e^2 over all joints, of what would explain them
                           - sum of e^2 over all joints but one, of the latest trajectory - drift))

@@ -1,4 +1,4 @@
-"""Joint states of any driver: in any order, with other joints, and with what it does not measure."""
+"""Joint states of any driver: in any order, with other joints, without what is not measured."""
 
 import math
 
