@@ -81,7 +81,9 @@ class Parameter:
         if not self.default:
             valid += ', or none'
             lengths.add(0)
-        items = list(value) if isinstance(value, Iterable) else []
+        if isinstance(value, str) or not isinstance(value, Iterable):
+            raise ParameterError(self.name, value, valid)
+        items = list(value)
         are_numbers = all(isinstance(item, Real) and not isinstance(item, bool) for item in items)
         if len(items) not in lengths or not are_numbers or not all(map(math.isfinite, items)):
             raise ParameterError(self.name, value, valid)

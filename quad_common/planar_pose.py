@@ -15,6 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+_MOST_PAIRS = 100_000
+"""Number of pairs of a point and a segment whose distances are worked out at one time."""
+
 
 def wrap_angle(angle: float) -> float:
     """
@@ -187,13 +190,16 @@ def distances_to_polyline(
     ndarray, shape (m,)
         Distances [m].
     """
-    p = points[:, None]
     # A single corner is a segment without length.
     a, b = (corners[:-1], corners[1:]) if len(corners) > 1 else (corners, corners)
     ab = b - a
     squared = np.maximum(np.einsum('ij,ij->i', ab, ab), 1e-18)
-    t = np.clip(np.einsum('mij,ij->mi', p - a, ab) / squared, 0.0, 1.0)
-    distances: NDArray[np.float64] = np.min(
-        np.linalg.norm(a + t[..., None] * ab - p, axis=2), axis=1
-    )
+    distances = np.empty(len(points))
+    # In parts: long lines and many points would need gigabytes at once.
+    count = max(1, _MOST_PAIRS // len(a))
+    for first in range(0, len(points), count):
+        p = points[first : first + count, None]
+        t = np.clip(np.einsum('mij,ij->mi', p - a, ab) / squared, 0.0, 1.0)
+        apart = np.linalg.norm(a + t[..., None] * ab - p, axis=2)
+        distances[first : first + count] = np.min(apart, axis=1)
     return distances

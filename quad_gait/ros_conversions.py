@@ -17,7 +17,8 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
-from quad_common.errors import InvalidMessage, JointNotFound
+from quad_common.errors import InvalidMessage
+from quad_common.errors.quoting import quoted
 from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
@@ -96,33 +97,35 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
 
     Raises
     ------
-    JointNotFound
-        If a joint of the robot is missing.
     InvalidMessage
-        If there are not as many numbers as names, or they are not finite.
+        If a joint of the robot is missing or named twice, there are not as many numbers as names,
+        or they are not finite. Velocities and efforts that are all NaN count as left out, as
+        joint_state_broadcaster says those that a drive does not measure.
     """
-    if len(message.name) > _MOST_JOINTS:
+    names = tuple(message.name)
+    if len(names) > _MOST_JOINTS:
         raise InvalidMessage(
-            'joint state', f'it names {len(message.name)} joints; {_MOST_JOINTS} are the most'
+            'joint state', f'it names {len(names)} joints; {_MOST_JOINTS} are the most'
         )
+    order = None if names == robot.joint_names else _order(names, robot.joint_names)
     readings: list[Array | None] = []
     for what, numbers in (
         ('positions', message.position),
         ('velocities', message.velocity),
         ('efforts', message.effort),
     ):
-        if len(numbers) != len(message.name) and (what == 'positions' or len(numbers)):
+        if len(numbers) != len(names) and (what == 'positions' or len(numbers)):
             raise InvalidMessage(
-                'joint state', f'it has {len(numbers)} {what} for {len(message.name)} names'
+                'joint state', f'it has {len(numbers)} {what} for {len(names)} names'
             )
         values = np.array(numbers, dtype=float)
+        if len(values) and order is not None:
+            values = values[order]
         if not np.isfinite(values).all():
-            raise InvalidMessage('joint state', f'its {what} are not finite')
+            if what == 'positions' or not np.isnan(values).all():
+                raise InvalidMessage('joint state', f'its {what} are not finite')
+            values = values[:0]
         readings.append(values if len(values) else None)
-    names = tuple(message.name)
-    if names != robot.joint_names:
-        order = _order(names, robot.joint_names)
-        readings = [None if values is None else values[order] for values in readings]
     positions, velocities, efforts = readings
     assert positions is not None
     time = seconds_from_time(message.header.stamp) or None
@@ -130,12 +133,20 @@ def joints_from_message(message: JointState, robot: Robot) -> JointReadings:
 
 
 def _order(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
-    """Return the places of wanted joints among the names of a message, or raise JointNotFound."""
+    """Return the places of wanted joints among the names of a message; each must be there once."""
     place = {name: index for index, name in enumerate(names)}
-    try:
-        return [place[name] for name in wanted]
-    except KeyError as error:
-        raise JointNotFound(str(error.args[0]), names) from None
+    missing = [name for name in wanted if name not in place]
+    if missing:
+        raise InvalidMessage(
+            'joint state',
+            f'{quoted(missing[0])} is missing, {len(missing)} of the {len(wanted)} joints of the '
+            f'robot: one message must name them all',
+        )
+    if len(place) < len(names):
+        for name in wanted:
+            if names.count(name) > 1:
+                raise InvalidMessage('joint state', f'it names {quoted(name)} more than once')
+    return [place[name] for name in wanted]
 
 
 def twist_from_message(message: Twist | TwistStamped) -> Twist2D:

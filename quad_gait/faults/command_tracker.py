@@ -139,6 +139,17 @@ class CommandTracker:
         followed = self._candidates[-1] if self._followed is None else self._followed
         return followed.path.at(time - followed.delay)[0]
 
+    def latest(self, time: float) -> tuple[Array, Array] | None:
+        """
+        Return where the latest trajectory that has begun has the joints, and what they may be off.
+
+        Each of shape (n,) [rad]; None if none has begun.
+        """
+        for candidate in reversed(self._candidates):
+            if candidate.path.given <= time and candidate.path.begin <= time:
+                return candidate.path.at(time - candidate.delay)
+        return None
+
     def speeds(self, time: float) -> Array:
         """Return how fast the joints are commanded to turn, shape (n,) [rad/s]."""
         now, before = self.commanded(time), self.commanded(time - _INSTANT)

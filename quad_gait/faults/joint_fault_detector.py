@@ -20,6 +20,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.faults.command_tracker import CommandTracker, Explanation, TrackerOptions
 from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_path import JointPath
+from quad_gait.faults.powerless_check import PowerlessCheck
 from quad_gait.faults.turning_check import TurningCheck
 
 Array = NDArray[np.float64]
@@ -91,6 +92,7 @@ class JointFaultDetector:
         self._leap = 4.0 * self._fastest
         self._tracker = CommandTracker(self._options.tracker)
         self._turning = TurningCheck(self._largest)
+        self._powerless = PowerlessCheck()
         self.forget()
 
     def forget(self) -> None:
@@ -101,6 +103,7 @@ class JointFaultDetector:
         self._suspect = -1
         self._slack_for: Array = np.zeros(len(self._largest))
         self._turning.forget()
+        self._powerless.forget()
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
         self._on_latest_for = self._off_latest_for = 0.0
@@ -161,7 +164,14 @@ class JointFaultDetector:
             self._tracker.hold(*last)
             self._knows_posture = True
         step = min(dt, self._options.longest_gap)
-        found = self._tracker.explain(time, positions, self._strictness(efforts, step))
+        strictness = self._strictness(efforts, step)
+        found = self._tracker.explain(time, positions, strictness)
+        powerless = self._hidden(found, time, positions, strictness, step)
+        if powerless >= 0:
+            assert found is not None
+            self._off_from = self._powerless.since
+            commanded = float(found.posture[powerless])
+            return self._fault(powerless, time, positions, commanded, efforts)
         if found is not None and found.off.any() and not found.is_latest:
             # Where it is not sure which trajectory runs, a little off says nothing.
             found = self._tracker.explain(time, positions)
@@ -182,6 +192,25 @@ class JointFaultDetector:
         less = max(0.0, options.tracker.tolerance - options.slack_tolerance)
         strictness: Array = np.where(self._slack_for >= options.slack_time - 1e-9, less, 0.0)
         return strictness
+
+    def _hidden(
+        self,
+        found: Explanation | None,
+        time: float,
+        positions: Array,
+        strictness: Array | None,
+        step: float,
+    ) -> int:
+        """Return a joint without torque that only an outdated command explains; -1 for none."""
+        latest = None
+        if found is not None and strictness is not None and self._tracker.is_exact:
+            is_sound = found.is_latest and found.is_joined and not found.off.any()
+            latest = None if is_sound else self._tracker.latest(time)
+        if found is None or strictness is None or latest is None:
+            self._powerless.forget()
+            return -1
+        explained = (found.posture, found.allowed)
+        return self._powerless.update(latest, explained, positions, strictness, step)
 
     def _unturned(
         self,

@@ -14,6 +14,14 @@ from quad_planner.traffic.speeds import Speeds
 MOST_ROBOTS = 64
 """Number of other robots that are reckoned with."""
 
+_FARTHEST = 50.0
+"""Length of the beginning of a robot's path that is reckoned with [m]: nobody waits for what comes
+after it."""
+
+_MOST_CORNERS = 2000
+"""Number of corners of all robots' paths that are reckoned with. Together with the length it bounds
+the time that a look takes, whatever robots say."""
+
 _SETTLED = 5.0
 """Time after which a robot that wants to go nowhere is an obstacle that paths lead around [s]."""
 
@@ -55,9 +63,18 @@ class OtherRobots:
 
     @property
     def robots(self) -> dict[str, RobotOnMap]:
-        """Robots by their names; those that are silent, or do not move, as robots that stay."""
+        """
+        Robots by their names; those that are silent, or do not move, as robots that stay.
+
+        Each with as many corners of its path as are left for one of so many.
+        """
+        corners = _MOST_CORNERS // max(1, len(self._words))
         return {
-            name: robot.staying() if name in self._inert else robot
+            name: robot.staying()
+            if name in self._inert
+            else robot
+            if len(robot.path) <= corners
+            else robot.beginning(corners)
             for name, (_, robot) in self._words.items()
         }
 
@@ -78,7 +95,7 @@ class OtherRobots:
             if time - self._words[oldest][0] <= _SILENT:
                 raise RobotLeftOut(name, MOST_ROBOTS)
             self.forget(oldest)
-        self._words[name] = time, robot
+        self._words[name] = time, robot.beginning(_MOST_CORNERS, _FARTHEST)
         self.speeds.take(name, time, robot.pose)
         _, last = self._moved.setdefault(name, (time, robot.pose))
         turned = abs(wrap_angle(robot.pose.yaw - last.yaw))

@@ -4,6 +4,7 @@ What robots tell one another: where each is, how large, and the path it wants to
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, replace
 
@@ -29,6 +30,9 @@ class RobotOnMap:
     """Whether it can give way to nobody, so that others give way to it."""
     has_fallen: bool = False
     """Whether it lies on the ground: it has no path then."""
+    goal: Points | None = None
+    """Where it wants to go, shape (2,) [m], if only the beginning of its path is known; otherwise
+    its path ends there."""
 
     @property
     def position(self) -> Points:
@@ -40,9 +44,45 @@ class RobotOnMap:
         """Position and path, shape (n, 2), n >= 1 [m]."""
         return np.vstack([self.position, np.reshape(self.path, (-1, 2))])
 
+    @property
+    def destination(self) -> Points:
+        """Where it wants to go, shape (2,) [m]."""
+        destination: Points = self.line[-1] if self.goal is None else self.goal
+        return destination
+
     def staying(self) -> RobotOnMap:
         """Return it as one that stays where it is."""
-        return replace(self, path=np.empty((0, 2)), goes_first=False)
+        return replace(self, path=np.empty((0, 2)), goes_first=False, goal=None)
+
+    def beginning(self, most_corners: int, length: float = math.inf) -> RobotOnMap:
+        """
+        Return it with the beginning of its path.
+
+        Parameters
+        ----------
+        most_corners : int
+            Largest number of its corners.
+        length : float
+            Largest length [m].
+
+        Returns
+        -------
+        RobotOnMap
+            Itself, if its path is no longer.
+        """
+        path = np.reshape(self.path, (-1, 2))[:most_corners]
+        lengths = np.linalg.norm(np.diff(np.vstack([self.position, path]), axis=0), axis=1)
+        along = np.cumsum(lengths)
+        beyond = np.flatnonzero(along > length)
+        if not len(beyond) and len(path) == len(self.path):
+            return self
+        if len(beyond):
+            last = int(beyond[0])
+            before = path[last - 1] if last else self.position
+            left = length - (along[last] - lengths[last])
+            end = before + (path[last] - before) * left / lengths[last]
+            path = np.vstack([path[:last], end])
+        return replace(self, path=path, goal=self.destination)
 
     @property
     def is_staying(self) -> bool:

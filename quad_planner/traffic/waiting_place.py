@@ -101,7 +101,7 @@ def _leads_to(prepared: InflatedMap, goal: Pose2D, before: Sequence[RobotOnMap])
     """Return from which cells a goal can be reached past robots that are at their own goals."""
     grid = prepared.grid
     reach = prepared.clearance_radius
-    ends = [(*robot.line[-1].tolist(), robot.radius + reach) for robot in before]
+    ends = [(*robot.destination.tolist(), robot.radius + reach) for robot in before]
     taken = with_discs(grid, ends).cells != grid.cells
     x, y = np.floor(grid.world_to_map(np.array([goal.x, goal.y]))).astype(int).tolist()
     free: Mask = prepared.allowed & ~taken

@@ -89,6 +89,10 @@ def test_a_list_may_be_any_sequence_of_numbers():
 @pytest.mark.parametrize(
     ('name', 'value', 'valid'),
     [
+        ('bounds', 5.0, '4 finite numbers, or none'),
+        ('bounds', math.nan, '4 finite numbers, or none'),
+        ('bounds', None, '4 finite numbers, or none'),
+        ('bounds', '', '4 finite numbers, or none'),
         ('flag', 1, 'true or false'),
         ('flag', 'true', 'true or false'),
         ('flag', None, 'true or false'),

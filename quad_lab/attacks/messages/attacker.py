@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
 from quad_common.planar_pose import Pose2D
-from quad_lab.attacks.messages.mutations import Mutator, random_bytes
+from quad_lab.attacks.messages.mutations import Mutation, Mutator, giants_of, random_bytes
 from quad_lab.attacks.stage.examples import example_of, made_up, plan_request
 from quad_lab.attacks.stage.graph import Interface, inputs_of
 from quad_lab.attacks.stage.stage import Stage
@@ -75,6 +76,16 @@ class Attacker:
             self._request(target)
         else:
             self._publish(target)
+
+    def send_giants(self) -> Iterator[None]:
+        """Send each message and request far too long, in one field after the other."""
+        for target in self.inputs:
+            for mutation in giants_of(self.example(target)):
+                if target.is_service:
+                    self._send_request(target, mutation)
+                else:
+                    self.send(target, mutation.message, f'{target} {mutation}')
+                yield
 
     def restore_parameters(self) -> None:
         """Give the node back the parameters that it had."""
@@ -162,8 +173,10 @@ class Attacker:
             self._publishers[target.name].publish(data)
 
     def _request(self, target: Interface) -> None:
+        self._send_request(target, self._mutators[target.name].draw(self.example(target)))
+
+    def _send_request(self, target: Interface, mutation: Mutation) -> None:
         client = self._clients[target.name]
-        mutation = self._mutators[target.name].draw(self.example(target))
         self._note(f'{target} {mutation}')
         if not client.service_is_ready():
             return

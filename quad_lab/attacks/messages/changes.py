@@ -22,6 +22,10 @@ _GIANT_SEQUENCE = 200_000
 _GIANT_COMPOSITE = 100_000
 """Lengths of what is far too long."""
 
+_GIANT, _GIANT_TEXT = 'giant', f'a text of {_LONG_TEXT} letters'
+GIANTS = (_GIANT, _GIANT_TEXT)
+"""Words for the changes that make a message far too long."""
+
 _DOUBLES = (
     math.nan, math.inf, -math.inf, 1e308, -1e308, 1.4e154, -1.4e154, 1e300, 1e30, -1e30, 1e9,
     -1e9, 1e4, -1e4, 7.85, -7.85, 1.0, -1.0, 0.0, -0.0, 1e-9, 5e-324,
@@ -65,7 +69,7 @@ def changes_of(value: Any, kind: str) -> Iterator[Change]:
         yield from ((f'{byte!r}', _constant(byte)) for byte in (b'\x00', b'\x01', b'\xff'))
     elif kind.startswith(('string', 'wstring')):
         yield from ((f'{text[:20]!r}', _constant(text)) for text in _TEXTS if text != value)
-        yield f'a text of {_LONG_TEXT} letters', lambda: 'x' * _LONG_TEXT
+        yield _GIANT_TEXT, lambda: 'x' * _LONG_TEXT
     elif match := _INTEGER.match(kind):
         unsigned, bits = bool(match.group(1)), int(match.group(2))
         low, high = (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
@@ -135,11 +139,11 @@ def _sequence_changes(values: Any, kind: str) -> Iterator[Change]:
             for number in (math.nan, math.inf, 1e308, 7.85, -7.85):
                 yield f'all {number!r}', _like_later(values, number)
         one = values[:1] or array(values.typecode, [0])
-        yield 'giant', lambda: one * _GIANT_SEQUENCE
+        yield _GIANT, lambda: one * _GIANT_SEQUENCE
     elif len(values):
-        yield 'giant', lambda: values[:1] * _GIANT_COMPOSITE
+        yield _GIANT, lambda: values[:1] * _GIANT_COMPOSITE
     elif kind.startswith('string'):
-        yield 'giant', lambda: ['x'] * _GIANT_COMPOSITE
+        yield _GIANT, lambda: ['x'] * _GIANT_COMPOSITE
 
 
 def _like_later(values: array[Any], number: float) -> Callable[[], object]:

@@ -72,12 +72,14 @@ class Effort:
     """Largest turn to that goal, and on it [rad]."""
     moments: int
     """Number of moments at which memory is measured."""
+    giants: int
+    """Number of times that every message is far too long, in every field, before memory counts."""
     calming: float
     """Time in which a node gets back to its usual work before it is measured [s]."""
 
 
-FULL = Effort(2000, None, longest=1.0, largest_turn=math.pi, moments=10, calming=2.0)
-QUICK = Effort(20, 5, longest=0.2, largest_turn=0.1, moments=2, calming=0.4)
+FULL = Effort(2000, None, longest=1.0, largest_turn=math.pi, moments=10, giants=2, calming=2.0)
+QUICK = Effort(20, 5, longest=0.2, largest_turn=0.1, moments=2, giants=0, calming=0.4)
 
 
 @dataclass
@@ -228,6 +230,7 @@ class MessageAttack:
                 self._stage.spin(_GAP)
             self._look()
             if not self._memory and self.report.messages >= _WARM_UP * count:
+                self._send_giants()
                 self._memory = [self._held_in_calm()]
                 self.report.first_growth = growth(before, self._memory[0])
             elif self._memory:
@@ -236,6 +239,17 @@ class MessageAttack:
         self._attacker.restore_parameters()
         self._attacker.close()
         self._release()
+
+    def _send_giants(self) -> None:
+        """Let every buffer grow to the largest message that it will ever hold."""
+        for _ in range(self._effort.giants):
+            for number, _ in enumerate(self._attacker.send_giants(), 1):
+                self._stage.spin(_GAP)
+                self.report.giants += 1
+                if not number % _BATCH:
+                    self._look()
+                    self._release()
+            self._look()
 
     def walk_on(self) -> None:
         """Give a good goal, see whether it is reached, and compare the memory with before."""

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from quad_lab.attacks.messages.changes import changes_of, element_kind
+from quad_lab.attacks.messages.changes import GIANTS, changes_of, element_kind
 
 Path = tuple[str | int, ...]
 Item = TypeVar('Item')
@@ -123,6 +123,26 @@ class Mutator:
         uses = [self._uses[key(item)] for item in items]
         least = [item for item, count in zip(items, uses) if count == min(uses)]
         return least[int(self._rng.integers(len(least)))]
+
+
+def giants_of(message: Any) -> Iterator[Mutation]:
+    """
+    Make a message far too long, in one field after the other.
+
+    Parameters
+    ----------
+    message : message
+        A valid one; it is left as it is.
+
+    Yields
+    ------
+    Mutation
+        One for each field that is a text or a sequence.
+    """
+    for leaf in leaves_of(message):
+        for kind, make in changes_of(_get(message, leaf.path), leaf.kind):
+            if kind in GIANTS:
+                yield Mutation(leaf.name, kind, replaced(message, leaf.path, make()))
 
 
 def random_bytes(data: bytes, rng: np.random.Generator) -> tuple[str, bytes]:

@@ -21,6 +21,8 @@ class Report:
     state: str
     """Of the robot: ``standing`` or ``walking``."""
     messages: int = 0
+    giants: int = 0
+    """Number of messages, besides, that were far too long."""
     deaths: list[str] = field(default_factory=list)
     """Nodes that ended, with what was sent to them last."""
     slow: list[str] = field(default_factory=list)

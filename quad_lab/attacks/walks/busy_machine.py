@@ -8,6 +8,7 @@ joints that are received late. Each walk follows from its seed and number alone.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from itertools import count, islice
@@ -41,8 +42,14 @@ HOURS, QUICK_WALKS = 10.0, 4
 WALK, QUICK_WALK = 60.0, 12.0
 """Simulated time of one walk [s]."""
 
-_LINE_EVERY = 40
+_LINE_EVERY = 10
 """Number of walks between two lines of progress."""
+
+_SLOW_ROUNDS = 4
+"""Number of rounds of all robots of which one is walked in each other engine than the fastest."""
+
+_FASTEST = 'mujoco'
+"""Engine whose steps take the least time, if it is installed."""
 
 _GAITS = ('crawl', 'crab', 'wave', 'trot')
 _TURNINGS = ('in_place', 'crab', 'arc')
@@ -128,7 +135,10 @@ def attack_by_load(
         if outcome.false_alarm:
             console.print(f'false alarm: {outcome}', highlight=False)
         if not number % _LINE_EVERY:
-            console.print(f'{number} walks, {simulated / 3600.0:.2f} h simulated', highlight=False)
+            whole = '' if quick else f' of {HOURS:g}'
+            console.print(
+                f'{number} walks, {simulated / 3600.0:.2f}{whole} h simulated', highlight=False
+            )
 
     hours = math.inf if quick else HOURS
     walks = islice(drawn_walks(seed, QUICK_WALK if quick else WALK), QUICK_WALKS if quick else None)
@@ -182,14 +192,17 @@ def campaign(
         In the order of the walks.
     """
     outcomes: list[WatchedOutcome] = []
+    simulated = 0.0
     with worker_pool(processes) as pool:
-        while sum(outcome.duration for outcome in outcomes) < 3600.0 * hours:
-            batch = list(islice(walks, 4 * processes))
-            if not batch:
-                break
-            for outcome in pool.map(walk_watched, batch):
-                outcomes.append(outcome)
-                on_outcome(outcome)
+        running = deque(pool.submit(walk_watched, walk) for walk in islice(walks, 2 * processes))
+        while running and simulated < 3600.0 * hours:
+            outcome = running.popleft().result()
+            simulated += outcome.duration
+            outcomes.append(outcome)
+            on_outcome(outcome)
+            running.extend(pool.submit(walk_watched, walk) for walk in islice(walks, 1))
+        for later in running:
+            later.cancel()
     return outcomes
 
 
@@ -218,9 +231,17 @@ def drawn_walks(seed: int, duration: float) -> Iterator[WatchedWalk]:
             kind = str(rng.choice(_courses_of(robot)))
         turning = str(rng.choice(_TURNINGS))
         is_disturbed = bool(rng.random() < 0.8)
-        backend = engines[number // len(names) % len(engines)]
+        backend = _engine_of(number // len(names), engines)
         key = (seed, number)
         yield WatchedWalk(robot.name, gait, kind, turning, is_disturbed, key, duration, backend)
+
+
+def _engine_of(turn: int, engines: list[str]) -> str:
+    """Return the engine of one round of all robots: each now and then, the fastest most often."""
+    others = [name for name in engines if name != _FASTEST]
+    if _FASTEST not in engines or (others and turn % _SLOW_ROUNDS == 0):
+        return others[turn // (_SLOW_ROUNDS if _FASTEST in engines else 1) % len(others)]
+    return _FASTEST
 
 
 def walk_watched(walk: WatchedWalk) -> WatchedOutcome:

@@ -1,6 +1,7 @@
 """What a planning session is told to do because of other robots."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -274,6 +275,38 @@ def test_a_stream_of_names_is_cut_off_and_those_known_stay():
     scene.tell('one_more', (4.0, 3.5))
     assert len(scene.traffic.others) == MOST_ROBOTS
     assert 'one_more' in scene.traffic.others
+
+
+def test_however_long_their_paths_are_robots_make_a_look_at_the_traffic_no_longer():
+    scene = Scene()
+    along = np.linspace(1.5, 6.5, 990)
+    path = np.column_stack([along, 2.0 + 0.5 * (-1.0) ** np.arange(len(along))])
+    for number in range(MOST_ROBOTS):
+        scene.tell(f'a{number}', (4.0, 2.0), *path)
+    others = scene.traffic.others.values()
+    assert len(others) == MOST_ROBOTS
+    assert sum(len(other.path) for other in others) <= 2000
+    assert all(np.array_equal(other.destination, path[-1]) for other in others)
+    tracemalloc.start()
+    scene.go_on()
+    largest = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert scene.session.hold_reason
+    # At once the distances from all places of the map to all of one path were half a gigabyte.
+    assert largest < 50e6
+
+
+def test_what_is_far_ahead_on_a_path_counts_as_its_end_only():
+    path = np.array([[10.0, 0.0], [10.0, 100.0], [0.0, 100.0]])
+    robot = RobotOnMap('a', Pose2D(0.0, 0.0, 0.0), RADIUS, path)
+    assert robot.beginning(3) is robot
+    assert robot.beginning(3, 1000.0) is robot
+    near = robot.beginning(3, 50.0)
+    assert near.path == pytest.approx(np.array([[10.0, 0.0], [10.0, 40.0]]))
+    assert robot.beginning(1).path == pytest.approx(path[:1])
+    for part in (near, robot.beginning(1), near.beginning(1)):
+        assert part.destination == pytest.approx(path[-1])
+    assert near.staying().destination == pytest.approx([0.0, 0.0])
 
 
 @pytest.mark.parametrize('moves', [True, False])

@@ -15,6 +15,7 @@ from quad_lab.attacks.walks.busy_machine import (
     walk_watched,
 )
 from quad_lab.tools.criterion import Criterion
+from quad_sim.engines.registry import ENGINES, engines_with
 
 
 def test_the_same_seed_draws_the_same_walks_and_another_one_others():
@@ -31,6 +32,9 @@ def test_every_robot_gait_turning_and_kind_of_walk_is_drawn():
     kinds = {'steered', 'circle', 'plan', 'bumps', 'slope', 'cross_slope', 'kerb', 'boxes'}
     assert {walk.kind for walk in walks} == kinds
     assert {walk.is_disturbed for walk in walks} == {True, False}
+    engines = [name for name in engines_with('has_world') if ENGINES[name].is_installed]
+    for robot in available_robots():
+        assert {walk.backend for walk in walks if walk.robot == robot} == set(engines)
 
 
 def test_a_walk_is_the_same_whoever_walks_it():
