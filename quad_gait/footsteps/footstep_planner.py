@@ -17,7 +17,7 @@ from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_search import search
-from quad_gait.footsteps.leg_room import LegRoom
+from quad_common.footing.leg_room import LegRoom
 from quad_gait.footsteps.search_values import Body, Goal, Lattice, make_tree
 from quad_gait.state.body_placement import body_over, heading_over
 from quad_gait.uneven.candidates import LOWERINGS

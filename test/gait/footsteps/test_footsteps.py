@@ -15,7 +15,7 @@ from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import FootstepPlanner, pose_over
 from quad_gait.footsteps.footstep_route import FootstepRoute
-from quad_gait.footsteps.leg_room import LegRoom
+from quad_common.footing.leg_room import LegRoom
 from quad_gait.footsteps.search_values import Lattice
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
