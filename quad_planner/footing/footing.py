@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +24,15 @@ from quad_common.maps.height_map_parts import part_within
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_planner.footing.foothold_lattice import footholds
+from quad_planner.footing.foothold_lattice import footholds, lattice_side
 from quad_planner.footing.stances import Footholds, Legs, find_unfit
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.outline.heading_kernels import CLASSES, STEP
 
 Array = NDArray[np.float64]
 Bounds = tuple[float, float, float, float]
+_Cells = tuple[int, int, float, Pose2D]
+"""Width and height of a map [cells], side of a cell [m], and its origin."""
 
 LARGEST = 2**22
 """Cells of the largest map of which it is known, by 9 bytes a cell."""
@@ -97,14 +100,12 @@ class FootedRobot:
         -------
         Footing
         """
-        if before is not None and before.is_updatable(self, heights):
-            return before.changed_to(heights)
-        return Footing(self, heights, footholds(self.robot, self.criterion, heights))
+        return Footing(self, heights, before)
 
 
 class Footing:
     """
-    Tells at which cells and headings a robot finds footholds.
+    Tells at which cells and headings a robot finds footholds; found out when first asked.
 
     Parameters
     ----------
@@ -112,13 +113,25 @@ class Footing:
         The robot.
     heights : HeightMap
         Of the ground.
-    lattice : Footholds
-        Footholds on it.
+    before : Footing, optional
+        The same on the map that was before: only what has changed is looked at again.
     """
 
-    def __init__(self, footed: FootedRobot, heights: HeightMap, lattice: Footholds) -> None:
-        self._footed, self._heights, self._lattice = footed, heights, lattice
-        self._layers: dict[tuple[int, int, float, Pose2D], Bits] = {}
+    def __init__(
+        self, footed: FootedRobot, heights: HeightMap, before: Footing | None = None
+    ) -> None:
+        self._footed, self._heights = footed, heights
+        self._lattice: Footholds | None = None
+        self._layers: dict[_Cells, Bits] = {}
+        if before is not None and before._lattice is None:
+            before = before._before
+        self._before = before if before is not None and before._has_cells_of(self) else None
+        # A plan may be asked for while another one is searched in another thread.
+        self._lock = Lock()
+
+    @property
+    def _side(self) -> float:
+        return lattice_side(self._footed.robot, self._heights)
 
     @property
     def _reach(self) -> float:
@@ -126,7 +139,7 @@ class Footing:
         robot = self._footed.robot
         scale = robot.relative_size
         away = float(np.hypot(*robot.neutral_feet[:, :2].T).max())
-        return away + scale * self._footed.criterion.reach + 2.0 * self._lattice.side
+        return away + scale * self._footed.criterion.reach + 2.0 * self._side
 
     def layers(self, grid: OccupancyGrid) -> Bits | None:
         """
@@ -147,44 +160,46 @@ class Footing:
         if grid.width * grid.height > LARGEST:
             return None
         key = grid.width, grid.height, grid.resolution, grid.origin
-        if key not in self._layers:
-            words = (grid.width + 63) // 64
-            layers = np.zeros((CLASSES, grid.height, words), dtype=np.uint64)
-            self._fill(layers, key, None)
-            self._layers = {key: layers}
-        return self._layers[key]
+        with self._lock:
+            if self._before is not None:
+                self._take_over(self._before)
+                self._before = None
+            if key not in self._layers:
+                words = (grid.width + 63) // 64
+                layers = np.zeros((CLASSES, grid.height, words), dtype=np.uint64)
+                self._fill(layers, key, None)
+                self._layers = {key: layers}
+            return self._layers[key]
 
-    def is_updatable(self, footed: FootedRobot, heights: HeightMap) -> bool:
+    def _has_cells_of(self, other: Footing) -> bool:
         """Return whether another map has the same cells, so that parts can be kept."""
-        mine = self._heights
+        mine, theirs = self._heights, other._heights
         return (
-            footed is self._footed
-            and heights.heights.shape == mine.heights.shape
-            and heights.resolution == mine.resolution
-            and heights.origin == mine.origin
+            other._footed is self._footed
+            and theirs.heights.shape == mine.heights.shape
+            and theirs.resolution == mine.resolution
+            and theirs.origin == mine.origin
         )
 
-    def changed_to(self, heights: HeightMap) -> Footing:
-        """Return the same on a map of the same cells, looking at what has changed alone."""
-        mine, theirs = self._heights.heights, heights.heights
-        changed = (mine != theirs) & ~(np.isnan(mine) & np.isnan(theirs))
+    def _take_over(self, before: Footing) -> None:
+        """Keep what is the same as on the map before."""
+        old, new = before._heights.heights, self._heights.heights
+        changed = (old != new) & ~(np.isnan(old) & np.isnan(new))
         rows, columns = (np.flatnonzero(changed.any(axis=axis)) for axis in (1, 0))
         if not len(rows):
-            return self
-        side, (x, y) = heights.resolution, heights.origin
-        bounds = (
-            x + columns[0] * side,
-            y + rows[0] * side,
-            x + (columns[-1] + 1) * side,
-            y + (rows[-1] + 1) * side,
-        )
-        lattice = self._lattice_changed(heights, bounds)
-        other = Footing(self._footed, heights, lattice)
-        for key, layers in self._layers.items():
+            self._lattice, self._layers = before._lattice, before._layers
+            return
+        side, (x, y) = self._heights.resolution, self._heights.origin
+        left, bottom = x + columns[0] * side, y + rows[0] * side
+        right, top = x + (columns[-1] + 1) * side, y + (rows[-1] + 1) * side
+        bounds = left, bottom, right, top
+        assert before._lattice is not None
+        beside = self._beside
+        self._lattice = self._lattice_changed(before._lattice, bounds, beside)
+        for key, layers in before._layers.items():
             fresh = layers.copy()
-            other._fill(fresh, key, _widened(bounds, other._reach + 2.0 * self._beside))
-            other._layers[key] = fresh
-        return other
+            self._fill(fresh, key, _widened(bounds, self._reach + 2.0 * beside))
+            self._layers[key] = fresh
 
     @property
     def _beside(self) -> float:
@@ -193,20 +208,19 @@ class Footing:
         leg = robot.legs[0]
         # No shin is farther aside than it is long; the lattice is as coarse as it is.
         most = criterion.reach + criterion.radius + criterion.shin_clearance
-        return robot.relative_size * most + float(leg.calf_length) + 4.0 * self._lattice.side
+        return robot.relative_size * most + float(leg.calf_length) + 4.0 * self._side
 
-    def _lattice_changed(self, heights: HeightMap, bounds: Bounds) -> Footholds:
-        """Return the lattice on a map that has changed within bounds."""
-        old = self._lattice
+    def _lattice_changed(self, old: Footholds, bounds: Bounds, beside: float) -> Footholds:
+        """Return a lattice on the map, which has changed within bounds."""
         rows, columns = old.heights.shape
-        near, far = (_widened(bounds, k * self._beside) for k in (1.0, 2.0))
+        near, far = (_widened(bounds, k * beside) for k in (1.0, 2.0))
         inner, outer = (_places(old, box) for box in (near, far))
         (left, right), (bottom, top) = outer
         x, y = old.x + left * old.side, old.y + bottom * old.side
         # Whole places, and a little less so that rounding takes no cell more.
-        tiny = 1e-6 * heights.resolution
+        tiny = 1e-6 * self._heights.resolution
         end = old.x + right * old.side - tiny, old.y + top * old.side - tiny
-        part = part_within(heights, (x + tiny, y + tiny, *end))
+        part = part_within(self._heights, (x + tiny, y + tiny, *end))
         found = footholds(self._footed.robot, self._footed.criterion, part)
         (i0, i1), (j0, j1) = inner
         window = np.s_[j0 - bottom : j1 - bottom, i0 - left : i1 - left]
@@ -218,15 +232,16 @@ class Footing:
         nearest[..., j0:j1, i0:i1] = np.where(fresh < 0, np.int32(-1), moved)
         return old._replace(nearest=nearest, heights=values)
 
-    def _fill(
-        self, layers: Bits, key: tuple[int, int, float, Pose2D], bounds: Bounds | None
-    ) -> None:
+    def _fill(self, layers: Bits, key: _Cells, bounds: Bounds | None) -> None:
         """Find where the robot cannot stand; within bounds alone, if there are any."""
+        footed = self._footed
+        if self._lattice is None:
+            self._lattice = footholds(footed.robot, footed.criterion, self._heights)
         width, height, resolution, origin = key
         grid = OccupancyGrid(np.zeros((height, width), dtype=np.int8), resolution, origin)
         rows, columns = (a.ravel() for a in np.indices((height, width)))
         centers = grid.map_to_world(np.column_stack((columns, rows)) + 0.5)
-        chosen = self._is_doubtful(centers)
+        chosen = self._is_doubtful(self._lattice, centers)
         if bounds is not None:
             inside = (centers >= bounds[:2]).all(axis=1) & (centers <= bounds[2:]).all(axis=1)
             layers &= ~BitMask.of(inside.reshape(height, width)).words
@@ -235,14 +250,13 @@ class Footing:
             return
         cells = np.column_stack((rows, columns))[chosen].astype(np.int64)
         headings = STEP * np.arange(CLASSES) + origin.yaw
-        find_unfit(self._lattice, self._footed.legs, headings, cells, centers[chosen], layers)
+        find_unfit(self._lattice, footed.legs, headings, cells, centers[chosen], layers)
 
-    def _is_doubtful(self, centers: Array) -> NDArray[np.bool_]:
+    def _is_doubtful(self, old: Footholds, centers: Array) -> NDArray[np.bool_]:
         """Tell at which places, (n, 2), the ground around is not plainly good, shape (n,)."""
         # Imported late, as only a height map needs it: it takes a good part of a node's start.
         import cv2
 
-        old = self._lattice
         size = 2 * math.ceil(self._reach / old.side) + 1
         around = np.ones((size, size), dtype=np.uint8)
         bad = (old.nearest < 0).any(axis=(0, 1)).astype(np.uint8)
