@@ -33,6 +33,28 @@ class FootholdCriterion:
     """Distance of foot and shin from what is higher than they are [m]."""
 
 
+def standing_shin(robot: Robot, leg: int, yaw: float) -> Array:
+    """
+    Place points of foot and shin while the foot stands and the body goes on by half a stride.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    leg : int
+        Index of the leg.
+    yaw : float
+        Heading of the body [rad].
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        As :func:`~quad_common.footing.shin.shin_points` [m].
+    """
+    stride = 0.5 * robot.largest_stride * np.array([math.cos(yaw), math.sin(yaw)])
+    return shin_points(robot, leg, stride, yaw)
+
+
 class FootholdImages:
     """
     Tells where feet may stand: on even ground, off edges, foot and shin free.
@@ -65,10 +87,8 @@ class FootholdImages:
         return robot.foot_radius + clearance + self._heights.resolution / 2.0
 
     def shin(self, leg: int, yaw: float) -> Array:
-        """Return points of foot and shin while the foot stands, as of `shin_points` (n, 3) [m]."""
-        robot = self._robot
-        stride = 0.5 * robot.largest_stride * np.array([math.cos(yaw), math.sin(yaw)])
-        return shin_points(robot, leg, stride, yaw)
+        """Return points of foot and shin while the foot stands: :func:`standing_shin`."""
+        return standing_shin(self._robot, leg, yaw)
 
     def is_fit(self, leg: int, points: Array, yaw: float) -> NDArray[np.bool_]:
         """
@@ -88,11 +108,14 @@ class FootholdImages:
         ndarray of bool, shape (n,)
             False where nothing is known, and off the map.
         """
-        shin = self.shin(leg, yaw)
+        return self.is_fit_beside(self.shin(leg, yaw), points)
+
+    def is_fit_beside(self, shin: Array, points: Array) -> NDArray[np.bool_]:
+        """Tell where a foot may stand, as `is_fit`, given the points of its shin (m, 3) [m]."""
         fit = np.empty(len(points), dtype=np.uint8)
         cells = (points - self._heights.origin) / self._heights.resolution
-        shin[:, :2] /= self._heights.resolution
-        find_fit(cells, self.images, shin, self.largest_step, fit)
+        shin_cells = shin / (self._heights.resolution, self._heights.resolution, 1.0)
+        find_fit(cells, self.images, shin_cells, self.largest_step, fit)
         return fit.astype(bool)
 
     @cached_property

@@ -9,7 +9,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.foothold_criterion import FootholdCriterion, FootholdImages
+from quad_common.footing.foothold_criterion import (
+    FootholdCriterion,
+    FootholdImages,
+    standing_shin,
+)
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
 from quad_planner.footing.stances import Footholds, find_nearest
@@ -30,7 +34,15 @@ def lattice_side(robot: Robot, heights: HeightMap) -> float:
     return max(1, math.floor(side / heights.resolution + 1e-9)) * heights.resolution
 
 
-def footholds(robot: Robot, criterion: FootholdCriterion, heights: HeightMap) -> Footholds:
+def shins_of(robot: Robot) -> list[list[Array]]:
+    """Return points of each leg's foot and shin, (n, 3) each, for each bin of headings [m]."""
+    headings = 2.0 * math.pi / BINS * np.arange(BINS)
+    return [[standing_shin(robot, leg, yaw) for leg in range(4)] for yaw in headings]
+
+
+def footholds(
+    robot: Robot, criterion: FootholdCriterion, heights: HeightMap, shins: list[list[Array]]
+) -> Footholds:
     """
     Find the nearest foothold to each place.
 
@@ -42,6 +54,8 @@ def footholds(robot: Robot, criterion: FootholdCriterion, heights: HeightMap) ->
         Conditions of a foothold.
     heights : HeightMap
         Of the ground.
+    shins : list of list of ndarray
+        The robot's shins, from :func:`shins_of`.
 
     Returns
     -------
@@ -58,7 +72,7 @@ def footholds(robot: Robot, criterion: FootholdCriterion, heights: HeightMap) ->
     height = heights.height_at(points)
     unknown = np.isnan(height)
     images = FootholdImages(robot, criterion, heights)
-    is_even, is_free = _by_any_shin(images, robot, heights, points)
+    is_even, is_free = _by_any_shin(images, shins[0], heights, points)
     doubtful = np.flatnonzero(is_even & ~is_free & ~unknown)
     offsets = _offsets(robot.relative_size * criterion.reach / side)
     nearest = np.empty((BINS, len(robot.legs), rows, columns), dtype=np.int32)
@@ -69,20 +83,18 @@ def footholds(robot: Robot, criterion: FootholdCriterion, heights: HeightMap) ->
                 nearest[bin_, leg] = nearest[0, 0]
                 continue
             if len(doubtful):
-                yaw = 2.0 * math.pi * bin_ / BINS
-                fit[doubtful] = images.is_fit(leg, points[doubtful], yaw)
+                fit[doubtful] = images.is_fit_beside(shins[bin_][leg], points[doubtful])
             find_nearest(fit.reshape(rows, columns), offsets, nearest[bin_, leg])
     return Footholds(nearest, height.reshape(rows, columns), x0, y0, side)
 
 
 def _by_any_shin(
-    images: FootholdImages, robot: Robot, heights: HeightMap, points: Array
+    images: FootholdImages, shins: list[Array], heights: HeightMap, points: Array
 ) -> tuple[Mask, Mask]:
     """Tell where the ground is even, and where no shin can be in anything's way, (n,) each."""
     # Imported late, as only a height map needs it: it takes a good part of a node's start.
     import cv2
 
-    shins = [images.shin(leg, 0.0) for leg in range(len(robot.legs))]
     far = max(float(np.hypot(*shin[:, :2].T).max()) for shin in shins) + images.room
     lowest_point = min(float(shin[:, 2].min()) for shin in shins)
     column, row = np.floor((points - heights.origin) / heights.resolution).astype(int).T

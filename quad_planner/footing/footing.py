@@ -24,7 +24,7 @@ from quad_common.maps.height_map_parts import part_within
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_planner.footing.foothold_lattice import footholds, lattice_side
+from quad_planner.footing.foothold_lattice import footholds, lattice_side, shins_of
 from quad_planner.footing.stances import Footholds, Legs, find_unfit
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.outline.heading_kernels import CLASSES, STEP
@@ -64,6 +64,11 @@ class FootedRobot:
         lowest, highest = scale * min(LOWERINGS), scale * max(LOWERINGS)
         reach = room.lowest, room.highest, room.side
         return Legs(room.neutral, *reach, lowest, highest, np.array(TILTS))
+
+    @cached_property
+    def shins(self) -> list[list[Array]]:
+        """Return points of its shins at some headings [m]."""
+        return shins_of(self.robot)
 
     @cached_property
     def harmless_step(self) -> float:
@@ -201,6 +206,10 @@ class Footing:
             self._fill(fresh, key, _widened(bounds, self._reach + 2.0 * beside))
             self._layers[key] = fresh
 
+    def _footholds_on(self, heights: HeightMap) -> Footholds:
+        footed = self._footed
+        return footholds(footed.robot, footed.criterion, heights, footed.shins)
+
     @property
     def _beside(self) -> float:
         """Distance from a change within which footholds may be others [m]."""
@@ -221,7 +230,7 @@ class Footing:
         tiny = 1e-6 * self._heights.resolution
         end = old.x + right * old.side - tiny, old.y + top * old.side - tiny
         part = part_within(self._heights, (x + tiny, y + tiny, *end))
-        found = footholds(self._footed.robot, self._footed.criterion, part)
+        found = self._footholds_on(part)
         (i0, i1), (j0, j1) = inner
         window = np.s_[j0 - bottom : j1 - bottom, i0 - left : i1 - left]
         values, nearest = old.heights.copy(), old.nearest.copy()
@@ -236,12 +245,12 @@ class Footing:
         """Find where the robot cannot stand; within bounds alone, if there are any."""
         footed = self._footed
         if self._lattice is None:
-            self._lattice = footholds(footed.robot, footed.criterion, self._heights)
+            self._lattice = self._footholds_on(self._heights)
         width, height, resolution, origin = key
         grid = OccupancyGrid(np.zeros((height, width), dtype=np.int8), resolution, origin)
         rows, columns = (a.ravel() for a in np.indices((height, width)))
         centers = grid.map_to_world(np.column_stack((columns, rows)) + 0.5)
-        chosen = self._is_doubtful(self._lattice, centers)
+        chosen, is_uneven = self._doubts(self._lattice, centers)
         if bounds is not None:
             inside = (centers >= bounds[:2]).all(axis=1) & (centers <= bounds[2:]).all(axis=1)
             layers &= ~BitMask.of(inside.reshape(height, width)).words
@@ -250,10 +259,12 @@ class Footing:
             return
         cells = np.column_stack((rows, columns))[chosen].astype(np.int64)
         headings = STEP * np.arange(CLASSES) + origin.yaw
-        find_unfit(self._lattice, footed.legs, headings, cells, centers[chosen], layers)
+        find_unfit(self._lattice, footed.legs, headings, cells, centers[chosen], is_uneven[chosen], layers)
 
-    def _is_doubtful(self, old: Footholds, centers: Array) -> NDArray[np.bool_]:
-        """Tell at which places, (n, 2), the ground around is not plainly good, shape (n,)."""
+    def _doubts(
+        self, old: Footholds, centers: Array
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Tell at which places, (n, 2), the ground around is not plainly good, and uneven."""
         # Imported late, as only a height map needs it: it takes a good part of a node's start.
         import cv2
 
@@ -265,14 +276,14 @@ class Footing:
             for fill in (np.inf, -np.inf)
         )
         step = cv2.dilate(highest, around) - cv2.erode(lowest, around)
-        doubtful = (cv2.dilate(bad, around) > 0) | (step > self._footed.harmless_step)
+        uneven = step > self._footed.harmless_step
+        doubtful = uneven | (cv2.dilate(bad, around) > 0)
         at = np.floor((centers - (old.x, old.y)) / old.side).astype(int)
         rows, columns = old.heights.shape
         reach = math.ceil(self._reach / old.side)
         near = ((at >= -reach) & (at < (columns + reach, rows + reach))).all(axis=1)
-        at = np.clip(at, 0, (columns - 1, rows - 1))
-        found: NDArray[np.bool_] = near & doubtful[at[:, 1], at[:, 0]]
-        return found
+        column, row = np.clip(at, 0, (columns - 1, rows - 1)).T
+        return near & doubtful[row, column], uneven[row, column]
 
 
 def _widened(bounds: Bounds, distance: float) -> Bounds:

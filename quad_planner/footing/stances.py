@@ -96,10 +96,14 @@ def _bear(legs: Legs, feet: Array) -> bool:
 
 @inlined_part
 def _stands(
-    ground: Footholds, legs: Legs, pose: tuple[float, float, float, float], bin_: int, feet: Array
+    ground: Footholds, legs: Legs, pose: tuple[float, float, float, float, bool], bin_: int, feet: Array
 ) -> bool:
-    """Tell whether there are footholds at a pose (x, y, cosine, sine); `feet` is written on."""
-    x, y, c, s = pose
+    """
+    Tell whether there are footholds at a pose: x, y, cosine and sine of its heading.
+
+    The last value tells whether legs may not reach every foothold; `feet` is written on.
+    """
+    x, y, c, s, is_uneven = pose
     rows, columns = ground.heights.shape
     size = legs.lowest.shape[1]
     half = 0.5 * size
@@ -114,6 +118,8 @@ def _stands(
         at = ground.nearest[bin_, leg, row, column]
         if at < 0:
             return False
+        if not is_uneven:
+            continue
         row, column = at // columns, at % columns
         height = ground.heights[row, column]
         if math.isnan(height):
@@ -128,7 +134,7 @@ def _stands(
             return False
         feet[leg, 3], feet[leg, 4] = legs.lowest[leg, i, j], legs.highest[leg, i, j]
     # Of what is not known nothing bad is supposed, as everywhere in the planner.
-    return not is_known or _bear(legs, feet)
+    return not is_uneven or not is_known or _bear(legs, feet)
 
 
 @compiled
@@ -166,6 +172,7 @@ def find_unfit(
     headings: Array,
     cells: NDArray[np.int64],
     centers: Array,
+    is_uneven: NDArray[np.bool_],
     layers: Bits,
 ) -> None:
     """
@@ -183,6 +190,8 @@ def find_unfit(
         Rows and columns of the cells to look at.
     centers : ndarray, shape (n, 2)
         Their centers [m].
+    is_uneven : ndarray of bool, shape (n,)
+        Whether heights around differ so much that legs may not reach every foothold.
     layers : ndarray of uint64, shape (m, height, words)
         A bit is set where a class finds none.
     """
@@ -192,7 +201,7 @@ def find_unfit(
         c, s = math.cos(headings[k]), math.sin(headings[k])
         bin_ = int(math.floor(headings[k] / (2.0 * math.pi) * bins + 0.5)) % bins
         for n in range(len(cells)):
-            pose = (centers[n, 0], centers[n, 1], c, s)
+            pose = (centers[n, 0], centers[n, 1], c, s, is_uneven[n])
             if not _stands(ground, legs, pose, bin_, feet):
                 row, column = cells[n, 0], cells[n, 1]
                 layers[k, row, column >> 6] |= _ONE << np.uint64(column & 63)
