@@ -128,9 +128,11 @@ class Footing:
         self._footed, self._heights = footed, heights
         self._lattice: Footholds | None = None
         self._layers: dict[_Cells, Bits] = {}
+        self._before: Footing | None = None
         if before is not None and before._lattice is None:
             before = before._before
-        self._before = before if before is not None and before._has_cells_of(self) else None
+        if before is not None and before._has_cells_of(self):
+            self._before = before
         # A plan may be asked for while another one is searched in another thread.
         self._lock = Lock()
 
@@ -221,7 +223,7 @@ class Footing:
 
     def _lattice_changed(self, old: Footholds, bounds: Bounds, beside: float) -> Footholds:
         """Return a lattice on the map, which has changed within bounds."""
-        rows, columns = old.heights.shape
+        columns = old.heights.shape[1]
         near, far = (_widened(bounds, k * beside) for k in (1.0, 2.0))
         inner, outer = (_places(old, box) for box in (near, far))
         (left, right), (bottom, top) = outer
@@ -257,9 +259,9 @@ class Footing:
             chosen &= inside
         if not chosen.any():
             return
-        cells = np.column_stack((rows, columns))[chosen].astype(np.int64)
-        headings = STEP * np.arange(CLASSES) + origin.yaw
-        find_unfit(self._lattice, footed.legs, headings, cells, centers[chosen], is_uneven[chosen], layers)
+        cells = np.column_stack((rows, columns, is_uneven))[chosen].astype(np.int64)
+        headings: Array = STEP * np.arange(CLASSES, dtype=np.float64) + origin.yaw
+        find_unfit(self._lattice, footed.legs, headings, cells, centers[chosen], layers)
 
     def _doubts(
         self, old: Footholds, centers: Array
@@ -273,7 +275,7 @@ class Footing:
         bad = (old.nearest < 0).any(axis=(0, 1)).astype(np.uint8)
         lowest, highest = (
             np.where(np.isnan(old.heights), fill, old.heights).astype(np.float32)
-            for fill in (np.inf, -np.inf)
+            for fill in (1e9, -1e9)
         )
         step = cv2.dilate(highest, around) - cv2.erode(lowest, around)
         uneven = step > self._footed.harmless_step

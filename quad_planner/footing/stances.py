@@ -96,7 +96,11 @@ def _bear(legs: Legs, feet: Array) -> bool:
 
 @inlined_part
 def _stands(
-    ground: Footholds, legs: Legs, pose: tuple[float, float, float, float, bool], bin_: int, feet: Array
+    ground: Footholds,
+    legs: Legs,
+    pose: tuple[float, float, float, float, bool],
+    bin_: int,
+    feet: Array,
 ) -> bool:
     """
     Tell whether there are footholds at a pose: x, y, cosine and sine of its heading.
@@ -172,7 +176,6 @@ def find_unfit(
     headings: Array,
     cells: NDArray[np.int64],
     centers: Array,
-    is_uneven: NDArray[np.bool_],
     layers: Bits,
 ) -> None:
     """
@@ -186,12 +189,11 @@ def find_unfit(
         What the legs reach.
     headings : ndarray, shape (m,)
         Heading of each class [rad].
-    cells : ndarray, shape (n, 2)
-        Rows and columns of the cells to look at.
+    cells : ndarray, shape (n, 3)
+        Rows and columns of the cells to look at, and whether heights around them differ so much
+        that legs may not reach every foothold.
     centers : ndarray, shape (n, 2)
         Their centers [m].
-    is_uneven : ndarray of bool, shape (n,)
-        Whether heights around differ so much that legs may not reach every foothold.
     layers : ndarray of uint64, shape (m, height, words)
         A bit is set where a class finds none.
     """
@@ -199,9 +201,9 @@ def find_unfit(
     feet = np.zeros((4, 5))
     for k in range(len(headings)):
         c, s = math.cos(headings[k]), math.sin(headings[k])
-        bin_ = int(math.floor(headings[k] / (2.0 * math.pi) * bins + 0.5)) % bins
+        bin_ = int(np.floor(headings[k] / (2.0 * math.pi) * bins + 0.5)) % bins
         for n in range(len(cells)):
-            pose = (centers[n, 0], centers[n, 1], c, s, is_uneven[n])
+            pose = (centers[n, 0], centers[n, 1], c, s, cells[n, 2] > 0)
             if not _stands(ground, legs, pose, bin_, feet):
                 row, column = cells[n, 0], cells[n, 1]
                 layers[k, row, column >> 6] |= _ONE << np.uint64(column & 63)

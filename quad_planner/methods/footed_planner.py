@@ -86,17 +86,21 @@ class PreparedFooting(InflatedMap):
             classes = self.forbidden_bits.words[None]
         forbidden = self.forbidden_bits.words | np.bitwise_or.reduce(self.unfit, axis=0)
         # What is cached of the outline's map must not stay: it is made again of these.
-        prepared = replace(by_outline, forbidden_bits=BitMask(forbidden, self.grid.width))
+        prepared: PreparedOutline = replace(
+            by_outline, forbidden_bits=BitMask(forbidden, self.grid.width)
+        )
         prepared.__dict__['classes'] = None if classes is None else classes | self.unfit
         return prepared
 
     def is_unfit(self, pose: Pose2D) -> bool:
         """Return whether the robot finds no footholds at a pose in the world; not off the map."""
-        column, row = np.floor(self.grid.world_to_map(np.array([[pose.x, pose.y]]))[0]).astype(int)
-        if self.unfit is None or not (0 <= column < self.grid.width and 0 <= row < self.grid.height):
+        grid = self.grid
+        column, row = np.floor(grid.world_to_map(np.array([[pose.x, pose.y]]))[0]).astype(int)
+        is_on_map = 0 <= column < grid.width and 0 <= row < grid.height
+        if self.unfit is None or not is_on_map:
             return False
-        layer = self.unfit[class_of(pose.yaw - self.grid.origin.yaw)]
-        return BitMask(layer, self.grid.width)[int(row), int(column)]
+        layer = self.unfit[class_of(pose.yaw - grid.origin.yaw)]
+        return BitMask(layer, grid.width)[int(row), int(column)]
 
 
 class FootedPlanner:
@@ -183,7 +187,8 @@ class FootedPlanner:
             As the planning method's.
         """
         if not isinstance(prepared, PreparedFooting):
-            return self._method.plan(prepared, start, goal)
+            own: Plan = self._method.plan(prepared, start, goal)
+            return own
         plan: Plan = self._method.plan(prepared.by_method, start, goal)
         if prepared.unfit is None:
             return plan
@@ -200,8 +205,7 @@ class FootedPlanner:
         distance = self._tolerance
         around = [(0.0, 0.0)]
         around += [
-            (distance * math.cos(a), distance * math.sin(a))
-            for a in np.arange(8) * (math.pi / 4.0)
+            (distance * math.cos(a), distance * math.sin(a)) for a in np.arange(8) * (math.pi / 4.0)
         ]
         for dx, dy in around:
             for turn in (0.0, STEP, -STEP):
@@ -229,18 +233,21 @@ class FootedPlanner:
 
     def _poses(self, start: Pose2D, plan: Plan, apart: float) -> list[Pose2D]:
         """Return poses along a plan: along its legs, and of its turns at their corners."""
-        keeps, poses, heading = self._options.outline.keeps_heading, [], start.yaw
+        keeps, heading = self._options.outline.keeps_heading, start.yaw
+        poses: list[Pose2D] = []
         for here, there in pairwise(plan.poses):
             towards = heading if keeps else here.heading_to(there)
-            turn = wrap_angle(towards - heading)
-            for part in np.linspace(0.0, 1.0, 2 + int(abs(turn) / STEP)):
-                poses.append(Pose2D(here.x, here.y, heading + part * turn))
-            for part in np.linspace(0.0, 1.0, 2 + int(here.distance_to(there) / apart)):
-                x, y = (a + part * (b - a) for a, b in ((here.x, there.x), (here.y, there.y)))
-                poses.append(Pose2D(x, y, towards))
+            poses += _turn(here, heading, towards)
+            way = np.linspace(0.0, 1.0, 2 + int(here.distance_to(there) / apart))
+            x, y = here.x + way * (there.x - here.x), here.y + way * (there.y - here.y)
+            poses += [Pose2D(u, v, towards) for u, v in zip(x.tolist(), y.tolist())]
             heading = towards
         goal = plan.poses[-1]
-        turn = wrap_angle(goal.yaw - heading)
-        for part in np.linspace(0.0, 1.0, 2 + int(abs(turn) / STEP)):
-            poses.append(Pose2D(goal.x, goal.y, heading + part * turn))
-        return poses
+        return poses + _turn(goal, heading, goal.yaw)
+
+
+def _turn(place: Pose2D, before: float, after: float) -> list[Pose2D]:
+    """Return poses of a turn on the spot by the short side, from a heading to another [rad]."""
+    turn = wrap_angle(after - before)
+    way = np.linspace(0.0, 1.0, 2 + int(abs(turn) / STEP))
+    return [Pose2D(place.x, place.y, before + part * turn) for part in way.tolist()]
