@@ -170,8 +170,9 @@ class FeltGround:
         if self.map_shift.any():
             before = correction.inverse() @ pose
             shift = self.map_shift - (pose.x - before.x, pose.y - before.y)
-            side = self._scale * _FARTHEST / MOST_STEPS
-            self.map_shift = shift if np.hypot(*shift) > side else np.zeros(2)
+            # The shift is known to a step of the search, no better.
+            least = _NEGLIGIBLE * self._scale * _FARTHEST / MOST_STEPS
+            self.map_shift = shift if np.hypot(*shift) > least else np.zeros(2)
             self._window = None
 
     def note_contact(self, leg: int, now: Stance, height_map: HeightMap | None) -> None:
