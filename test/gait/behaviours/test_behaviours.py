@@ -5,8 +5,8 @@ import pytest
 from told_supervisor import measurement, shared_for
 
 from quad_common.errors import FootholdNotFound
-from quad_common.plan import Plan
 from quad_common.maps.height_map import HeightMap
+from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.behaviours.activity import Activity
