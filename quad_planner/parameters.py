@@ -12,6 +12,9 @@ from quad_planner.navigation.navigator_options import NavigatorOptions
 LOW_OBSTACLES = ('keep', 'step_over')
 """Choices for obstacles of the map that the height map shows to be low."""
 
+FOOTINGS = ('check', 'ignore')
+"""Choices for whether plans keep to poses where the robot finds footholds."""
+
 FOOTPRINTS = ('circle', 'outline')
 """What of the robot keeps its distance from obstacles."""
 
@@ -176,6 +179,12 @@ class PlannerParameters:
         False,
         'Whether paths lead over gaps of the height map that a foot bridges, from foothold to '
         "foothold. Only with gait_node's footsteps.",
+    )
+    footing: str = parameter(
+        'check',
+        'Whether plans keep to poses where the robot finds footholds by the height map: each foot '
+        'by the criterion of the gait for uneven ground, within reach of its leg.',
+        choices=FOOTINGS,
     )
     low_obstacles: str = parameter(
         'keep',

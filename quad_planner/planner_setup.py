@@ -20,7 +20,9 @@ from quad_planner.costs.cell_costs import (
     MapCost,
     UnknownCost,
 )
+from quad_planner.footing.footing import FootedRobot
 from quad_planner.grid.ground_limits import GroundLimits
+from quad_planner.methods.footed_planner import FootingOptions
 from quad_planner.methods.outline_planner import OutlineOptions
 from quad_planner.methods.planner import METHODS, Planner, make_planner
 from quad_planner.outline.arcs import ArcTurns
@@ -221,13 +223,8 @@ def _outline_from_parameters(
     robot: Robot,
     pace: WalkingTimeModel | None,
     start_tolerance: float,
-) -> OutlineOptions | None:
+) -> OutlineOptions:
     p = parameters
-    if p.footprint == 'circle':
-        if p.outline.strip():
-            # It is not used, but would be kept until it is.
-            outline_from_text(p.outline)
-        return None
     return outline_for(
         robot,
         p.safety_distance,
@@ -269,11 +266,15 @@ def planner_from_parameters(
     tolerance = p.start_tolerance
     if tolerance < 0.0:
         tolerance = start_tolerance(p.safety_distance, pace)
+    by_outline = _outline_from_parameters(p, robot, pace, tolerance)
     return planner_for(
         robot,
         p.method,
         p.safety_distance,
-        _outline_from_parameters(p, robot, pace, tolerance),
+        by_outline if p.footprint == 'outline' else None,
+        footing=FootingOptions(FootedRobot.of(robot, p.footsteps), by_outline)
+        if p.footing == 'check'
+        else None,
         pace=pace,
         any_angle=p.any_angle,
         fewest_turns=p.fewest_turns,

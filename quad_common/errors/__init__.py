@@ -103,6 +103,7 @@ from quad_common.errors.perception import TooManyPointsInFile as TooManyPointsIn
 from quad_common.errors.planning import DescentStuck as DescentStuck
 from quad_common.errors.planning import GoalOccupied as GoalOccupied
 from quad_common.errors.planning import GoalOutsideMap as GoalOutsideMap
+from quad_common.errors.planning import GoalWithoutFooting as GoalWithoutFooting
 from quad_common.errors.planning import InvalidPlanner as InvalidPlanner
 from quad_common.errors.planning import InvalidPose as InvalidPose
 from quad_common.errors.planning import NoGoals as NoGoals

@@ -4,6 +4,7 @@ Errors of planners, with the error codes of Nav2's ComputePathToPose action.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -176,6 +177,33 @@ class GoalOccupied(_Occupied):
 
     code = 206
     _what = 'goal'
+
+
+@dataclass(eq=False, repr=False)
+class GoalWithoutFooting(PlannerError):
+    """The ground at the goal has no footholds on which the robot could stand."""
+
+    code = 206
+
+    x: float
+    """Coordinate of the goal [m]."""
+    y: float
+    """Coordinate of the goal [m]."""
+    heading: float
+    """Heading of the goal [rad]."""
+    distance: float
+    """Distance from it within which it was looked for footholds, too [m]."""
+    turn: float
+    """Difference from its heading within which it was looked for footholds, too [rad]."""
+
+    def sentence(self) -> str:
+        """Say where, and how near to it was looked."""
+        return (
+            f'the robot cannot stand at the goal ({self.x:.2f}, {self.y:.2f}) m at a heading of '
+            f'{math.degrees(self.heading):.0f} degrees: by the height map its feet find no '
+            f'footholds in reach there, nor within {self.distance:.2f} m and '
+            f'{math.degrees(self.turn):.0f} degrees'
+        )
 
 
 @dataclass(eq=False, repr=False)

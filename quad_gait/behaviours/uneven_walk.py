@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from quad_gait.footsteps.footstep_route import FootstepRoute
 
 
+_NEGLIGIBLE = 1e-9
+"""Corrections of odometry that are none but for rounding [m, rad]."""
+
+
 class UnevenWalk(Walk):
     """Carries one stride out until its last foot stands."""
 
@@ -83,6 +87,7 @@ class UnevenWalk(Walk):
         step, guidance, options = done.step, self._guidance, self._options.uneven
         assert step is not None
         assert options is not None
+        self._note_correction(state)
         chosen = guidance.ways_out.choose(step, self._limit)
         if chosen is None:
             guidance.give_up(Activity.STOPPED, guidance.ways_out.problem)
@@ -116,8 +121,19 @@ class UnevenWalk(Walk):
         route, pose = self._route, state.pose
         if route is None:
             return None
+        heights = self._height_map
+        route.use_map(None if heights is None else self._guidance.felt.moved(heights))
         targets = self._guidance.poses_ahead(pose, route.horizons)
         return route.stride_ahead(state.stance(state), pose, targets)
+
+    def _note_correction(self, state: RobotState) -> None:
+        """Tell what is known of the ground that a localiser has moved the robot on the map."""
+        before = self._begun
+        if before is None or state.odometry is None or before.odometry is None:
+            return
+        correction = state.pose @ state.pose_corrected_as(before).inverse()
+        if math.hypot(correction.x, correction.y) + abs(correction.yaw) > _NEGLIGIBLE:
+            self._guidance.felt.note_correction(correction, state.pose)
 
     def _ask_for_detour(self, pose: Pose2D, step: Step) -> None:
         """Stop, and say from where there is no going on: a planner finds another path."""

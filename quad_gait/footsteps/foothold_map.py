@@ -5,17 +5,16 @@ Where each foot of a robot may stand, cell by cell of a lattice over a height ma
 from __future__ import annotations
 
 import math
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.footing.foothold_criterion import FootholdCriterion, FootholdImages
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
-from quad_gait.footsteps.foothold_choice import find_fit, keep_best
+from quad_gait.footsteps.foothold_choice import keep_best
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.search_values import MOST_CELLS, Lattice
-from quad_gait.uneven.shin import shin_points
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -45,8 +44,11 @@ class FootholdMap:
         heights: HeightMap,
     ) -> None:
         self._robot = robot
-        self._options = options
         self._footsteps = footsteps
+        criterion = FootholdCriterion(
+            options.foothold_reach, footsteps.radius, options.largest_step, options.shin_clearance
+        )
+        self._images = FootholdImages(robot, criterion, heights)
         self.heights = heights
         """Of the ground."""
         self.blocked: list[tuple[int, float, float]] = []
@@ -70,31 +72,7 @@ class FootholdMap:
         ndarray of bool, shape (n,)
             False where nothing is known, and off the map.
         """
-        robot, scale = self._robot, self._robot.relative_size
-        stride = 0.5 * robot.largest_stride * np.array([math.cos(yaw), math.sin(yaw)])
-        shin = shin_points(robot, leg, stride, yaw)
-        fit = np.empty(len(points), dtype=np.uint8)
-        cells = (points - self.heights.origin) / self.heights.resolution
-        shin[:, :2] /= self.heights.resolution
-        find_fit(cells, self._images, shin, scale * self._options.largest_step, fit)
-        return fit.astype(bool)
-
-    @cached_property
-    def _images(self) -> Array:
-        """Heights, how rough it is around them, and the highest and lowest ground near a shin."""
-        robot, scale, options = self._robot, self._robot.relative_size, self._options
-        heights = self.heights
-        radius = max(scale * self._footsteps.radius, robot.foot_radius)
-        near = robot.foot_radius + scale * options.shin_clearance + heights.resolution / 2.0
-        centers = heights.centers
-        return np.stack(
-            [
-                heights.heights,
-                heights.steps(radius),
-                heights.highest_within(centers, near),
-                heights.lowest_within(centers, near),
-            ]
-        )
+        return self._images.is_fit(leg, points, yaw)
 
     def lattice(self, low: Array, high: Array, yaw: float, feet: Array, shift: float) -> Lattice:
         """

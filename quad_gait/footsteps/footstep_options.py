@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from quad_common.footing.foothold_criterion import FootholdCriterion
+
 
 @dataclass(frozen=True)
 class FootstepOptions:
@@ -13,7 +15,7 @@ class FootstepOptions:
 
     cell: float = 0.03
     """Distance between the places that are looked at [m]."""
-    radius: float = 0.035
+    radius: float = FootholdCriterion.radius
     """Radius around a foot in which the ground is even [m]."""
     block: int = 3
     """Side of the squares of which each gives one foothold, that with the most room [cells]."""

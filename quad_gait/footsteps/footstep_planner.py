@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import FootstepsNotFound
+from quad_common.footing.leg_room import LegRoom
+from quad_common.footing.postures import LOWERINGS
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_search import search
-from quad_gait.footsteps.leg_room import LegRoom
 from quad_gait.footsteps.search_values import Body, Goal, Lattice, make_tree
 from quad_gait.state.body_placement import body_over, heading_over
-from quad_gait.uneven.candidates import LOWERINGS
 
 Array = NDArray[np.float64]
 

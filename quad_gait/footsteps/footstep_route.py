@@ -74,6 +74,11 @@ class FootstepRoute:
             self._map = FootholdMap(self._robot, self._uneven, self._options, heights)
         self.forget()
 
+    def use_map(self, heights: HeightMap | None) -> None:
+        """Plan over a map as it lies now: take it, if it is another one."""
+        if heights is not (None if self._map is None else self._map.heights):
+            self.take_map(heights)
+
     def forget(self) -> None:
         """Plan again before the next stride."""
         self._steps, self._feet = (), None

@@ -33,7 +33,7 @@ class Lattice(NamedTuple):
 
 
 class Body(NamedTuple):
-    """What is known of a robot; tables as :class:`~quad_gait.footsteps.leg_room.LegRoom`'s."""
+    """What is known of a robot; tables as :class:`~quad_common.footing.leg_room.LegRoom`'s."""
 
     neutral: Array
     """Feet in the initial posture, body frame, shape (4, 3) [m]."""

@@ -9,28 +9,17 @@ from itertools import product
 from typing import TypeVar
 
 from quad_common.errors import GaitError
+from quad_common.footing.postures import HIGHER, LOWER, LOWERINGS, TILTS
 
 Planned = TypeVar('Planned')
 
 _FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Fractions of a step, of which the legs may reach one only."""
 
-_TILTS = (0.0, 0.5, 1.0)
-"""Fractions of the ground's tilt that the body may take."""
-
-_LOWER = (0.0, 0.03, 0.06)
-"""Distance by which the body may be lower than in its initial posture [m]."""
-
-_HIGHER = (-0.02, -0.04)
-"""The same where it is higher, so that its parts keep away from thighs: tried last [m]."""
-
 _LOW_LIFT = 0.3
 """Fraction of its usual height over the ground at which a foot whose thigh is in the way swings."""
 
-LOWERINGS = (*_LOWER, *_HIGHER)
-"""Distances by which the body may be lower than in its initial posture, of TITAN-VIII [m]."""
-
-LOWEST = _LOWER[-1]
+LOWEST = LOWER[-1]
 """Largest of these distances [m]."""
 
 
@@ -44,8 +33,8 @@ def _swing_cost(kind: tuple[float, ...]) -> float:
 
 VARIANTS = sorted(
     [
-        *product(_FRACTIONS, _TILTS, LOWERINGS, (1.0,)),
-        *product((1.0, 0.5), (0.0, 1.0), (0.0, _HIGHER[0]), (_LOW_LIFT,)),
+        *product(_FRACTIONS, TILTS, LOWERINGS, (1.0,)),
+        *product((1.0, 0.5), (0.0, 1.0), (0.0, HIGHER[0]), (_LOW_LIFT,)),
     ],
     key=_swing_cost,
 )
@@ -60,16 +49,16 @@ IN_PLACE = [(*kind[1:], pace) for kind in VARIANTS if kind[0] == 1.0 for pace in
 of the step."""
 
 LEANS = sorted(
-    product(_FRACTIONS, _TILTS, _LOWER),
+    product(_FRACTIONS, TILTS, LOWER),
     # Where the body is counts more than how low it is, and less than that it is level.
     key=lambda kind: (1.0 - kind[0]) + 3.0 * kind[1] + 3.0 * kind[2],
-) + list(product(_FRACTIONS, _TILTS, _HIGHER))
+) + list(product(_FRACTIONS, TILTS, HIGHER))
 """Fractions of the way to its place that the body leans, tilts and lowerings, in that order."""
 
 SEARCHES, QUICK_SEARCHES = ((1.0,),), ((3.0,), (2.0,), (1.0,))
 """Multiples of its speed at which a foot is lowered, usually and where another one slips."""
 
-POSTURES = tuple(product(_TILTS, LOWERINGS))
+POSTURES = tuple(product(TILTS, LOWERINGS))
 """Tilts and lowerings, in the order in which they are tried."""
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.height_map_parts import part_within, thinned
+from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.state.stance import Stance
@@ -136,7 +137,43 @@ class FeltGround:
             return GroundModel.through(under, height_map)
         if math.isinf(error):
             return GroundModel.through(under)
-        return GroundModel.through(under, self._part(under, self._moved(height_map)), error)
+        return GroundModel.through(under, self._part(under, self.moved(height_map)), error)
+
+    def moved(self, height_map: HeightMap) -> HeightMap:
+        """Return the map where it fits what was felt."""
+        if not self.map_shift.any():
+            return height_map
+        whole, shift, moved = self._shifted
+        if whole is not height_map or shift is not self.map_shift:
+            x, y = (np.array(height_map.origin) - self.map_shift).tolist()
+            moved = HeightMap(height_map.heights, height_map.resolution, (x, y))
+            self._shifted = height_map, self.map_shift, moved
+        return moved
+
+    def note_correction(self, correction: Pose2D, pose: Pose2D) -> None:
+        """
+        Take that a localiser has corrected where the robot is on the map.
+
+        Where feet stood lately is known in the plan's frame, and so it is corrected, too. Where
+        the map was moved to fit the feet, what the correction makes up for is taken off.
+
+        Parameters
+        ----------
+        correction : Pose2D
+            Transform from places in the plan's frame as they were to what they are now.
+        pose : Pose2D
+            Pose of the body now.
+        """
+        for k, place in enumerate(self._recent):
+            x, y = correction.transform(place[None, :2])[0]
+            self._recent[k] = np.array([x, y, place[2]])
+        if self.map_shift.any():
+            before = correction.inverse() @ pose
+            shift = self.map_shift - (pose.x - before.x, pose.y - before.y)
+            # The shift is known to a step of the search, no better.
+            least = _NEGLIGIBLE * self._scale * _FARTHEST / MOST_STEPS
+            self.map_shift = shift if np.hypot(*shift) > least else np.zeros(2)
+            self._window = None
 
     def note_contact(self, leg: int, now: Stance, height_map: HeightMap | None) -> None:
         """
@@ -200,7 +237,7 @@ class FeltGround:
 
     def _fitted(self, height_map: HeightMap) -> GroundModel | None:
         """Return the map, at the height at which it fits what was felt; None if unknown there."""
-        felt, moved = np.array(self._recent).reshape(-1, 3), self._moved(height_map)
+        felt, moved = np.array(self._recent).reshape(-1, 3), self.moved(height_map)
         off = felt[:, 2] - moved.height_at(felt[:, :2])
         if not np.isfinite(off).any():
             return None
@@ -222,17 +259,6 @@ class FeltGround:
         if fitted is not None:
             self._off.clear()
             self._off.extend(self._distance_off(fitted, place, is_floor=True) for place in felt)
-
-    def _moved(self, height_map: HeightMap) -> HeightMap:
-        """Return the map where it fits what was felt."""
-        if not self.map_shift.any():
-            return height_map
-        whole, shift, moved = self._shifted
-        if whole is not height_map or shift is not self.map_shift:
-            x, y = (np.array(height_map.origin) - self.map_shift).tolist()
-            moved = HeightMap(height_map.heights, height_map.resolution, (x, y))
-            self._shifted = height_map, self.map_shift, moved
-        return moved
 
     def _distance_off(self, ground: GroundModel, met: Array, is_floor: bool) -> float:
         """

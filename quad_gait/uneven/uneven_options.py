@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from quad_common.footing.foothold_criterion import FootholdCriterion
+
 
 @dataclass(frozen=True)
 class UnevenOptions:
@@ -38,13 +40,13 @@ class UnevenOptions:
     """Time in which a foot is lowered, at least [s]."""
     foot_speed: float = 0.65
     """Speed of a foot over longer distances, on average [m/s]."""
-    foothold_reach: float = 0.08
+    foothold_reach: float = FootholdCriterion.reach
     """Distance from its place at which a foot may be put for a better hold, at most [m]."""
     foothold_radius: float = 0.045
     """Radius around a foot in which the ground should be even [m]."""
-    shin_clearance: float = 0.01
+    shin_clearance: float = FootholdCriterion.shin_clearance
     """Distance of foot and shin from what is higher than they are [m]."""
-    largest_step: float = 0.025
+    largest_step: float = FootholdCriterion.largest_step
     """Difference of the heights around a foot on even ground, at most [m]."""
     plans_footsteps: bool = False
     """Whether footholds are planned ahead where strides would not find even ground."""

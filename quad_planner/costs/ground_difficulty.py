@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_planner.footing.footing import Footing
 from quad_planner.grid.ground_shape import Floats, fitted_planes
 from quad_planner.grid.traversability import Ground
 
@@ -52,11 +53,15 @@ class GridOverGround(OccupancyGrid):
 
     ground: Ground
     """Ground that the robot walks on."""
+    footing: Footing | None = None
+    """Where it can stand on that ground; None where that is not looked at."""
 
     @classmethod
-    def of(cls, grid: OccupancyGrid, ground: Ground) -> GridOverGround:
+    def of(
+        cls, grid: OccupancyGrid, ground: Ground, footing: Footing | None = None
+    ) -> GridOverGround:
         """Lay a map over the ground."""
-        return cls(grid.cells, grid.resolution, grid.origin, ground)
+        return cls(grid.cells, grid.resolution, grid.origin, ground, footing)
 
 
 def ground_of(grid: OccupancyGrid) -> Ground | None:

@@ -162,15 +162,16 @@ class OutlinePlanner(Generic[Prepared]):
 
     def prepare(self, grid: OccupancyGrid) -> PreparedOutline:
         """Make a map ready for any number of plans."""
-        return self._of(self._method.prepare(grid))
+        return self.around(self._method.prepare(grid))
 
     def update(
         self, prepared: PreparedOutline, grid: OccupancyGrid, changed: tuple[int, int]
     ) -> PreparedOutline:
         """Make a map ready of which only some rows have changed: `PlanningMethod.update`."""
-        return self._of(self._method.update(prepared.by_circle, grid, changed))
+        return self.around(self._method.update(prepared.by_circle, grid, changed))
 
-    def _of(self, by_circle: InflatedMap) -> PreparedOutline:
+    def around(self, by_circle: InflatedMap) -> PreparedOutline:
+        """Take a map that the method has made ready for the circle."""
         return PreparedOutline(
             by_circle.grid,
             by_circle.clearance_radius,

@@ -21,8 +21,10 @@ from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_planner.costs.cell_costs import CostLayer
 from quad_planner.costs.ground_difficulty import ground_of
+from quad_planner.footing.footing import FootedRobot
 from quad_planner.grid.bit_grid import changed_rows
 from quad_planner.grid.inflated_map import InflatedMap
+from quad_planner.methods.footed_planner import FootedPlanner, FootingOptions
 from quad_planner.methods.mesh_planner import MeshPlanner
 from quad_planner.methods.outline_planner import OutlineOptions, OutlinePlanner
 from quad_planner.methods.potential_planner import PotentialPlanner
@@ -137,6 +139,11 @@ class Planner(Generic[Prepared]):
         return self._method.clearance_radius
 
     @property
+    def footed(self) -> FootedRobot | None:
+        """Robot for which footholds are looked for along plans; None if they are not."""
+        return getattr(self._method, 'footed', None)
+
+    @property
     def weighs_ground(self) -> bool:
         """Whether costs are taken of the ground under the map."""
         return any(getattr(layer, 'needs_ground', False) for layer in self._method.costs)
@@ -210,7 +217,10 @@ class Planner(Generic[Prepared]):
 
 
 def make_planner(
-    method: str, outline: OutlineOptions | None = None, **options: Any
+    method: str,
+    outline: OutlineOptions | None = None,
+    footing: FootingOptions | None = None,
+    **options: Any,
 ) -> Planner[Any]:
     """
     Make a planner by its method's name.
@@ -221,6 +231,8 @@ def make_planner(
         A key of `METHODS`.
     outline : OutlineOptions, optional
         The robot's outline, to plan by it where that is of use.
+    footing : FootingOptions, optional
+        The robot, to look for its footholds along plans where the ground is known.
     **options
         The fields of the methods' classes, for example `mesh_size` of `MeshPlanner`; those
         of other methods are left aside.
@@ -243,8 +255,10 @@ def make_planner(
     unknown = set(options) - set().union(*map(_options, METHODS.values()))
     if unknown:
         raise TypeError(f'no planning method has the options {sorted(unknown)}')
-    made = METHODS[method](**taken)
-    return Planner(made if outline is None else OutlinePlanner(made, outline))
+    made: Any = METHODS[method](**taken)
+    if outline is not None:
+        made = OutlinePlanner(made, outline)
+    return Planner(made if footing is None else FootedPlanner(made, footing))
 
 
 def _options(method: Any) -> set[str]:

@@ -5,6 +5,7 @@ import pytest
 from told_supervisor import measurement, shared_for
 
 from quad_common.errors import FootholdNotFound
+from quad_common.maps.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot_files.robot_file import available_robots, load_robot
@@ -180,6 +181,33 @@ def test_an_uneven_walk_swings_from_where_the_feet_stand_and_remembers_how_they_
     walk.forget()
     assert walk.footholds().shape == (0, 3)
     assert walk.in_contact_at(1.0).all()
+
+
+def test_a_correction_of_odometry_is_taken_off_the_shift_of_the_map_before_the_next_stride():
+    shared = shared_for(ROBOT, uneven=UnevenOptions())
+    walk, felt = UnevenWalk(shared), shared.guidance.felt
+    at, moved = Pose2D(0.0, 0.0, 0.0), Pose2D(0.07, 0.0, 0.0)
+    walk.begin(state(1.0).placed(at, at), Done(Activity.WALKING, STEP))
+    felt.map_shift = np.array([0.10, 0.0])
+    walk.begin(state(2.0).placed(at, at), Done(Activity.WALKING, STEP))
+    assert felt.map_shift == pytest.approx([0.10, 0.0])
+    walk.begin(state(3.0).placed(moved, at), Done(Activity.WALKING, STEP))
+    assert felt.map_shift == pytest.approx([0.03, 0.0])
+
+
+def test_footsteps_are_planned_over_the_map_where_feet_say_that_it_lies():
+    shared = shared_for(ROBOT, uneven=UnevenOptions(plans_footsteps=True))
+    walk = UnevenWalk(shared)
+    heights = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.05)
+    walk.take(UseHeightMap(heights))
+    walk.begin(state(1.0), Done(Activity.WALKING, STEP))
+    assert walk._route._map.heights is heights
+    shared.guidance.felt.map_shift = np.array([0.10, 0.0])
+    walk.begin(state(2.0), Done(Activity.WALKING, STEP))
+    assert walk._route._map.heights.origin == pytest.approx((-1.10, -1.0))
+    known = walk._route._map
+    walk.begin(state(3.0), Done(Activity.WALKING, STEP))
+    assert walk._route._map is known
 
 
 def test_ground_that_is_not_found_ends_the_stride_and_is_said(monkeypatch):

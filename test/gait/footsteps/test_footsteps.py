@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from quad_common.errors import FootstepsNotFound, GaitError
+from quad_common.footing.leg_room import LegRoom
+from quad_common.footing.postures import LOWERINGS
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
@@ -15,11 +17,9 @@ from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import FootstepPlanner, pose_over
 from quad_gait.footsteps.footstep_route import FootstepRoute
-from quad_gait.footsteps.leg_room import LegRoom
 from quad_gait.footsteps.search_values import Lattice
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.candidates import LOWERINGS
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 TITAN, GENIBO = load_robot('titan_viii'), load_robot('genibo')

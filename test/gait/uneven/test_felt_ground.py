@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.maps.height_map import HeightMap
+from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
@@ -215,3 +216,39 @@ def test_a_foot_feels_for_the_ground_from_the_highest_place_at_which_it_may_be(e
     heights = np.array([foot[0, 2] - foot[1:, 2].mean() for foot in feet])
     at_once = heights[min(swing.given, len(heights) - 1)]
     assert at_once == pytest.approx(STEP + 0.01 if error else 0.0, abs=0.004)
+
+
+def test_a_correction_that_makes_up_for_the_drift_leaves_no_shift():
+    truth, felt, drift = hills(), FeltGround(ROBOT), 0.07
+    shown = HeightMap(truth.heights, CELL, (-2.0 + drift, -2.0))
+    for _ in crawled(felt, truth, shown):
+        pass
+    assert felt.map_shift[0] == pytest.approx(drift, abs=0.02)
+    # The localiser says at last that the robot is farther on.
+    felt.note_correction(Pose2D(drift, 0.0, 0.0), Pose2D(0.8 + drift, 0.0, 0.0))
+    assert not felt.map_shift.any()
+    assert felt.moved(shown) is shown
+    off = shown.height_at(np.array(felt._recent)[:, :2]) - np.array(felt._recent)[:, 2]
+    assert np.nanmax(np.abs(off - np.nanmedian(off))) < 0.012
+
+
+def test_a_part_of_the_drift_leaves_a_part_of_the_shift():
+    felt = FeltGround(ROBOT)
+    felt.map_shift = np.array([0.10, 0.0])
+    felt.note_correction(Pose2D(0.04, 0.0, 0.0), Pose2D(1.0, 0.0, 0.0))
+    assert felt.map_shift == pytest.approx([0.06, 0.0])
+
+
+def test_a_correction_that_turns_counts_where_the_robot_is():
+    felt = FeltGround(ROBOT)
+    felt.map_shift = np.array([0.10, 0.10])
+    pose = Pose2D(2.0, 0.0, 0.1)
+    about = pose @ Pose2D(0.0, 0.0, 0.1) @ pose.inverse()
+    felt.note_correction(about, pose)
+    assert felt.map_shift == pytest.approx([0.10, 0.10])
+
+
+def test_without_a_shift_a_correction_brings_none():
+    felt = FeltGround(ROBOT)
+    felt.note_correction(Pose2D(0.5, 0.2, 0.1), Pose2D(1.0, 0.0, 0.0))
+    assert not felt.map_shift.any()

@@ -82,7 +82,7 @@ def test_unknown_ground_costs_nothing_and_a_turned_map_lies_over_the_same_ground
 
 def walked(heights, **parameters):
     """Plan over ground as planner_node does; return the plan, and the factors of the map."""
-    p = PlannerParameters(**parameters)
+    p = PlannerParameters(footing='ignore', **parameters)
     frame = MapFrame('map')
     planning_map = PlanningMap(planner_from_parameters(p, ROBOT), frame, LIMITS)
     planning_map.take_grid(OccupancyGrid(np.zeros((120, 160), np.int8), 0.05, START_OF_MAP), 'map')

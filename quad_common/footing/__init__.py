@@ -1,0 +1,1 @@
+"""Footing: where feet may stand on uneven ground, and what legs reach there."""
