@@ -134,9 +134,7 @@ class GaitTopics:
         self.publish_followed()
         self._publish_heartbeat(state.time, stamp)
 
-    def publish_trajectory(
-        self, trajectory: JointTrajectory | None, is_last: bool = False
-    ) -> None:
+    def publish_trajectory(self, trajectory: JointTrajectory | None, is_last: bool = False) -> None:
         """Publish a trajectory, if there is one; the last one holds the joints in any case."""
         if trajectory is not None:
             message = trajectory_message(trajectory)

@@ -92,7 +92,7 @@ class RobotIsAlone(SimulatorError):
         """Say how to begin a simulation in which they may."""
         return (
             "this simulation has one robot for good; begin it with the parameter 'robots' to spawn "
-            "and delete robots: robots:=none is a world without any"
+            'and delete robots: robots:=none is a world without any'
         )
 
 

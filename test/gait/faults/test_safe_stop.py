@@ -99,15 +99,18 @@ def test_a_robot_whose_joint_fails_does_not_fall_stands_still_and_says_why(
 @pytest.mark.parametrize(
     ('joint', 'kind', 'time'),
     [
-        # Each kind of joint, in legs that stand and legs that swing.
         (7, 'stuck', 2.23),
         (3, 'stuck', 2.16),
         (1, 'free', 3.3),
+        (9, 'stuck', 2.86),
         # Legs that swing, and motors that do not pull.
         (0, 'free', 2.24),
         (4, 'free', 3.74),
+        (0, 'free', 3.11),
+        (3, 'free', 2.2),
         (5, 'stuck', 2.39),
         (5, 'free', 2.08),
+        (2, 'stuck', 2.354),
     ],
 )
 def test_a_trotting_robot_stands_still_within_two_strides(joint, kind, time):
