@@ -1,5 +1,5 @@
 """
-What MuJoCo's constraints drive toward: motors turn joints, anchors and lifts hold what stands.
+What MuJoCo's dry friction drives toward: motors turn joints, and anchors hold what stands.
 
 Both are set between the two halves of MuJoCo's step, by references of its constraints. A
 constraint with the velocity v_i tends to the acceleration a_i = -B v_i + r_i; here r is added.
@@ -11,12 +11,6 @@ MuJoCo's friction of contacts is soft: a steady force lets a contact creep at a 
 however small the force. So each contact has an anchor, as in Bullet. By edge e of its pyramid of
 friction, whose direction is n + mu t, and the opposite one, n - mu t, the contact has crept by
 s_e += dt (v_e - v_-e) / 2, and r_e = -g s_e / dt^2 takes the fraction g of that back in one step.
-
-They are soft across the ground, too: a foot sinks in the farther the more it carries, and a body
-whose load goes from foot to foot tilts. Stiffer contacts sink in less, but push a trotting body as
-feet come down. So each contact has a lift: of the acceleration k p that drives a foot out of the
-depth p a fraction is added in each step, and a part of it is lost: l += h k (p - p_0) - m l. What
-comes down and leaves again within the time of a few steps does not notice it.
 """
 
 from __future__ import annotations
@@ -39,25 +33,9 @@ _ANCHOR_GAIN = 0.05
 """Fraction of a contact's creep that is taken back in one step. An anchor is a spring beside the
 friction that damps it; with 0.3 it rocks a trotting body, cuhk on the spot by half a degree."""
 
-_LONGEST_CREEP = 1.5e-3
+_LONGEST_CREEP = 6e-4
 """Creep, times the coefficient of friction, from which on a contact slips [m]: its anchor follows,
-and never pulls by more. With 0.0012 a foot that was put down on a slope of 0.15 rad creeps."""
-
-_LIFT_GAIN, _LIFT_LOSS = 0.015, 0.006
-"""Fraction of what drives a contact out of the ground that is added to its lift in one step, and
-fraction of the lift that is lost in it: under a load that stays, a foot sinks in by two sevenths of
-what it would without. Without a loss the lifts of four feet, which hold each other, wind up, and
-the robot creeps on a slope. With a gain of 0.025 cuhk, turning on the spot by trotting, rocks by
-half a degree."""
-
-_LIFT_STEPS = 4
-"""Number of steps after which lifts are changed: they are slow, and each change takes time."""
-
-_DEPTH = 5e-5
-"""Depth to which a contact is lifted [m]: what is lifted out of the ground is no contact."""
-
-_LARGEST_LIFT = 100.0
-"""Bound on a lift [m/s^2]; feet that stand on their own do with a tenth."""
+and never pulls by more. With half of it robots creep on a slope of 0.15 rad."""
 
 _FAR = 10.0
 """Position error beyond which a motor does not pull more [rad]."""
@@ -190,7 +168,7 @@ class MujocoMotors:
 
 class MujocoDrives:
     """
-    The motors of all robots in a model, and the anchors and lifts of contacts.
+    The motors of all robots in a model, and the anchors of contacts.
 
     Parameters
     ----------
@@ -205,7 +183,6 @@ class MujocoDrives:
         self._count = _COUNT * len(self._robots)
         self._time_step = time_step
         self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
-        self._stiffness = 0.0
         self._differences: dict[int, Array] = {}
         self._motors: Array = np.zeros(self._count)
         self._standing: list[str] = []
@@ -215,7 +192,7 @@ class MujocoDrives:
 
     def bind(self, model: Any, data: Any) -> None:
         """
-        Take over a model that was compiled, or compiled again; anchors and lifts stay.
+        Take over a model that was compiled, or compiled again; anchors stay.
 
         Parameters
         ----------
@@ -224,9 +201,6 @@ class MujocoDrives:
         """
         self._data = data
         self._renumber(model)
-        # All that stands fast is equally stiff, at any depth.
-        time_constant, damping_ratio = model.geom_solref[0]
-        self._stiffness = 1.0 / (model.geom_solimp[0, 1] * (time_constant * damping_ratio) ** 2)
 
     def pull(self) -> None:
         """Set the references of the step's constraints, between the halves of a step."""
@@ -248,24 +222,11 @@ class MujocoDrives:
             creep[self._new] = 0.0
         if creep.dot(creep) > self._slip**2:
             np.clip(creep, -self._slip, self._slip, creep)
-        self._until_lift -= 1
-        if not self._until_lift:
-            self._raise(data.efc_pos[self._count :])
-        np.add(creep, self._lift, self._pulls)
         references = data.efc_aref
         references += self._references
 
-    def _raise(self, distances: Array) -> None:
-        """Raise or lower lifts by how far contacts are apart, negative within the ground [m]."""
-        self._until_lift = _LIFT_STEPS
-        lift, gain = self._lift, _LIFT_STEPS * _LIFT_GAIN * self._stiffness
-        lift *= 1.0 - _LIFT_STEPS * _LIFT_LOSS
-        lift -= gain * (distances + _DEPTH)
-        np.clip(lift, 0.0, _LARGEST_LIFT, lift)
-
     def let_go(self) -> None:
-        """Forget all anchors and lifts."""
-        self._until_lift = _LIFT_STEPS
+        """Forget all anchors."""
         self._anchors = {}
         self._anchor(b'')
 
@@ -279,7 +240,7 @@ class MujocoDrives:
         [m].
         """
         scale = -(self._time_step**2) / _ANCHOR_GAIN
-        return {key: scale * creep[::2] for key, (creep, _) in self._anchors.items()}
+        return {key: scale * creep[::2] for key, creep in self._anchors.items()}
 
     def _renumber(self, model: Any) -> None:
         """Find the anchored geometries again: those that stand fast come first, and have names."""
@@ -294,17 +255,17 @@ class MujocoDrives:
             return numbers.get(before[geom], _GONE)
 
         kept: dict[tuple[bytes, int], Array] = {}
-        for (pair, point), pulls in self._anchors.items():
+        for (pair, point), creep in self._anchors.items():
             geoms = [renumbered(geom) for geom in np.frombuffer(pair, np.int32).tolist()]
             if _GONE not in geoms:
-                kept[np.array(geoms, np.int32).tobytes(), point] = pulls
+                kept[np.array(geoms, np.int32).tobytes(), point] = creep
         self._anchors = kept
         # Whatever touches in the next step, it is looked at which of it was anchored.
         self._touching = None
 
     def _anchor(self, touching: bytes) -> None:
         """
-        Keep the anchors and lifts of contacts that go on, and begin new ones.
+        Keep the anchors of contacts that go on, and lay new ones.
 
         Parameters
         ----------
@@ -318,20 +279,17 @@ class MujocoDrives:
         before, motors = self._anchors, self._motors
         count = self._count
         self._references = np.zeros(count + size)
-        self._motors, self._pulls = self._references[:count], self._references[count:]
+        self._motors, self._creep = self._references[:count], self._references[count:]
         self._motors[:] = motors
-        # Of each constraint what takes creep back, and what lifts.
-        kept = np.zeros((2, size))
-        self._creep, self._lift = kept
         for number, robot in enumerate(self._robots):
             robot.references = self._motors[_COUNT * number : _COUNT * (number + 1)]
         self._anchors = {}
         self._new: list[int] = []
         for index, key in enumerate(keys):
             rows = slice(_EDGES * index, _EDGES * (index + 1))
-            self._anchors[key] = kept[:, rows]
+            self._anchors[key] = self._creep[rows]
             if key in before:
-                kept[:, rows] = before[key]
+                self._creep[rows] = before[key]
             else:
                 self._new += range(rows.start, rows.stop)
         self._touching = touching
