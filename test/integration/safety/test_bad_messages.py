@@ -162,7 +162,7 @@ REFUSED = {
     'a plan from the moon': ('gait_node', 'plan', plan('moon', (0, 0), (1, 0)), "frame 'moon'"),
     'a plan without end': ('gait_node', 'plan', plan('map', (1, 1), (math.nan, 1)), 'pose 1 of'),
     'joints without positions': ('gait_node', 'joint_states', joints(positions=0), '0 positions'),
-    'joints of another robot': ('gait_node', 'joint_states', joints(['a'], 1, 1), 'no joint'),
+    'joints of another robot': ('gait_node', 'joint_states', joints(['a'], 1, 1), 'is missing'),
     'too few velocities': ('gait_node', 'joint_states', joints(velocities=3), '3 velocities'),
 }
 
