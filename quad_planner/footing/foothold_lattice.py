@@ -31,7 +31,15 @@ _SIDE = 0.03
 def lattice_side(robot: Robot, heights: HeightMap) -> float:
     """Return the distance between places: a whole number of cells of the height map [m]."""
     side = robot.relative_size * _SIDE
-    return max(1, math.floor(side / heights.resolution + 1e-9)) * heights.resolution
+    every = max(1, math.floor(side / heights.resolution + 1e-9))
+    # Not larger than the map, which has one place at least.
+    return min(every, heights.rows, heights.columns) * heights.resolution
+
+
+def lattice_shape(robot: Robot, heights: HeightMap) -> tuple[int, int]:
+    """Return the number of rows and of columns of places on a height map."""
+    every = round(lattice_side(robot, heights) / heights.resolution)
+    return heights.rows // every, heights.columns // every
 
 
 def shins_of(robot: Robot) -> list[list[Array]]:
@@ -64,8 +72,7 @@ def footholds(
         left out.
     """
     side = lattice_side(robot, heights)
-    every = round(side / heights.resolution)
-    rows, columns = (max(1, n // every) for n in heights.heights.shape)
+    rows, columns = lattice_shape(robot, heights)
     x0, y0 = heights.origin
     x, y = (c + (np.arange(n) + 0.5) * side for c, n in ((x0, columns), (y0, rows)))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

@@ -24,7 +24,12 @@ from quad_common.maps.height_map_parts import part_within
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_planner.footing.foothold_lattice import footholds, lattice_side, shins_of
+from quad_planner.footing.foothold_lattice import (
+    footholds,
+    lattice_shape,
+    lattice_side,
+    shins_of,
+)
 from quad_planner.footing.stances import Footholds, Legs, find_unfit
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.outline.heading_kernels import CLASSES, STEP
@@ -36,6 +41,9 @@ _Cells = tuple[int, int, float, Pose2D]
 
 LARGEST = 2**22
 """Cells of the largest map of which it is known, by 9 bytes a cell."""
+
+LARGEST_LATTICE = 2**20
+"""Places of the largest height map on which it is, by 4 bytes a place, leg and bin of headings."""
 
 STEPPING_REACH = 0.15
 """Reach of a foot where footsteps are planned, in place of that of strides [m, of TITAN-VIII]."""
@@ -162,9 +170,10 @@ class Footing:
         ndarray of uint64, shape (72, height, n), or None
             A bit is set where the robot, its center in the middle of the cell, finds no footholds
             at the class of headings, seen from the map's frame; bits beyond the width mean nothing.
-            None for maps that are too large.
+            None for maps, and height maps, that are too large.
         """
-        if grid.width * grid.height > LARGEST:
+        rows, columns = lattice_shape(self._footed.robot, self._heights)
+        if grid.width * grid.height > LARGEST or rows * columns > LARGEST_LATTICE:
             return None
         key = grid.width, grid.height, grid.resolution, grid.origin
         with self._lock:

@@ -15,13 +15,12 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_planner.costs.ground_difficulty import GridOverGround
-from quad_planner.footing.footing import FootedRobot, Footing
 from quad_planner.grid.grid_update import GridUpdate
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.grid.keepout_mask import KeepoutMask
 from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
+from quad_planner.session.known_footing import KnownFooting
 from quad_planner.session.map_additions import MapAdditions
 
 _BEYOND = 2.0
@@ -68,7 +67,7 @@ class PlanningMap:
         self._occupied_threshold, self._steps_over_low = occupied_threshold, steps_over_low
         self._grid: OccupancyGrid | None = None
         self._ground: Ground | None = None
-        self._footing: tuple[Ground | None, FootedRobot | None, Footing | None] = None, None, None
+        self._footing = KnownFooting()
         self._waiting: tuple[HeightMap, str] | None = None
         self._added = MapAdditions()
         self._mask_frame = ''
@@ -327,17 +326,4 @@ class PlanningMap:
         """Return what a planner plans on, this map's and with what is added to it if not given."""
         how = self._occupied_threshold, self._steps_over_low
         whole = (added or self._added).combined(grid, ground, *how)
-        planner = planner or self.planner
-        if ground is None or not (planner.weighs_ground or planner.footed):
-            return whole
-        return GridOverGround.of(whole, ground, self._footing_on(ground, planner.footed))
-
-    def _footing_on(self, ground: Ground, footed: FootedRobot | None) -> Footing | None:
-        """Return where a robot can stand; what is known of the ground before is kept."""
-        if footed is None:
-            return None
-        on, by, footing = self._footing
-        if on is not ground or by is not footed or footing is None:
-            footing = footed.on(ground.heights, footing)
-            self._footing = ground, footed, footing
-        return footing
+        return self._footing.laid_over(whole, ground, planner or self.planner)

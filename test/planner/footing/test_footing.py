@@ -132,3 +132,13 @@ def test_only_what_has_changed_is_looked_at_again(monkeypatch):
 def test_large_maps_are_left_to_the_gait(monkeypatch):
     monkeypatch.setattr(module, 'LARGEST', 1000)
     assert FOOTED.on(LEVEL).layers(GRID) is None
+
+
+def test_large_height_maps_are_left_to_the_gait(monkeypatch):
+    monkeypatch.setattr(module, 'LARGEST_LATTICE', 1000)
+    assert FOOTED.on(LEVEL).layers(GRID) is None
+
+
+@pytest.mark.parametrize('shape', [(1, 1), (1, 50), (50, 1), (2, 3)])
+def test_height_maps_smaller_than_a_place_are_looked_at(shape):
+    assert not unfit(HeightMap(np.zeros(shape), 0.005, (1.0, 1.0))).any()
