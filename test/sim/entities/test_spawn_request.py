@@ -105,6 +105,7 @@ def test_patterns_that_are_taken_are_soon_searched_for(pattern):
         (errors.RobotNotFound('x', ('a1',)), ResultCode.NOT_FOUND),
         (errors.PlaceTaken('a', 'b', 0.1, 1.0), SpawnCode.INVALID_POSE),
         (errors.ParameterError('start_pose', [0.0], 'elsewhere'), SpawnCode.INVALID_POSE),
+        (errors.ResourcePathUnwritable('/a;b.urdf'), SpawnCode.RESOURCE_PARSE_ERROR),
         (errors.TooManyRobots(32), ResultCode.OPERATION_FAILED),
         (errors.NotAQuadruped('x.urdf', 'two legs'), SpawnCode.RESOURCE_PARSE_ERROR),
         (errors.RobotIsAlone(), ResultCode.FEATURE_UNSUPPORTED),
