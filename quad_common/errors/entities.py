@@ -77,8 +77,8 @@ class ResourcePathUnwritable(SimulatorError):
     def sentence(self) -> str:
         """Say which paths can be held."""
         return (
-            f"{quoted(self.uri)} cannot be written into the parameter 'robots': give a path without "
-            "';', ',' and '@', and without spaces at its ends"
+            f"{quoted(self.uri)} cannot be written into the parameter 'robots': give a path "
+            "without ';', ',' and '@', and without spaces at its ends"
         )
 
 
