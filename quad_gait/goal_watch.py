@@ -6,11 +6,15 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
+from itertools import islice
 
 from quad_common.errors.quoting import clipped
 
 _ANSWERED_WITHIN = 1.0
 """Time after which a goal that is neither accepted nor rejected is missed [s]."""
+
+_MOST_UNANSWERED = 50
+"""Number of goals without an answer that are kept."""
 
 _SAID_FOR = 5.0
 """Least time for which a trouble is said [s]: the next trajectory may follow at once."""
@@ -50,6 +54,9 @@ class GoalWatch:
     def sent(self, now: float) -> int:
         """Note that a goal was sent at a time [s]; return its number."""
         self._newest += 1
+        if len(self._unanswered) == _MOST_UNANSWERED:
+            # The first one says since when there is no answer.
+            del self._unanswered[next(islice(self._unanswered, 1, None))]
         self._unanswered[self._newest] = now
         return self._newest
 

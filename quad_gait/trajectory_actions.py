@@ -5,6 +5,7 @@ Trajectories as goals of a joint controller's action, where control_msgs is inst
 from __future__ import annotations
 
 import time
+from collections import deque
 from functools import partial
 from typing import Any
 
@@ -26,6 +27,9 @@ _INSTALL = 'sudo apt install ros-jazzy-control-msgs; without a ROS installation:
 
 _ANY = -1.0
 """Tolerance that is none."""
+
+_MOST_UNANSWERED = 50
+"""Number of goals that are kept while a server does not answer: rclpy keeps each for good."""
 
 
 class TrajectoryGoals:
@@ -50,6 +54,7 @@ class TrajectoryGoals:
         self._client: Any = None
         self._watch = GoalWatch(name)
         self._followed: Any = None
+        self._sent: deque[Any] = deque()
         if not name:
             return
         if FollowJointTrajectory is None:
@@ -84,8 +89,17 @@ class TrajectoryGoals:
         )
         number = self._watch.sent(time.monotonic())
         answer = self._client.send_goal_async(goal)
+        self._keep(answer)
         answered = partial(self._on_answer, number, is_last)
         answer.add_done_callback(self._node.guarded(answered, 'an answer to a trajectory'))
+
+    def _keep(self, answer: Any) -> None:
+        """Wait for an answer, and no longer for the oldest of too many."""
+        while self._sent and self._sent[0].done():
+            self._sent.popleft()
+        if len(self._sent) == _MOST_UNANSWERED:
+            self._sent.popleft().cancel()
+        self._sent.append(answer)
 
     def problem(self) -> str:
         """Say what is wrong with the action; empty if nothing is, or there is none."""
@@ -94,6 +108,8 @@ class TrajectoryGoals:
         return self._watch.problem(time.monotonic(), self._client.server_is_ready())
 
     def _on_answer(self, number: int, is_last: bool, answer: Any) -> None:
+        if answer.cancelled():
+            return
         handle = answer.result()
         if handle is None or not handle.accepted:
             self._watch.rejected(number, time.monotonic())

@@ -285,7 +285,8 @@ class PlannerParameters:
     )
     navigation_patience: float = parameter(
         10.0,
-        "An action's goal fails when the robot does nothing for it for so long.",
+        "An action's goal fails when the robot does nothing for it for so long; before gait_node "
+        'was first received, not before 30 s.',
         's',
         lower=1.0,
         is_dynamic=True,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quad_common.errors import ParameterError, PlaceTaken
+from quad_common.errors import ParameterError, PlaceTaken, ResourcePathUnwritable
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
@@ -86,7 +86,7 @@ def text_from_robots(robots: Mapping[str, NamedRobot]) -> str:
 
     Raises
     ------
-    ParameterError
+    ResourcePathUnwritable
         If the file of one has a path that cannot be written.
     """
     parts = []
@@ -94,7 +94,7 @@ def text_from_robots(robots: Mapping[str, NamedRobot]) -> str:
         at = '' if one.start is None else f'@{one.start.x!r},{one.start.y!r},{one.start.yaw!r}'
         parts.append(f'{name}={one.kind}{at}')
         if any(mark in one.kind for mark in ';,@') or one.kind != one.kind.strip():
-            raise ParameterError('uri', one.kind, "without ';', ',' and '@'")
+            raise ResourcePathUnwritable(one.kind)
     return '; '.join(parts) or NO_ROBOTS
 
 

@@ -30,6 +30,7 @@ from quad_common.errors.entities import FilterUnsupported as FilterUnsupported
 from quad_common.errors.entities import NamePatternInvalid as NamePatternInvalid
 from quad_common.errors.entities import ResourceFormatUnknown as ResourceFormatUnknown
 from quad_common.errors.entities import ResourceMissing as ResourceMissing
+from quad_common.errors.entities import ResourcePathUnwritable as ResourcePathUnwritable
 from quad_common.errors.entities import ResourceStringGiven as ResourceStringGiven
 from quad_common.errors.entities import RobotIsAlone as RobotIsAlone
 from quad_common.errors.files import FileEntryInvalid as FileEntryInvalid

@@ -68,6 +68,21 @@ class ResourceStringGiven(SimulatorError):
 
 
 @dataclass(eq=False, repr=False)
+class ResourcePathUnwritable(SimulatorError):
+    """A robot's file has a path that the parameter ``robots`` cannot hold."""
+
+    uri: str
+    """URI that was given."""
+
+    def sentence(self) -> str:
+        """Say which paths can be held."""
+        return (
+            f"{quoted(self.uri)} cannot be written into the parameter 'robots': give a path "
+            "without ';', ',' and '@', and without spaces at its ends"
+        )
+
+
+@dataclass(eq=False, repr=False)
 class ResourceFormatUnknown(SimulatorError):
     """A robot is given in a format that is not read."""
 

@@ -259,6 +259,11 @@ def _refusal(srv_type: Any, sentence: str) -> Any:
         response.results = [refused]
     elif srv_type is SetParametersAtomically:
         response.result = refused
+    # simulation_interfaces has its result in a message of its own, whose default says that the
+    # service is not supported.
+    result: Any = getattr(response, 'result', None)
+    if hasattr(result, 'error_message'):
+        result.result, result.error_message = result.RESULT_OPERATION_FAILED, clipped(sentence)
     for name, value in (('success', False), ('message', clipped(sentence))):
         if hasattr(response, name):
             setattr(response, name, value)

@@ -42,6 +42,10 @@ _SILENT = 3.0
 """Time after which a robot that said nothing is not taken at its last word [s]: it reports every
 second."""
 
+_DISCOVERY = 30.0
+"""Time in which a robot that has never said anything is waited for [s]: on a busy machine it takes
+nodes that start together longer than patience to find one another."""
+
 
 class Navigator:
     """
@@ -96,7 +100,9 @@ class Navigator:
         self._session.withdraw_goal()
 
     def take_report(self, report: RobotReport) -> None:
-        """Take what the robot says of itself."""
+        """Take what the robot says of itself; with its first word patience begins."""
+        if self._report is None:
+            self._idle = 0.0
         self._report = report
         self._is_report_new = True
         self._unheard = 0.0
@@ -226,12 +232,18 @@ class Navigator:
                 self._since_plan = 0.0
                 session.plan_again()
                 return None
-        if self._idle <= self.options.patience:
+        if self._idle <= self._patience():
             return None
         code, why = self._lack()
         return TaskResult(
             TaskOutcome.ABORTED, code, f'nothing happened for {self._idle:.0f} s: {why}'
         )
+
+    def _patience(self) -> float:
+        """Return for how long nothing may happen [s]."""
+        patience, session = self.options.patience, self._session
+        is_new = self._report is None and session.plan is not None and not session.silence
+        return max(patience, _DISCOVERY) if is_new else patience
 
     def _lack(self) -> tuple[int, str]:
         """Say what is missing, with its code."""

@@ -32,7 +32,8 @@ _SUFFIXES = (*DESCRIPTIONS, '.yaml')
 _LONGEST_PATTERN = 100
 
 _MOST_REPETITIONS = 3
-"""Of a pattern of names: with more of them, or one within another, a search may take for ever."""
+"""Of a pattern of names, with the alternatives of its groups: with more of them, or one within
+another, a search may take for ever."""
 
 
 @dataclass(frozen=True)
@@ -127,15 +128,22 @@ def names_like(pattern: str, names: Iterable[str]) -> list[str]:
     NamePatternInvalid
         If the pattern is none, or a search for it might take for ever.
     """
-    repeats = re.findall(r'[*+?{]', pattern)
-    if len(pattern) > _LONGEST_PATTERN or len(repeats) > _MOST_REPETITIONS:
-        valid = f'{_LONGEST_PATTERN} characters and {_MOST_REPETITIONS} repetitions are the most'
+    repeats, groups = len(re.findall(r'[*+?{]', pattern)), pattern.count('(')
+    if groups > 1 or (groups and repeats):
+        # What follows a group is tried for each of its alternatives.
+        repeats += pattern.count('|')
+    if len(pattern) > _LONGEST_PATTERN or repeats > _MOST_REPETITIONS:
+        valid = (
+            f'{_LONGEST_PATTERN} characters, and {_MOST_REPETITIONS} repetitions or alternatives '
+            'in groups, are the most'
+        )
         raise NamePatternInvalid(pattern, valid)
     if re.search(r'\)[*+?{]|\\\d', pattern):
         raise NamePatternInvalid(pattern, 'groups can neither be repeated nor referred to')
     try:
         found = re.compile(pattern)
-    except re.error as error:
+    except (re.error, ValueError, OverflowError) as error:
+        # Of flags that exclude each other, and of numbers that are too large, Python says so.
         raise NamePatternInvalid(pattern, str(error)) from None
     return [name for name in names if found.search(name)]
 

@@ -37,6 +37,15 @@ def test_a_controller_that_does_not_answer_is_named(watch):
     assert watch.problem(9.0, is_served=True) == ''
 
 
+def test_goals_that_nobody_answers_are_not_kept_for_good(watch):
+    for k in range(1000):
+        last = watch.sent(0.02 * k)
+    assert len(watch._unanswered) <= 50
+    assert 'for 20 s' in watch.problem(20.0, is_served=True)
+    watch.accepted(last)
+    assert watch.problem(20.0, is_served=True) == ''
+
+
 @pytest.mark.parametrize('code', [*TrajectoryCode, -17, 99])
 def test_a_trajectory_that_was_given_up_is_said_until_another_one_is_followed(watch, code):
     number = watch.sent(0.0)

@@ -108,6 +108,10 @@ def test_what_cannot_be_is_refused_with_its_code(bench, tmp_path):
         (ResultCode.FEATURE_UNSUPPORTED, {'name': 'b', 'resource_string': '<robot/>'}),
     ):
         assert spawn(bench, **fields) == (code, ''), fields
+    # What the net under callbacks refuses is an answer that says so, too.
+    far_too_many = ask(bench, 'get_spawnables', sources=['x'] * 1001).result
+    assert far_too_many.result == ResultCode.OPERATION_FAILED
+    assert '1000 are the most' in far_too_many.error_message
     assert names(bench) == ['left']
 
 

@@ -9,6 +9,7 @@ from control_msgs import action as actions
 from geometry_msgs.msg import Twist
 from node_in_process import NodeInProcess
 from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory
 
 from quad_common.errors import EmptyTrajectory
 from quad_common.ros.goal_actions import GoalAction, GoalPort
@@ -142,3 +143,15 @@ def test_a_controller_that_is_missing_is_named(make_node):
     made = make_node(trajectory_action='nobody/follow_joint_trajectory')
     made.run(0.5)
     assert any('nobody/follow_joint_trajectory is not there' in said for _, said in made.said)
+
+
+def test_goals_that_nobody_answers_are_not_kept_for_good(walk):
+    goals, trajectory = walk.node._topics._goals, JointTrajectory()
+    walk.executor.remove_node(walk.controller)
+    for _ in range(200):
+        goals.send(trajectory)
+    assert len(goals._client._pending_goal_requests) <= 50
+    # One that is answered at last counts.
+    walk.controller.refuses = True
+    walk.executor.add_node(walk.controller)
+    walk.until(lambda: 'rejected' in walk.problem)

@@ -207,6 +207,23 @@ def test_a_plan_that_nobody_follows_fails_after_a_while_unless_the_simulation_is
     assert STANDING.reason in result.message
 
 
+def test_a_gait_that_is_found_late_is_waited_for_and_then_given_all_patience():
+    scene = Scene(patience=5.0)
+    scene.navigator.begin([('map', GOAL)])
+    assert scene.wait(20.0) is None
+    assert scene.wait(4.5, STANDING) is None
+    assert scene.wait(30.0, WALKING) is None
+
+
+def test_without_a_gait_a_task_fails_once_one_would_have_been_found():
+    scene = Scene(patience=5.0)
+    scene.navigator.begin([('map', GOAL)])
+    assert scene.wait(29.0) is None
+    result = scene.wait(2.0)
+    assert result.code == FollowCode.PATIENCE_EXCEEDED
+    assert 'no gait_node' in result.message
+
+
 def test_a_gait_that_dies_while_the_robot_walks_is_not_taken_at_its_last_word():
     scene = Scene(patience=5.0)
     scene.navigator.begin([('map', GOAL)])

@@ -75,18 +75,26 @@ def test_names_are_found_by_patterns():
     assert names_like('', names) == names
     assert names_like('^(left|third)$', names) == ['left', 'third']
     assert names_like('r', names) == ['right', 'third']
+    assert names_like('^(a|b|c|d|e|third)$', names) == ['third']
 
 
-@pytest.mark.parametrize('pattern', ['(a+)+$', 'a*a*a*a*a*b', '(', 'a' * 101, r'(a)\1', '[z-a]'])
+@pytest.mark.parametrize(
+    'pattern',
+    [
+        *('(a+)+$', 'a*a*a*a*a*b', '(', 'a' * 101, r'(a)\1', '[z-a]'),
+        *('(a|)' * 4 + 'b', '(||||)a*b', 'a{99999999999}', '(?a)(?u)a'),
+    ],
+)
 def test_a_pattern_that_is_none_or_takes_for_ever_is_refused(pattern):
     with pytest.raises(errors.NamePatternInvalid) as caught:
         names_like(pattern, ['a' * 61])
     assert code_of(caught.value) == ResultCode.OPERATION_FAILED
 
 
-def test_patterns_that_are_taken_are_soon_searched_for():
+@pytest.mark.parametrize('pattern', ['a*a*a*b', '(a|)a*a*b', '(a|)(a|)(a|)b', f'({"a|" * 45})b'])
+def test_patterns_that_are_taken_are_soon_searched_for(pattern):
     began = time.process_time()
-    names_like('a*a*a*b', ['a' * 61] * 32)
+    names_like(pattern, ['a' * 61] * 32)
     assert time.process_time() - began < 10.0
 
 
@@ -97,6 +105,7 @@ def test_patterns_that_are_taken_are_soon_searched_for():
         (errors.RobotNotFound('x', ('a1',)), ResultCode.NOT_FOUND),
         (errors.PlaceTaken('a', 'b', 0.1, 1.0), SpawnCode.INVALID_POSE),
         (errors.ParameterError('start_pose', [0.0], 'elsewhere'), SpawnCode.INVALID_POSE),
+        (errors.ResourcePathUnwritable('/a;b.urdf'), SpawnCode.RESOURCE_PARSE_ERROR),
         (errors.TooManyRobots(32), ResultCode.OPERATION_FAILED),
         (errors.NotAQuadruped('x.urdf', 'two legs'), SpawnCode.RESOURCE_PARSE_ERROR),
         (errors.RobotIsAlone(), ResultCode.FEATURE_UNSUPPORTED),
