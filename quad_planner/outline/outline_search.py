@@ -56,6 +56,8 @@ _AT_FIRST = 10_000
 """Number of expansions after which another search has its turn."""
 _FLOODED_AT_FIRST = 256
 """Number of states of the flood from the goal before all others: a niche is soon flooded."""
+_FLOODED_FOR_EACH = 4
+"""States of the flood for one expansion of a search, which takes ten times as long."""
 _MOST_PUSHES = CLASSES
 
 _DONE_WITH = -1
@@ -178,7 +180,7 @@ def outline_path(
             if path is not None or search is searches[-1]:
                 return path
             searches.remove(search)
-        flooded = expansions // 2
+        flooded = _FLOODED_FOR_EACH * expansions
         expansions *= 2
 
 
