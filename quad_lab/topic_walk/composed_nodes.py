@@ -13,6 +13,7 @@ from typing import Any
 
 import rclpy
 from rclpy.parameter import Parameter
+from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 
 from quad_common.ros.guarded_node import GuardedNode
@@ -33,7 +34,10 @@ _QUIET = 3
 """Looks in a row at an executor that has nothing more to do."""
 
 _SETTLING = 0.3
-"""Time on the wall clock in which nothing comes any more [s]: all have found one another."""
+"""Time on the wall clock for what is latched, once all have found one another [s]."""
+
+_LONGEST_SEARCH = 30.0
+"""Time on the wall clock after which those that have not found one another never will [s]."""
 
 _SHORT_WAIT = 0.005
 """Between two looks for what comes from outside the process [s], on the wall clock."""
@@ -93,24 +97,41 @@ class ComposedNodes:
             self._drain()
 
     def _settle(self) -> None:
-        """Run callbacks, without the simulation, until nothing has come for a while."""
-        quiet_since = time.monotonic()
-        while time.monotonic() - quiet_since < _SETTLING:
-            if self._drain():
-                quiet_since = time.monotonic()
+        """Run callbacks, without the simulation, until all have received what is latched."""
+        # Not until nothing comes: heartbeats and diagnostics come on the wall clock all the time.
+        begin = met = time.monotonic()
+        while (now := time.monotonic()) - met < _SETTLING:
+            self._drain()
+            if now - begin < _LONGEST_SEARCH and not self._have_met():
+                met = now
             time.sleep(_SHORT_WAIT)
 
-    def _drain(self) -> bool:
-        """Run callbacks until none is left; return whether there were any."""
-        called = False
+    def _have_met(self) -> bool:
+        """Return whether each publisher knows every subscription of these nodes that fits it."""
+        nodes = self.executor.get_nodes()
+        subscriptions = [subscription for node in nodes for subscription in node.subscriptions]
+        for publisher in (publisher for node in nodes for publisher in node.publishers):
+            fitting = sum(_fit(publisher, subscription) for subscription in subscriptions)
+            if publisher.get_subscription_count() < fitting:
+                return False
+        return True
+
+    def _drain(self) -> None:
+        """Run callbacks until none is left."""
         idle = 0
         while idle < _QUIET:
             before = self._calls()
             self.executor.spin_once(timeout_sec=0.0)
             idle = idle + 1 if self._calls() == before else 0
-            called = called or idle == 0
-        return called
 
     def _calls(self) -> int:
         received = sum(observer.received for observer in self._observers)
         return received + sum(node.callbacks for node in self._nodes.values())
+
+
+def _fit(publisher: Any, subscription: Any) -> bool:
+    """Return whether a subscription receives what is published."""
+    if publisher.topic_name != subscription.topic_name:
+        return False
+    compatibility, _ = qos_check_compatible(publisher.qos_profile, subscription.qos_profile)
+    return bool(compatibility != QoSCompatibility.ERROR)
