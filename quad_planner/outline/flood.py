@@ -1,9 +1,9 @@
 """
-A flood against the moves, from the goal: whether a path exists, not which.
+A flood from the start, or against the moves from the goal: whether a path exists, not which.
 
-A search from the start takes long where there is none and the start's side of the map is large. The
-goal's side is mostly small then: a room, or a niche. A flood that ends without having met the start
-has found out.
+A search takes long where there is no path and the start's side of the map is large. The goal's side
+is mostly small then: a room, or a niche. A flood that ends without having met the other end has
+found out; of a cell and a class it asks once what a search asks for each class to turn from.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _MOST_TURNS = 2 * CLASSES
 """Number of classes that are listed at most, to either side."""
 
 _USED, _WAITING, _MET = range(3)
-"""Places in `counts`: records in use, states that wait, and whether the start was met."""
+"""Places in `counts`: records in use, states that wait, and whether the other end was met."""
 
 
 class _Reached(NamedTuple):
@@ -63,7 +63,9 @@ class _Reached(NamedTuple):
 
 class Flood:
     """
-    A flood from the goal of a request.
+    A flood from the goal of a request, or from its start.
+
+    From the goal a state is one that the robot comes in, from the start one that it leaves in.
 
     Parameters
     ----------
@@ -73,6 +75,8 @@ class Flood:
         The moves.
     start, goal : tuple of int
         Cells and classes: x, y and class.
+    is_forward : bool
+        Whether it is from the start.
     """
 
     def __init__(
@@ -81,8 +85,9 @@ class Flood:
         moves: Moves,
         start: tuple[int, int, int],
         goal: tuple[int, int, int],
+        is_forward: bool = False,
     ) -> None:
-        self._zones, self._moves = zones, moves
+        self._zones, self._moves, self._is_forward = zones, moves, is_forward
         x, y, k = start
         self._start = np.array([x, y, _ANY if _is_room(zones, x, y) else k])
         self._reached = _Reached(
@@ -94,7 +99,11 @@ class Flood:
         )
         self.is_too_large = False
         """Whether it takes too much memory to go on: whether there is a path is not known."""
-        _begin(zones, *goal, self._reached)
+        self._at_goal = np.zeros(2 + _STATES, dtype=np.int64)
+        self._at_goal[:2] = goal[:2]
+        _begin(zones, *goal, self._reached, self._at_goal)
+        if is_forward:
+            _begin_forward(zones, self._start, self._reached, self._at_goal)
 
     def goes_on(self, states: int, check: Callable[[], None] = lambda: None) -> bool:
         """
@@ -116,7 +125,10 @@ class Flood:
         while left > 0 and not self.is_too_large:
             check()
             slice_ = min(left, _AT_A_TIME)
-            outcome = _flood(self._zones, self._moves, self._start, self._reached, slice_)
+            if self._is_forward:
+                outcome = _flow(self._zones, self._moves, self._at_goal, self._reached, slice_)
+            else:
+                outcome = _flood(self._zones, self._moves, self._start, self._reached, slice_)
             if outcome == DONE:
                 return True
             if outcome == FULL:
@@ -127,7 +139,7 @@ class Flood:
 
     @property
     def has_met(self) -> bool:
-        """Whether the start was reached: there is a path."""
+        """Whether the other end was reached: there is a path."""
         return bool(self._reached.counts[_MET])
 
     def _make_room(self) -> None:
@@ -204,15 +216,38 @@ def _is_room(zones: Zones, x: int, y: int) -> bool:
 
 
 @compiled_loop
-def _begin(zones: Zones, x: int, y: int, k: int, reached: _Reached) -> None:
-    """Let the states at the goal wait from which the robot has its heading."""
+def _begin(zones: Zones, x: int, y: int, k: int, reached: _Reached, at_goal: Integers) -> None:
+    """Let the states at the goal wait from which the robot has its heading, and list them."""
     if is_room(zones, x, y):
         _come(zones, x, y, _ANY, reached)
+        at_goal[2:] = 1
         return
     notes, turned = reached.records[_record(x, y, reached)], reached.turned
     # After it nothing is walked: the turn may be small.
     for at in range(_turns(zones, x, y, k, 1, notes, turned)):
         _come(zones, x, y, turned[at], reached)
+        at_goal[2 + turned[at]] = 1
+
+
+@inlined_part
+def _arrive(zones: Zones, x: int, y: int, k: int, reached: _Reached, at_goal: Integers) -> None:
+    """Let the states wait in which the robot may leave a cell that it comes to in a class."""
+    if x == at_goal[0] and y == at_goal[1] and at_goal[2 + k]:
+        reached.counts[_MET] = 1
+    elif k == _ANY:
+        _come(zones, x, y, _ANY, reached)
+    else:
+        notes, turned = reached.records[_record(x, y, reached)], reached.turned
+        for at in range(_turns(zones, x, y, k, BEND + 1, notes, turned)):
+            _come(zones, x, y, turned[at], reached)
+
+
+@compiled_loop
+def _begin_forward(zones: Zones, start: Integers, reached: _Reached, at_goal: Integers) -> None:
+    """Let the states at the start wait, and none at the goal."""
+    reached.slots[at_goal[1], at_goal[0]] = 0
+    reached.counts[_WAITING] = 0
+    _arrive(zones, start[0], start[1], start[2], reached, at_goal)
 
 
 @inlined_part
@@ -277,4 +312,32 @@ def _flood(
             notes = reached.records[_record(from_x, from_y, reached)]
             for at in range(_turns(zones, from_x, from_y, j, BEND + 1, notes, turned)):
                 _come(zones, from_x, from_y, turned[at], reached)
+    return PAUSED
+
+
+@compiled_loop
+def _flow(
+    zones: Zones,
+    moves: Moves,
+    at_goal: Integers,
+    reached: _Reached,
+    states: int,
+) -> int:
+    """Go on along the moves, for so many states: ``DONE``, ``PAUSED``, or ``FULL``."""
+    counts = reached.counts
+    for _ in range(states):
+        if not _has_room(reached):
+            return FULL
+        if counts[_WAITING] == 0 or counts[_MET]:
+            return DONE
+        counts[_WAITING] -= 1
+        state = reached.waiting[counts[_WAITING]]
+        cell, k = state // _STATES, state % _STATES
+        x, y = cell % zones.width, cell // zones.width
+        first, last = (0, CLASSES) if k == _ANY else (k, k + 1)
+        for j in range(first, last):
+            if _leads(zones, moves, x, y, j):
+                to_x, to_y = x + moves.x[j], y + moves.y[j]
+                arrived = _ANY if is_room(zones, to_x, to_y) else j
+                _arrive(zones, to_x, to_y, arrived, reached, at_goal)
     return PAUSED

@@ -6,7 +6,9 @@ and the class of the heading in which the robot came. From there it turns as
 :mod:`~quad_planner.outline.turn_rule` allows, and moves straight on in its heading. The bound on
 what is left is the distance through cells where some heading fits, or may fit; it is heavily
 weighted, so paths are found soon and are not the shortest: the legs are chosen afterwards.
-Whether there is a path is exact.
+Where it leads to a corner in which the robot cannot turn, the search fills all that is before the
+corner. So the bound is corrected now and then: it is measured without the cells that were gone on
+from, and so along paths that are left. Whether there is a path is exact.
 """
 
 from __future__ import annotations
@@ -16,22 +18,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from quad_common.compiled import compiled_loop, compiled_part
+from quad_common.compiled import compiled_loop
 from quad_planner.grid.array_types import Mask
 from quad_planner.grid.bucket_queue import (
     BucketQueue,
-    bucket_queue,
     has_room,
     is_empty,
     next_bucket,
     pop,
-    push,
     with_room,
 )
 from quad_planner.outline.flood import Flood
 from quad_planner.outline.heading_kernels import CLASSES, Integers
 from quad_planner.outline.heading_moves import Moves, is_between_rooms, may_move
 from quad_planner.outline.outline_zones import Zones, classes_beside, fits, is_narrow, is_room
+from quad_planner.outline.reached_states import (
+    DONE_WITH,
+    EXPANSIONS,
+    FILLED,
+    FOUND,
+    STATES,
+    Reached,
+    copy_states,
+    leave_out,
+    place,
+    queue_of,
+    reach,
+    table_of,
+)
 from quad_planner.outline.turn_rule import may_turn
 from quad_planner.search.cell_steps import STRAIGHT
 from quad_planner.search.distance_field import NOT_REACHED, distance_field
@@ -40,33 +54,25 @@ from quad_planner.search.search_loop import DONE, FULL, PAUSED
 ROOM = CLASSES
 """In place of a class: any heading."""
 
-_STATES = CLASSES + 1
 _EIGHTH = CLASSES // 8
 _TURN = 24 * STRAIGHT
 """Length that a turn counts."""
-_BUCKET = 11
-"""Binary logarithm of the width of a bucket of the queue."""
-_REACH = 128
-"""Buckets ahead that a state is put, at most."""
-_WEIGHT = 6
-"""Weight of the bound on what is left, in halves."""
 _AT_A_TIME = 2_000
 """Number of expansions between two calls of `check`."""
-_AT_FIRST = 10_000
+_AT_FIRST = 20_000
 """Number of expansions after which another search has its turn."""
-_FLOODED_AT_FIRST = 256
-"""Number of states of the flood from the goal before all others: a niche is soon flooded."""
-_FLOODED_FOR_EACH = 4
-"""States of the flood for one expansion of a search, which takes ten times as long."""
+_FLOODED_AT_ONCE = 256
+"""Number of states of each flood before all others: a niche is soon flooded."""
+_FLOODED_AT_FIRST = 24_000
+"""Number of states of each flood after the first search has had its turn."""
 _MOST_PUSHES = CLASSES
+_CORRECTED_AFTER = 2_000
+"""Number of expansions, at least, between two corrections of the bound on what is left."""
+_SEEN_BEFORE = 300 * STRAIGHT
+"""Length that is added to the bound where the search has been all around: two cells count one."""
 
-_DONE_WITH = -1
-"""In place of the length of a state that was gone on from: it is not looked at again."""
 
-_FILLED, _FOUND, _EXPANSIONS = range(3)
-
-
-class _Detail(NamedTuple):
+class Detail(NamedTuple):
     """How a search looks at places where the circle does not fit."""
 
     every: int
@@ -75,7 +81,7 @@ class _Detail(NamedTuple):
     """Expansions of another search for one of this."""
 
 
-_DETAILS = (_Detail(_EIGHTH, 1), _Detail(1, 4))
+DETAILS = (Detail(_EIGHTH, 1), Detail(1, 4))
 """
 Searches. Along rows, columns and diagonals alone there are far fewer states; by all directions
 every path is found, and it is known if there is none.
@@ -99,21 +105,6 @@ class Ends(NamedTuple):
     """Class of the goal's heading."""
     keeps_heading: bool
     """Whether the robot walks in any direction and keeps the heading of the start."""
-
-
-class Reached(NamedTuple):
-    """What the search knows: a table by open addressing; state = 73 cell + class."""
-
-    states: Integers
-    """State of each place plus one, 0 where there is none; as many as a power of 2."""
-    lengths: Integers
-    """Length of the path to it, as long as it waits."""
-    before: Integers
-    """State from which it was reached; of the first its own."""
-    counts: Integers
-    """Places in use, the state at the goal plus one, expansions."""
-    fitting: Integers
-    """Notes of one expansion: which classes fit."""
 
 
 def free_for_smallest(inner: Mask) -> Mask:
@@ -158,57 +149,88 @@ def outline_path(
     left = distance_field(small, (ends.goal_x // 2, ends.goal_y // 2), check)
     if left[ends.y // 2, ends.x // 2] == NOT_REACHED:
         return None
-    searches = [_Search(zones, moves, ends, left, detail) for detail in _DETAILS]
+    searches = [Search(zones, moves, ends, left, small, detail) for detail in DETAILS]
     if ends.keeps_heading:
         # It makes no difference: the heading is that of the start.
         searches = searches[-1:]
     # Where the heading is kept there are few states: a search soon knows that there is no path.
-    flood = None if ends.keeps_heading else _flood_of(zones, moves, ends)
+    floods = [] if ends.keeps_heading else _floods_of(zones, moves, ends)
+    if _have_ended(floods, _FLOODED_AT_ONCE, check):
+        return None
     expansions, flooded = _AT_FIRST, _FLOODED_AT_FIRST
     while True:
         check()
-        if flood is not None and flood.goes_on(flooded, check) and not flood.has_met:
-            return None
-        if flood is not None and flood.is_too_large:
-            # The searches find out without it.
-            flood = None
         # In turn, each for longer than before: whichever finds a path soon is not held up for long.
         for search in list(searches):
-            if not search.goes_on(expansions, check):
-                continue
-            path = search.path()
-            if path is not None or search is searches[-1]:
-                return path
-            searches.remove(search)
-        flooded = _FLOODED_FOR_EACH * expansions
+            if search.goes_on(expansions, check):
+                path = search.path()
+                if path is not None or search is searches[-1]:
+                    return path
+                searches.remove(search)
+            if _have_ended(floods, flooded, check):
+                return None
         expansions *= 2
+        flooded *= 4
 
 
-def _flood_of(zones: Zones, moves: Moves, ends: Ends) -> Flood:
+def _have_ended(floods: list[Flood], states: int, check: Callable[[], None]) -> bool:
+    """Go on with floods for so many states each; return whether one has found no path."""
+    for flood in list(floods):
+        if flood.goes_on(states, check) and not flood.has_met:
+            return True
+        if flood.has_met or flood.is_too_large:
+            # There is a path, or the searches find out without it.
+            floods.remove(flood)
+    return False
+
+
+def _floods_of(zones: Zones, moves: Moves, ends: Ends) -> list[Flood]:
+    """Make a flood from either end."""
     start = (ends.x, ends.y, ends.heading_class)
-    return Flood(zones, moves, start, (ends.goal_x, ends.goal_y, ends.goal_class))
+    goal = (ends.goal_x, ends.goal_y, ends.goal_class)
+    return [Flood(zones, moves, start, goal, is_forward) for is_forward in (False, True)]
 
 
-class _Search:
-    """A search that can be left for others, and gone on with."""
+class Search:
+    """
+    A search that can be left for others, and gone on with.
+
+    Parameters
+    ----------
+    zones, moves, ends, small
+        As of :func:`outline_path`.
+    left : ndarray of int
+        Distance of the squares of `small` from the goal's, as of
+        :func:`~quad_planner.search.distance_field.distance_field`.
+    detail : Detail
+        How it looks at places where the circle does not fit.
+    """
 
     def __init__(
-        self, zones: Zones, moves: Moves, ends: Ends, left: Integers, detail: _Detail
+        self,
+        zones: Zones,
+        moves: Moves,
+        ends: Ends,
+        left: Integers,
+        small: Mask,
+        detail: Detail,
     ) -> None:
-        self._zones, self._moves, self._ends = zones, moves, ends
-        self._left, self._detail = left, detail
+        self._zones, self._moves, self._ends, self._detail = zones, moves, ends, detail
+        self._small = small
+        self._uncorrected = self._left = left
+        self._corrected_at = _CORRECTED_AFTER
         # Small, so that a warm-up makes it grow too.
-        self._reached = _table(1 << 9)
-        self._queue = bucket_queue(_REACH)
-        _begin(zones, ends, left, self._reached, self._queue)
+        self._reached = table_of(1 << 9)
+        _begin(zones, ends, self._reached)
+        self._queue = queue_of(self._reached, zones.width, left)
 
     def goes_on(self, expansions: int, check: Callable[[], None]) -> bool:
         """Go on with it for so many expansions; return whether it is over."""
-        until = int(self._reached.counts[_EXPANSIONS]) + expansions // self._detail.fraction
-        while int(self._reached.counts[_EXPANSIONS]) < until:
-            if 3 * int(self._reached.counts[_FILLED]) > len(self._reached.states):
-                larger = _table(4 * len(self._reached.states))
-                _copy(self._reached, larger)
+        until = self.expansions + expansions // self._detail.fraction
+        while self.expansions < until:
+            if 3 * int(self._reached.counts[FILLED]) > len(self._reached.states):
+                larger = table_of(4 * len(self._reached.states))
+                copy_states(self._reached, larger)
                 self._reached = larger
             outcome = _search(
                 self._detail.every,
@@ -223,78 +245,44 @@ class _Search:
                 return True
             if outcome == FULL:
                 self._queue = with_room(self._queue, len(self._queue.entries))
+            if self.expansions >= self._corrected_at:
+                self._correct(check)
             check()
         return False
 
+    def _correct(self, check: Callable[[], None]) -> None:
+        """Measure what is left without what was gone on from, and sort what waits by it."""
+        self._corrected_at = self.expansions + max(_CORRECTED_AFTER, self.expansions // 4)
+        allowed = self._small.copy()
+        leave_out(self._reached, self._zones.width, allowed)
+        left = distance_field(allowed, (self._ends.goal_x // 2, self._ends.goal_y // 2), check)
+        # What is left out for the bound is not known to be of no use.
+        further = np.where(self._uncorrected == NOT_REACHED, 0, _SEEN_BEFORE) + self._uncorrected
+        self._left = np.where(left == NOT_REACHED, further, left)
+        self._queue = queue_of(self._reached, self._zones.width, self._left)
+
+    @property
+    def expansions(self) -> int:
+        """Number of states that were gone on from."""
+        return int(self._reached.counts[EXPANSIONS])
+
     def path(self) -> Integers | None:
         """Return the path of a search that is over; None if there is none."""
-        last = int(self._reached.counts[_FOUND]) - 1
+        last = int(self._reached.counts[FOUND]) - 1
         return None if last < 0 else _path_to(last, self._zones.width, self._reached)
 
 
-def _table(size: int) -> Reached:
-    return Reached(
-        np.zeros(size, dtype=np.int64),
-        np.empty(size, dtype=np.int64),
-        np.empty(size, dtype=np.int64),
-        np.zeros(3, dtype=np.int64),
-        np.empty(CLASSES, dtype=np.int64),
-    )
-
-
-@compiled_part
-def _place(states: Integers, state: int) -> int:
-    """Return the place of a state in the table, or the one where it is to be."""
-    mask = len(states) - 1
-    at = (state * 0x9E3779B1 ^ state >> 7) & mask
-    while states[at] != 0 and states[at] != state + 1:
-        at = (at + 1) & mask
-    return at
-
-
 @compiled_loop
-def _copy(old: Reached, new: Reached) -> None:
-    """Put all states into a larger table."""
-    for at in range(len(old.states)):
-        if old.states[at]:
-            place = _place(new.states, old.states[at] - 1)
-            new.states[place] = old.states[at]
-            new.lengths[place] = old.lengths[at]
-            new.before[place] = old.before[at]
-    for at in range(len(old.counts)):
-        new.counts[at] = old.counts[at]
-
-
-@compiled_part
-def _reach(
-    state: int, length: int, before: int, ahead: int, reached: Reached, queue: BucketQueue
-) -> None:
-    """Note a path to a state if it is the shortest so far, and let the state wait."""
-    at = _place(reached.states, state)
-    if reached.states[at]:
-        if reached.lengths[at] <= length:
-            return
-    else:
-        reached.states[at] = state + 1
-        reached.counts[_FILLED] += 1
-    reached.lengths[at] = length
-    reached.before[at] = before
-    first = queue.state[0]
-    bucket = (length + ahead) >> _BUCKET
-    bucket = min(max(bucket, first), first + _REACH)
-    push(queue.heads, queue.entries, queue.state, state, length, bucket)
-
-
-@compiled_loop
-def _begin(zones: Zones, ends: Ends, left: Integers, reached: Reached, queue: BucketQueue) -> None:
-    """Let the start wait."""
+def _begin(zones: Zones, ends: Ends, reached: Reached) -> None:
+    """Note the start in an empty table."""
     in_room = is_room(zones, ends.x, ends.y) and not ends.keeps_heading
-    state = _STATES * (ends.y * zones.width + ends.x)
+    state = STATES * (ends.y * zones.width + ends.x)
     state += ROOM if in_room else ends.heading_class
-    # The queue's first bucket is that of the start.
-    ahead = _WEIGHT * left[ends.y >> 1, ends.x >> 1]
-    queue.state[0] = ahead >> _BUCKET
-    _reach(state, 0, state, ahead, reached, queue)
+    at = place(reached.states, state)
+    reached.states[at] = state + 1
+    reached.lengths[at] = 0
+    reached.before[at] = state
+    reached.counts[FILLED] = 1
 
 
 @compiled_loop
@@ -318,16 +306,16 @@ def _search(
             return DONE
         if not has_room(queue.entries, queue.state, _MOST_PUSHES):
             return FULL
-        if 2 * (reached.counts[_FILLED] + _MOST_PUSHES) > len(reached.states):
+        if 2 * (reached.counts[FILLED] + _MOST_PUSHES) > len(reached.states):
             return PAUSED
         next_bucket(queue.heads, queue.state)
         state, length = pop(queue.heads, queue.entries, queue.state)
-        at = _place(reached.states, state)
+        at = place(reached.states, state)
         if reached.lengths[at] != length:
             continue
-        reached.lengths[at] = _DONE_WITH
-        reached.counts[_EXPANSIONS] += 1
-        cell, k = state // _STATES, state % _STATES
+        reached.lengths[at] = DONE_WITH
+        reached.counts[EXPANSIONS] += 1
+        cell, k = state // STATES, state % STATES
         x, y = cell % zones.width, cell // zones.width
         count = CLASSES
         if k == ROOM:
@@ -336,7 +324,7 @@ def _search(
             count = classes_beside(zones, x, y, k, fitting)
         is_at_goal = x == ends.goal_x and y == ends.goal_y
         if is_at_goal and (k == ROOM or may_turn(fitting, count, k, ends.goal_class, True)):
-            reached.counts[_FOUND] = state + 1
+            reached.counts[FOUND] = state + 1
             return DONE
         stride = every
         if ends.keeps_heading or (k == ROOM and not is_narrow(zones, x, y)):
@@ -361,12 +349,12 @@ def _search(
             rest = left[to_y >> 1, to_x >> 1]
             if rest == NOT_REACHED or not may_move(zones, moves, x, y, j, heading):
                 continue
-            other = _STATES * (to_y * zones.width + to_x) + (ROOM if goes_to_room else heading)
-            _reach(
+            other = STATES * (to_y * zones.width + to_x) + (ROOM if goes_to_room else heading)
+            reach(
                 other,
                 length + turn + moves.length[j],
                 state,
-                _WEIGHT * rest,
+                rest,
                 reached,
                 queue,
             )
@@ -378,8 +366,8 @@ def _path_to(last: int, width: int, reached: Reached) -> Integers:
     places = []
     state, before = last, -1
     while state != before:
-        cell = state // _STATES
-        places.append((cell % width, cell // width, state % _STATES))
+        cell = state // STATES
+        places.append((cell % width, cell // width, state % STATES))
         before = state
-        state = int(reached.before[_place(reached.states, state)])
+        state = int(reached.before[place(reached.states, state)])
     return np.array(places[::-1])

@@ -1,4 +1,4 @@
-"""A flood from the goal meets the start exactly where brute force finds a path."""
+"""A flood from either end meets the other exactly where brute force finds a path."""
 
 import numpy as np
 import pytest
@@ -18,8 +18,9 @@ CELL = 0.05
 MOVES = moves_from(0.5, 0.5)
 
 
+@pytest.mark.parametrize('is_forward', [False, True])
 @pytest.mark.parametrize('robot', ['a1', 'titan_viii'])
-def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
+def test_it_meets_the_other_end_where_brute_force_finds_a_path(robot, is_forward):
     made = load_robot(robot)
     circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     planner = OutlinePlanner(circle, outline_for(made, SAFETY))
@@ -32,7 +33,8 @@ def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
         (k, y, x), *goals = (tuple(map(int, states[rng.integers(len(states))])) for _ in range(16))
         ends = reachable(free, MOVES, (k, y, x))
         for goal in goals:
-            flood = Flood(prepared.zones, MOVES, (x, y, k), (goal[2], goal[1], goal[0]))
+            at_goal = (goal[2], goal[1], goal[0])
+            flood = Flood(prepared.zones, MOVES, (x, y, k), at_goal, is_forward)
             # Little by little: what was reached is kept.
             while not flood.goes_on(500):
                 assert not flood.has_met
@@ -41,14 +43,15 @@ def test_it_meets_the_start_where_brute_force_finds_a_path(robot):
     assert 0 < sum(answers) < len(answers)
 
 
-def test_a_goal_that_is_the_start_is_met():
+@pytest.mark.parametrize('is_forward', [False, True])
+def test_a_goal_that_is_the_start_is_met(is_forward):
     made = load_robot('a1')
     circle = ShortestPlanner(clearance_radius=made.standing_radius + SAFETY)
     prepared = OutlinePlanner(circle, outline_for(made, SAFETY)).prepare(
         office(120, CELL, np.random.default_rng(0))
     )
     y, x = (int(n) for n in np.argwhere(prepared.allowed)[0])
-    flood = Flood(prepared.zones, MOVES, (x, y, 3), (x, y, 40))
+    flood = Flood(prepared.zones, MOVES, (x, y, 3), (x, y, 40), is_forward)
     assert flood.goes_on(10)
     assert flood.has_met
 
@@ -69,12 +72,14 @@ def in_a_large_room(prepared):
     return x, y
 
 
-def flood_of(prepared):
-    """Return a flood that meets no start: the cell in the corner is a wall."""
-    return Flood(prepared.zones, MOVES, (0, 0, 0), (*in_a_large_room(prepared), 0))
+def flood_of(prepared, is_forward=False):
+    """Return a flood that meets no other end: the cell in the corner is a wall."""
+    ends = [(0, 0, 0), (*in_a_large_room(prepared), 0)]
+    return Flood(prepared.zones, MOVES, *(ends[::-1] if is_forward else ends), is_forward)
 
 
-def test_it_can_be_ended_at_any_time():
+@pytest.mark.parametrize('is_forward', [False, True])
+def test_it_can_be_ended_at_any_time(is_forward):
     class Superseded(Exception):
         pass
 
@@ -86,7 +91,7 @@ def test_it_can_be_ended_at_any_time():
             raise Superseded
 
     with pytest.raises(Superseded):
-        flood_of(a1_office()).goes_on(10**9, check)
+        flood_of(a1_office(), is_forward).goes_on(10**9, check)
 
 
 def test_one_that_takes_too_much_memory_says_so_and_the_search_answers_without_it(monkeypatch):
