@@ -61,12 +61,25 @@ def rectangles_of(forbidden: BitMask) -> Rectangles:
     """
     words, width = forbidden.words, forbidden.width
     runs = np.zeros((2, width // 2 + 2, 3), dtype=np.int64)
-    most = _count(words, width, runs[0])
+    most = _most_rectangles(forbidden)
     bounds = np.empty((most, 4), dtype=np.int64)
     above, below = (np.zeros((most, 2), dtype=np.int64) for _ in range(2))
     by_top = np.empty(most, dtype=np.int64)
     count = _cut(words, width, runs, bounds, above, below, by_top)
     return Rectangles(bounds[:count], above[:count], below[:count], by_top[:count])
+
+
+def _most_rectangles(forbidden: BitMask) -> int:
+    """Return how many rectangles there are at most: runs of rows that are not as those before."""
+    words = forbidden.words
+    is_new = np.ones(len(words), dtype=np.bool_)
+    np.any(words[1:] != words[:-1], axis=1, out=is_new[1:])
+    rows = words[is_new]
+    before = rows << _ONE
+    before[:, 0] |= _ONE
+    before[:, 1:] |= rows[:, :-1] >> np.uint64(63)
+    begins = BitMask(before & ~rows, forbidden.width)
+    return int(np.count_nonzero(begins.unpacked()))
 
 
 def corners_of(rectangles: Rectangles) -> Points:
@@ -163,16 +176,6 @@ def _is_as_before(words: Bits, row: int) -> bool:
         is_same = words[row, at] == words[row - 1, at]
         at += 1
     return is_same
-
-
-@compiled_loop
-def _count(words: Bits, width: int, runs: Integers) -> int:
-    """Return how many rectangles there are at most."""
-    most = 0
-    for row in range(len(words)):
-        if not _is_as_before(words, row):
-            most += _runs(words, width, row, runs)
-    return most
 
 
 @compiled_loop

@@ -21,7 +21,7 @@ Bits = NDArray[np.uint64]
 _ONE = np.uint64(1)
 _LAST = np.uint64(63)
 _ALL = ~np.uint64(0)
-_GATHER = np.uint64(0x0102040810204080)
+_LOW_HALF = np.uint64(0x00000000FFFFFFFF)
 
 # A word with a single bit, times this, has the bit's place in its upper six bits.
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
@@ -213,55 +213,23 @@ def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     ndarray of uint64, shape (m, ceil(n / 64))
         Bit x of row y is cell (x, y).
     """
-    height, width = cells.shape
-    words = np.empty((height, (width + 63) // 64), dtype=np.uint64)
-    row = np.zeros(64 * words.shape[1], dtype=np.uint8)
-    _pack(cells, np.int8(least), np.int8(most), row, row.view(np.uint64), words.view(np.uint8))
-    return words
-
-
-@compiled_loop
-def _pack(
-    cells: NDArray[np.int8],
-    least: np.int8,
-    most: np.int8,
-    row: NDArray[np.uint8],
-    eights: Bits,
-    packed: NDArray[np.uint8],
-) -> None:
-    """Pack cells into bytes, through a row that is seen as bytes and as words."""
-    height, width = cells.shape
-    for y in range(height):
-        # Bytes 0 and 1, which the compiler makes and takes many at a time.
-        for x in range(width):
-            row[x] = (cells[y, x] < least) | (cells[y, x] > most)
-        for at in range(len(eights)):
-            # The product has the lowest bits of eight bytes side by side at its top.
-            packed[y, at] = np.uint8((eights[at] * _GATHER) >> np.uint64(56))
+    if most < least:
+        return BitMask.of(np.ones(cells.shape, dtype=np.bool_)).words
+    # Numbers without a sign begin again at 0: one comparison instead of two.
+    above = (cells - np.int8(least)).view(np.uint8)
+    return BitMask.of(above > np.uint8(most - least)).words
 
 
 def _free_rows(forbidden: Bits, width: int) -> Bits:
     """Return the cells of a width that are not set, one cell up and right, in a wall."""
-    rows = np.zeros((len(forbidden) + 2, (width + 2 + 63) // 64), dtype=np.uint64)
-    _invert(forbidden, width, rows)
-    return rows
-
-
-@compiled_loop
-def _invert(forbidden: Bits, width: int, rows: Bits) -> None:
-    """Fill the rows of a grid."""
     height, words = forbidden.shape
-    in_last = _ALL >> np.uint64(64 * words - width)
-    for y in range(height):
-        before = np.uint64(0)
-        for at in range(words):
-            free = ~forbidden[y, at]
-            if at == words - 1:
-                free &= in_last
-            rows[y + 1, at] = (free << _ONE) | (before >> _LAST)
-            before = free
-        if words < rows.shape[1]:
-            rows[y + 1, words] = before >> _LAST
+    free = ~forbidden
+    free[:, -1] &= _ALL >> np.uint64(64 * words - width)
+    rows = np.zeros((height + 2, (width + 2 + 63) // 64), dtype=np.uint64)
+    rows[1:-1, :words] = free << _ONE
+    further = rows.shape[1] - 1
+    rows[1:-1, 1:] |= free[:, :further] >> _LAST
+    return rows
 
 
 def _transposed(rows: Bits, width: int) -> Bits:
@@ -293,28 +261,24 @@ def _transpose(rows: Bits, columns: Bits, block: Bits, other: Bits) -> None:
 
 @compiled_part
 def _transpose_block(block: Bits, other: Bits) -> None:
-    """Swap the rows and columns of 64 words; the other 64 are for notes."""
-    _shuffle(block, other, 32, np.uint64(0x00000000FFFFFFFF))
-    _shuffle(other, block, 16, np.uint64(0x0000FFFF0000FFFF))
-    _shuffle(block, other, 8, np.uint64(0x00FF00FF00FF00FF))
-    _shuffle(other, block, 4, np.uint64(0x0F0F0F0F0F0F0F0F))
-    _shuffle(block, other, 2, np.uint64(0x3333333333333333))
-    _shuffle(other, block, 1, np.uint64(0x5555555555555555))
-
-
-@compiled_part
-def _shuffle(words: Bits, result: Bits, step: int, low: np.uint64) -> None:
     """
-    Interleave the first and the last 32 of 64 words, and swap bits between each two.
+    Swap the rows and columns of 64 words; the other 64 are for notes.
 
-    The first bit of a word's number, counted from above, becomes its last one, and changes
-    places with a bit of the column's number. After six times all have.
+    Six times the first and the last 32 are interleaved, and bits of each two swapped: the first
+    bit of a word's number, counted from above, becomes its last one, and changes places with a bit
+    of the column's number.
     """
-    shift = np.uint64(step)
-    for k in range(32):
-        first, second = words[k], words[k + 32]
-        result[2 * k] = (first & low) | ((second & low) << shift)
-        result[2 * k + 1] = ((first >> shift) & low) | (second & ~low)
+    step, low = 32, _LOW_HALF
+    while step > 0:
+        shift = np.uint64(step)
+        for k in range(32):
+            first, second = block[k], block[k + 32]
+            other[2 * k] = (first & low) | ((second & low) << shift)
+            other[2 * k + 1] = ((first >> shift) & low) | (second & ~low)
+        block, other = other, block
+        step >>= 1
+        # Half as wide, twice as many.
+        low ^= low << np.uint64(step)
 
 
 @compiled_loop

@@ -37,28 +37,31 @@ def dilated(rows: Bits, reaches: NDArray[np.int64]) -> Bits:
 def _dilate(rows: Bits, reaches: NDArray[np.int64], wide: Bits, result: Bits) -> None:
     """Add what is near to a result; `wide` is a row for notes."""
     height, words = rows.shape
+    went_up = False
     for y in range(height):
         # What is set in the next row as well reaches farther from there.
         goes_down = y > 0 and _has_more(rows, y, y - 1)
         goes_up = y + 1 < height and _has_more(rows, y, y + 1)
-        if y > 0 and not (goes_down or goes_up or _has_more(rows, y - 1, y)):
-            # The same once more.
-            _add(result, y, wide)
-            continue
-        # From the narrowest to the widest: each goes on from the one before.
-        for at in range(words):
-            wide[at] = rows[y, at]
+        is_as_before = y > 0 and not (goes_down or goes_up or went_up)
+        went_up = goes_up
+        # From the narrowest to the widest: each goes on from the one before. A row that is the same
+        # once more is wide already.
+        if not is_as_before:
+            for at in range(words):
+                wide[at] = rows[y, at]
         reached = 0
         for off in range(len(reaches) - 1 if goes_down or goes_up else 0, -1, -1):
-            while reached < reaches[off]:
+            while reached < reaches[off] and not is_as_before:
                 # No gap opens, even where the edge of the map cuts off one side.
                 step = min(reached + 1, reaches[off] - reached, 63)
                 _spread(wide, step)
                 reached += step
-            if (goes_down or off == 0) and y - off >= 0:
-                _add(result, y - off, wide)
-            if goes_up and y + off < height:
-                _add(result, y + off, wide)
+            for side in (-1, 1):
+                to = y + side * off
+                goes = goes_up if side > 0 else goes_down or off == 0
+                if goes and 0 <= to < height:
+                    for at in range(words):
+                        result[to, at] |= wide[at]
 
 
 @compiled_part
@@ -68,12 +71,6 @@ def _has_more(rows: Bits, y: int, other: int) -> bool:
     for at in range(rows.shape[1]):
         more |= rows[y, at] & ~rows[other, at]
     return bool(more != 0)
-
-
-@compiled_part
-def _add(rows: Bits, y: int, line: Bits) -> None:
-    for at in range(len(line)):
-        rows[y, at] |= line[at]
 
 
 @compiled_part
