@@ -17,6 +17,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from quad_common.files.bounded_file import make_folder
+from quad_common.files.whole_file import whole_file
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
@@ -162,7 +163,8 @@ def _finish(figure: Figure, axes: Axes, scene: Scene, plans: Iterable[Plan], pat
     axes.set_ylabel('y [m]')
     axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)
     make_folder(path.parent)
-    figure.savefig(path, dpi=150)
+    with whole_file(path, 'picture') as beside:
+        figure.savefig(beside, dpi=150)
 
 
 def _corners(grid: OccupancyGrid) -> NDArray[np.float64]:
