@@ -18,6 +18,7 @@ unscaled, and does not say so.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -138,9 +139,12 @@ def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25)
         image = path.with_suffix('.pgm')
         check_target(path, 'map file')
         check_target(image, 'image')
+        # Into memory: written by itself, Pillow leaves a part where the disk is full, and no word.
+        content = io.BytesIO()
+        Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(content, 'PPM')
         # The image takes its place only when the file that describes it has.
         with whole_file(image, 'image') as beside:
-            Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(beside)
+            beside.write_bytes(content.getvalue())
             write_text(
                 path,
                 f'image: {path.stem}.pgm\n'

@@ -5,6 +5,7 @@ Makes a film of a recording: the robot in its room, drawn by a physics engine.
 from __future__ import annotations
 
 import errno
+import io
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -226,6 +227,10 @@ def _write_gif(path: Path, pictures: Iterable[Picture], options: FilmOptions) ->
     images = [
         Image.fromarray(picture).quantize(96, dither=Image.Dither.NONE) for picture in pictures
     ]
+    # Into memory: written by itself, Pillow leaves a part where the disk is full, and no word.
+    content = io.BytesIO()
     images[0].save(
-        path, save_all=True, append_images=images[1:], duration=round(1e3 / options.rate), loop=0
-    )
+        content, 'GIF', save_all=True, append_images=images[1:],
+        duration=round(1e3 / options.rate), loop=0,
+    )  # fmt: skip
+    path.write_bytes(content.getvalue())
