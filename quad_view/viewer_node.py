@@ -24,7 +24,7 @@ from quad_view.page.viewer_page import ViewerPage
 from quad_view.parameters import ViewerParameters
 from quad_view.scene.commands import Command, ShowPicture
 from quad_view.scene.robots import namespaces_of
-from quad_view.shown_robots import ShownRobots
+from quad_view.shown_topics import ShownRobots
 
 _SEARCH_PERIOD = 0.5
 """Time between two searches for robots [s]."""
