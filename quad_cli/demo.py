@@ -28,6 +28,7 @@ from quad_cli.output.walk_table import print_walk
 from quad_cli.view import add_page_arguments, page_place
 from quad_common.errors import GoalOutsideMap, StartOutsideMap
 from quad_common.files.bounded_file import make_folder
+from quad_common.files.whole_file import write_text
 from quad_common.maps.map_file import load_map
 from quad_common.named_robots.robot_cache import is_kept
 from quad_common.planar_pose import Pose2D
@@ -250,7 +251,7 @@ def _report(
         'picture': str(picture),
         'recording': _existing(options.recording),
     }
-    (output / 'walk.json').write_text(json.dumps(summary, indent=2) + '\n', encoding='utf-8')
+    write_text(output / 'walk.json', json.dumps(summary, indent=2) + '\n')
     if arguments.json:
         print(json.dumps(summary), flush=True)
     else:

@@ -33,6 +33,9 @@ except ImportError:
 IS_INSTALLED = NavigateToPose is not None
 """Whether there are Nav2's actions."""
 
+_MOST_BYTES = 1_000_000
+"""Size of the largest message with statuses that is looked at."""
+
 _PERIOD = 0.1
 """Time between two looks at a task, and two feedbacks, on the wall clock [s]."""
 
@@ -67,7 +70,9 @@ class NavigationActions:
             GoalAction(node, NavigateToPose, 'navigate_to_pose', to_pose),
             GoalAction(node, NavigateThroughPoses, 'navigate_through_poses', through),
         )
-        node.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 10)
+        node.create_subscription(
+            DiagnosticArray, 'diagnostics', self._on_diagnostics, 10, most_bytes=_MOST_BYTES
+        )
         self._began = node.get_clock().now()
         self._timer = node.create_timer(
             _PERIOD, self._on_timer, clock=Clock(clock_type=ClockType.STEADY_TIME)

@@ -73,7 +73,7 @@ class CommandTopics:
         self._pad = Pad()
         self._last_number = 0
         self._clients: dict[str, Any] = {}
-        named = NamedTopics(node, self._prefix)
+        named = self._named = NamedTopics(node, self._prefix)
         self._goals = named.create_publisher(PoseStamped, 'goal_pose', 10)
         twist = TwistStamped if p.stamped_cmd_vel else Twist
         self._twists = named.create_publisher(twist, 'cmd_vel', 10)
@@ -99,6 +99,13 @@ class CommandTopics:
             self._change(obstacle_message(command, self._unused_number(), self._frame))
         elif isinstance(command, ClearObstacles):
             self._change(no_obstacles_message())
+
+    def end(self) -> None:
+        """Send nothing more."""
+        self._named.end()
+        for client in self._clients.values():
+            self._node.destroy_client(client)
+        self._clients = {}
 
     def steer(self) -> None:
         """Publish what the pad says, if it says anything; called several times a second."""

@@ -43,15 +43,25 @@ class OptionTopics:
             name: node.create_client(GetParameters, f'{self._prefix}{name}/get_parameters')
             for name in OPTIONS
         }
-        node.create_subscription(ParameterEvent, '/parameter_events', self._on_event, _DEPTH)
+        self._asked: list[Any] = []
+        self._events = node.create_subscription(
+            ParameterEvent, '/parameter_events', self._on_event, _DEPTH
+        )
 
     def ask(self) -> None:
         """Ask those that are there and were not asked yet; called now and then."""
         for name, client in list(self._clients.items()):
             if client.service_is_ready():
-                del self._clients[name]
+                self._asked.append(self._clients.pop(name))
                 future = client.call_async(GetParameters.Request(names=list(OPTIONS[name])))
                 self._take_answer(name, future)
+
+    def end(self) -> None:
+        """Ask and receive nothing more."""
+        self._node.destroy_subscription(self._events)
+        for client in (*self._clients.values(), *self._asked):
+            self._node.destroy_client(client)
+        self._clients, self._asked = {}, []
 
     def _take_answer(self, name: str, future: Future) -> None:
         def take(answered: Future) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Protocol, cast
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -20,6 +21,7 @@ from visualization_msgs.msg import MarkerArray
 from quad_common.errors import QuadError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.planar_pose import Pose2D
+from quad_common.ros.guarded_node import taken_apart
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.image_conversions import rgb_from_image
 from quad_common.ros.map_conversions import grid_from_message
@@ -49,6 +51,15 @@ from quad_view.scene.robot_view import RobotView
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
+_MOST_BYTES = 1_000_000
+"""Size of the largest message that is shown, of those that hold many others."""
+
+_MOST_LINES = 4_000_000
+"""Size of the largest message with obstacles or the lines around them: 170 000 corners."""
+
+_MOST_PICTURE = 64_000_000
+"""Size of the largest message of a picture: 20 megapixels."""
+
 _CORRECTION_TIMEOUT = 60.0
 """The planner and the gait say sooner that corrections are old [s]."""
 
@@ -71,7 +82,7 @@ class SampledTopics:
     def __init__(self, node: Node, prefix: str) -> None:
         self._node = node
         self._prefix = prefix
-        self._taken: dict[str, tuple[Any, Callable[[Any], None]]] = {}
+        self._taken: dict[str, tuple[Any, Callable[[bytes], None]]] = {}
 
     def create_subscription(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
@@ -79,25 +90,26 @@ class SampledTopics:
         """Have the newest message handed on at each look."""
         name = f'{self._prefix}{topic}'
         # The executor of another node calls nothing of this one.
-        subscription = self._node.create_subscription(
-            kind, name, lambda message: None, qos, **options
-        )
-        self._taken[topic] = subscription, callback
+        subscription = self._node.create_subscription(kind, name, lambda message: None, qos)
+        most = options.get('most_bytes', _MOST_BYTES)
+        take = partial(taken_apart, kind, f"message on '{name}'", most, callback)
+        self._taken[topic] = subscription, take
 
-    def end(self, topic: str) -> None:
-        """Take no more of a topic."""
-        if topic in self._taken:
-            self._node.destroy_subscription(self._taken.pop(topic)[0])
+    def end(self, *topics: str) -> None:
+        """Take no more of topics, of all if none is given."""
+        for topic in topics or tuple(self._taken):
+            if topic in self._taken:
+                self._node.destroy_subscription(self._taken.pop(topic)[0])
 
     def look(self) -> list[QuadError]:
         """Hand on what has come since the last look; return why messages could not be used."""
         problems = []
-        for subscription, callback in list(self._taken.values()):
+        for subscription, take in list(self._taken.values()):
             with subscription.handle:
-                taken = subscription.handle.take_message(subscription.msg_type, False)
+                taken = subscription.handle.take_message(subscription.msg_type, True)
             if taken is not None:
                 try:
-                    callback(taken[0])
+                    take(taken[0])
                 except QuadError as error:
                     problems.append(error)
         return problems
@@ -118,18 +130,30 @@ class NamedTopics:
     def __init__(self, node: QuadNode[Any], prefix: str) -> None:
         self._node = node
         self._prefix = prefix
+        self._subscriptions: list[Any] = []
+        self._publishers: list[Any] = []
 
     def create_subscription(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
     ) -> Any:
         """Subscribe; see :meth:`GuardedNode.create_subscription`."""
-        return self._node.create_subscription(
-            kind, f'{self._prefix}{topic}', callback, qos, **options
-        )
+        name = f'{self._prefix}{topic}'
+        subscription = self._node.create_subscription(kind, name, callback, qos, **options)
+        self._subscriptions.append(subscription)
+        return subscription
 
     def create_publisher(self, kind: Any, topic: str, qos: Any) -> Any:
         """Make a publisher."""
-        return self._node.create_publisher(kind, f'{self._prefix}{topic}', qos)
+        publisher = self._node.create_publisher(kind, f'{self._prefix}{topic}', qos)
+        self._publishers.append(publisher)
+        return publisher
+
+    def end(self) -> None:
+        """Receive and publish nothing more."""
+        while self._subscriptions:
+            self._node.destroy_subscription(self._subscriptions.pop())
+        while self._publishers:
+            self._node.destroy_publisher(self._publishers.pop())
 
     def get_logger(self) -> Any:
         """Return the node's logger."""
@@ -185,17 +209,27 @@ class RobotTopics:
         named.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         most_bytes = most_plan_bytes()
         named.create_subscription(Path, 'plan', self._on_plan, _LATCHED, most_bytes=most_bytes)
-        named.create_subscription(MarkerArray, 'plan_markers', self._on_plan_markers, _LATCHED)
+        named.create_subscription(
+            MarkerArray, 'plan_markers', self._on_plan_markers, _LATCHED, most_bytes=_MOST_LINES
+        )
         named.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
-        named.create_subscription(MarkerArray, 'footholds', self._on_footholds, 10)
-        named.create_subscription(MarkerArray, 'obstacles/present', self._on_obstacles, _LATCHED)
+        named.create_subscription(
+            MarkerArray, 'footholds', self._on_footholds, 10, most_bytes=_MOST_BYTES
+        )
+        named.create_subscription(
+            MarkerArray, 'obstacles/present', self._on_obstacles, _LATCHED, most_bytes=_MOST_LINES
+        )
         named.create_subscription(Bool, 'emergency_stop/active', self._on_stopped, _LATCHED)
-        named.create_subscription(DiagnosticArray, 'diagnostics', self._on_diagnostics, 10)
+        named.create_subscription(
+            DiagnosticArray, 'diagnostics', self._on_diagnostics, 10, most_bytes=_MOST_BYTES
+        )
 
     def receive_pictures(self, sampled: Subscriber) -> None:
         """Receive a camera's pictures from now on."""
         p = self._parameters
-        sampled.create_subscription(Image, p.picture_topic, self._on_picture, _NEWEST)
+        sampled.create_subscription(
+            Image, p.picture_topic, self._on_picture, _NEWEST, most_bytes=_MOST_PICTURE
+        )
 
     def _on_joints(self, message: JointState) -> None:
         self._view.note_joints(joints_from_message(message))
@@ -249,7 +283,7 @@ class RobotTopics:
         self._view.note(picture=rgb_from_image(message))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            name = status.name.rsplit('/', 1)[-1]
-            said = said_by(status, self._clock())
-            self._view.note(said={**self._view.said, name: said})
+        now = self._clock()
+        self._view.note_said(
+            {status.name.rsplit('/', 1)[-1]: said_by(status, now) for status in message.status}
+        )

@@ -16,6 +16,7 @@ from sensor_msgs.msg import JointState
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage
+from quad_common.errors.quoting import clipped
 from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.ros.pose_conversions import (
     pose_from_message,
@@ -201,4 +202,4 @@ def said_by(status: object, at: float) -> Said:
     level = getattr(status, 'level', b'\x03')
     number = level[0] if isinstance(level, bytes) else int(level)
     values = {pair.key: pair.value for pair in getattr(status, 'values', ())}
-    return Said(Level(min(number, 3)), getattr(status, 'message', ''), values, at)
+    return Said(Level(min(number, 3)), clipped(getattr(status, 'message', '')), values, at)

@@ -12,7 +12,7 @@ if __name__ == '__main__':
 
 import time
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import rclpy
 from rclpy.clock import Clock
@@ -20,29 +20,16 @@ from rclpy.clock_type import ClockType
 
 from quad_common.ros.ros_node import OK, WARN, QuadNode
 from quad_common.ros.run_node import run_node
-from quad_view.command_topics import CommandTopics
-from quad_view.option_topics import OptionTopics
 from quad_view.page.viewer_page import ViewerPage
 from quad_view.parameters import ViewerParameters
-from quad_view.robot_topics import NamedTopics, RobotTopics, SampledTopics
 from quad_view.scene.commands import Command, ShowPicture
-from quad_view.scene.robot_view import RobotView
 from quad_view.scene.robots import namespaces_of
+from quad_view.shown_topics import ShownRobots
 
 _SEARCH_PERIOD = 0.5
 """Time between two searches for robots [s]."""
 
 _JOINT_STATES = 'sensor_msgs/msg/JointState'
-
-
-class _ShownRobot(NamedTuple):
-    """What belongs to one robot."""
-
-    view: RobotView
-    sampled: SampledTopics
-    topics: RobotTopics
-    commands: CommandTopics
-    options: OptionTopics
 
 
 class ViewerNode(QuadNode[ViewerParameters]):
@@ -59,8 +46,8 @@ class ViewerNode(QuadNode[ViewerParameters]):
             enable_rosout=False,
             start_parameter_services=False,
         )
-        self._robots: dict[str, _ShownRobot] = {}
         self._page = ViewerPage(p.page_options, self._take_command)
+        self._robots = ShownRobots(self, self._inputs, self._page)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / p.rate, self._on_frame, clock=clock)
         self.create_timer(_SEARCH_PERIOD, self._find_robots, clock=clock)
@@ -70,7 +57,7 @@ class ViewerNode(QuadNode[ViewerParameters]):
 
     def update_status(self) -> None:
         """Report where the page is, and what it shows."""
-        shown = [robot.view for robot in self._robots.values()]
+        shown = [robot.view for robot in self._robots]
         now = time.monotonic()
         silent = [robot.name or 'the robot' for robot in shown if not robot.has_robot(now)]
         values = {'pages': self._page.readers, 'robots': len(shown), 'address': self._page.address}
@@ -92,10 +79,10 @@ class ViewerNode(QuadNode[ViewerParameters]):
         self.call_soon(partial(self._carry_out, command))
 
     def _carry_out(self, command: Command) -> None:
-        if command.robot not in self._robots:
+        robot = self._robots.get(command.robot)
+        if robot is None:
             # The page says that there is none.
             return
-        robot = self._robots[command.robot]
         if not isinstance(command, ShowPicture):
             robot.commands.carry_out(command)
         elif command.is_shown:
@@ -108,32 +95,24 @@ class ViewerNode(QuadNode[ViewerParameters]):
     def _on_frame(self) -> None:
         """Show what has come since the last frame, or seldom while nobody looks."""
         now = time.monotonic()
-        for robot in self._robots.values():
+        for robot in self._robots:
             robot.commands.steer()
         if self._page.is_due(now):
-            for robot in self._robots.values():
-                for problem in robot.sampled.look():
+            for robot in self._robots:
+                # What one robot's messages lead to keeps none of the others from the page.
+                for problem in self.guarded(robot.sampled.look, 'a message')() or ():
                     self.report_error(problem)
             self._page.draw(now)
 
     def _find_robots(self) -> None:
-        """Show each robot whose joint states are published, or that was asked for."""
+        """Show the robots whose joint states are published, or that were asked for."""
         published = [
             name
             for name, kinds in self.get_topic_names_and_types()
             if _JOINT_STATES in kinds and self.count_publishers(name)
         ]
-        for name in namespaces_of(self.parameters.robots, published):
-            if name not in self._robots:
-                view, prefix = RobotView(name), f'/{name}/' if name else '/'
-                sampled = SampledTopics(self._inputs, prefix)
-                topics = RobotTopics(NamedTopics(self, prefix), sampled, view, self.parameters)
-                commands = CommandTopics(self, view, self.parameters)
-                options = OptionTopics(self, view)
-                self._robots[name] = _ShownRobot(view, sampled, topics, commands, options)
-                self._page.add_robot(view)
-        for robot in self._robots.values():
-            robot.options.ask()
+        names = namespaces_of(self.parameters.robots, published)
+        self._robots.match(names, time.monotonic())
 
 
 def main(args: list[str] | None = None) -> int:

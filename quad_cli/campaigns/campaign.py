@@ -17,7 +17,8 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemaining
 from rich.table import Table
 
 from quad_cli.arguments import count_argument, folder_argument
-from quad_common.files.bounded_file import check_folder_target, make_folder, write_text
+from quad_common.files.bounded_file import check_folder_target, make_folder
+from quad_common.files.whole_file import write_text
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.campaigns.campaign_picture import draw_campaign
 from quad_lab.campaigns.campaign_run import run_campaign

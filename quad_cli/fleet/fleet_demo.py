@@ -120,6 +120,7 @@ def _report(
         'map': options.map_file.stem,
         'duration': notes.duration,
         'contacts': notes.contacts,
+        'problem': notes.problem,
         'picture': str(picture),
         'robots': {
             name: {'kind': options.robots[name].kind, 'arrived': one.arrived, 'waits': one.waits}
@@ -134,6 +135,8 @@ def _report(
         arrived = 'NO' if one.arrived is None else f'at {one.arrived:.1f} s'
         table.add_row(name, options.robots[name].kind, arrived, '; '.join(one.waits))
     console.print(table)
+    if notes.problem:
+        console.print(notes.problem, highlight=False)
     console.print(f'contacts: {notes.contacts or "none"}; picture: {picture}', highlight=False)
 
 

@@ -4,6 +4,7 @@ Draws walks and plans: map, safety boundary, mesh, plan, walked track and footho
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import cycle, pairwise
@@ -17,6 +18,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from quad_common.files.bounded_file import make_folder
+from quad_common.files.whole_file import write_bytes
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
@@ -162,7 +164,10 @@ def _finish(figure: Figure, axes: Axes, scene: Scene, plans: Iterable[Plan], pat
     axes.set_ylabel('y [m]')
     axes.legend(fontsize=7, loc='upper left', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.5)
     make_folder(path.parent)
-    figure.savefig(path, dpi=150)
+    # Into memory: of a JPEG Pillow leaves a part where the disk is full, and no word.
+    content = io.BytesIO()
+    figure.savefig(content, format=path.suffix[1:].lower(), dpi=150)
+    write_bytes(path, content.getvalue(), 'picture')
 
 
 def _corners(grid: OccupancyGrid) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from numpy.typing import NDArray
 
 from quad_common.files.bounded_file import make_folder
+from quad_common.files.whole_file import whole_file
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 
@@ -52,7 +53,8 @@ def draw_robot(robot: Robot, path: Path) -> Path:
     _draw_workspace(reach, robot)
     figure.suptitle(f'{robot.name}: {robot.mass:.2f} kg, base_link at 0, initial posture')
     make_folder(path.parent)
-    figure.savefig(path, dpi=110)
+    with whole_file(path, 'picture') as beside:
+        figure.savefig(beside, dpi=110)
     return path
 
 

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import DescriptionUnusable, MeshNotFound
-from quad_common.files.bounded_file import is_file, write_text
+from quad_common.files.bounded_file import is_file
 from quad_common.files.package_path import is_in_package, package_candidates
+from quad_common.files.whole_file import write_text
 
 Array = NDArray[np.float64]
 

@@ -122,7 +122,7 @@ def read_head(path: Path, what: str, count: int) -> bytes:
                 raise FileUnusable(what, path, f'cannot be read: it is {_kind(mode)}, not a file')
             return file.read(count)
     except (OSError, ValueError) as error:
-        raise FileUnusable(what, path, f'cannot be read: {_reason(error)}') from error
+        raise FileUnusable(what, path, f'cannot be read: {reason_of(error)}') from error
 
 
 def read_text(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> str:
@@ -135,37 +135,12 @@ def read_text(path: Path, what: str = 'file', limit: int = LARGEST_TEXT) -> str:
         ) from error
 
 
-def write_text(path: Path, text: str, what: str = 'file') -> None:
-    """
-    Write a regular file of UTF-8.
-
-    Parameters
-    ----------
-    path : Path
-        The file; one that is there is replaced.
-    text : str
-        What it is to hold.
-    what : str
-        What it is, for the error's sentence.
-
-    Raises
-    ------
-    FileUnusable
-        If it cannot be written, or something else than a regular file is there.
-    """
-    check_target(path, what)
-    try:
-        path.write_text(text, encoding='utf-8')
-    except (OSError, ValueError) as error:
-        raise FileUnusable(what, path, f'cannot be written: {_reason(error)}') from error
-
-
 def make_folder(path: Path, what: str = 'folder') -> None:
     """Make a folder and those above it, where they are not there; raise FileUnusable."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise FileUnusable(what, path, f'cannot be made: {_reason(error)}') from error
+        raise FileUnusable(what, path, f'cannot be made: {reason_of(error)}') from error
 
 
 def check_target(path: Path, what: str = 'file') -> None:
@@ -190,7 +165,7 @@ def check_target(path: Path, what: str = 'file') -> None:
         _check_folder(path, path.parent, what)
         return
     except (OSError, ValueError) as error:
-        raise FileUnusable(what, path, f'cannot be written: {_reason(error)}') from error
+        raise FileUnusable(what, path, f'cannot be written: {reason_of(error)}') from error
     if not stat.S_ISREG(mode):
         raise FileUnusable(what, path, f'cannot be written: it is {_kind(mode)}, not a file')
     if not os.access(path, os.W_OK):
@@ -209,7 +184,7 @@ def _check_folder(target: Path, folder: Path, what: str) -> None:
             folder = folder.parent
         is_folder = folder.is_dir()
     except (OSError, ValueError) as error:
-        raise FileUnusable(what, target, f'cannot be written: {_reason(error)}') from error
+        raise FileUnusable(what, target, f'cannot be written: {reason_of(error)}') from error
     if not is_folder:
         raise FileUnusable(what, target, f'cannot be written: {folder} is not a folder')
     if not os.access(folder, os.W_OK | os.X_OK):
@@ -231,5 +206,6 @@ def _kind(mode: int) -> str:
     return 'something else'
 
 
-def _reason(error: OSError | ValueError) -> str:
+def reason_of(error: OSError | ValueError) -> str:
+    """Return why a file cannot be read or written, in the system's own words."""
     return str(getattr(error, 'strerror', None) or error)

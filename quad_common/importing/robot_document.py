@@ -12,7 +12,8 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike
 
-from quad_common.files.bounded_file import make_folder, write_text
+from quad_common.files.bounded_file import make_folder
+from quad_common.files.whole_file import write_text
 from quad_common.importing.own_urdf import own_urdf
 from quad_common.importing.robot_import import ImportedRobot
 from quad_common.robot.leg_kinematics import Leg

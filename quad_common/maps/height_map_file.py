@@ -25,7 +25,8 @@ from quad_common.errors import (
     MapFileUnusable,
     QuadError,
 )
-from quad_common.files.bounded_file import check_target, user_path, write_text
+from quad_common.files.bounded_file import check_target, user_path
+from quad_common.files.whole_file import whole_file, write_text
 from quad_common.maps.height_map import HEIGHT, MAX_CELLS, HeightMap
 from quad_common.maps.map_document import image_of, in_map_file, number_of, read_document, value_of
 from quad_common.maps.map_image import decode_image
@@ -109,16 +110,18 @@ def save_height_map(terrain: HeightMap, path: str | Path) -> None:
         image = path.with_suffix('.png')
         check_target(path, _WHAT)
         check_target(image, 'image')
-        Image.fromarray(np.ascontiguousarray(shades[::-1])).save(image)
-        write_text(
-            path,
-            f'image: {path.stem}.png\n'
-            f'resolution: {terrain.resolution!r}\n'
-            f'origin: [{terrain.origin[0]!r}, {terrain.origin[1]!r}]\n'
-            f'lowest: {lowest!r}\n'
-            f'height_step: {step!r}\n',
-            _WHAT,
-        )
+        # The image takes its place only when the file that describes it has.
+        with whole_file(image, 'image') as beside:
+            Image.fromarray(np.ascontiguousarray(shades[::-1])).save(beside)
+            write_text(
+                path,
+                f'image: {path.stem}.png\n'
+                f'resolution: {terrain.resolution!r}\n'
+                f'origin: [{terrain.origin[0]!r}, {terrain.origin[1]!r}]\n'
+                f'lowest: {lowest!r}\n'
+                f'height_step: {step!r}\n',
+                _WHAT,
+            )
     except FileUnusable as error:
         raise error.of_kind(MapFileUnusable) from error
     except (OSError, ValueError) as error:

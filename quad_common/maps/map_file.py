@@ -18,6 +18,7 @@ unscaled, and does not say so.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,8 @@ from quad_common.errors import (
     QuadError,
     ThresholdsCrossed,
 )
-from quad_common.files.bounded_file import check_target, user_path, write_text
+from quad_common.files.bounded_file import check_target, user_path
+from quad_common.files.whole_file import whole_file, write_text
 from quad_common.maps.map_document import (
     image_of,
     in_map_file,
@@ -137,18 +139,23 @@ def save_map(grid: OccupancyGrid, path: str | Path, *, free_threshold: int = 25)
         image = path.with_suffix('.pgm')
         check_target(path, 'map file')
         check_target(image, 'image')
-        Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(image)
-        write_text(
-            path,
-            f'image: {path.stem}.pgm\n'
-            'mode: trinary\n'
-            f'resolution: {float(grid.resolution)!r}\n'
-            f'origin: [{float(o.x)!r}, {float(o.y)!r}, {float(o.yaw)!r}]\n'
-            'negate: 0\n'
-            'occupied_thresh: 0.65\n'
-            'free_thresh: 0.196\n',
-            'map file',
-        )
+        # Into memory: written by itself, Pillow leaves a part where the disk is full, and no word.
+        content = io.BytesIO()
+        Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(content, 'PPM')
+        # The image takes its place only when the file that describes it has.
+        with whole_file(image, 'image') as beside:
+            beside.write_bytes(content.getvalue())
+            write_text(
+                path,
+                f'image: {path.stem}.pgm\n'
+                'mode: trinary\n'
+                f'resolution: {float(grid.resolution)!r}\n'
+                f'origin: [{float(o.x)!r}, {float(o.y)!r}, {float(o.yaw)!r}]\n'
+                'negate: 0\n'
+                'occupied_thresh: 0.65\n'
+                'free_thresh: 0.196\n',
+                'map file',
+            )
     except FileUnusable as error:
         raise error.of_kind(MapFileUnusable) from error
     except (OSError, ValueError) as error:

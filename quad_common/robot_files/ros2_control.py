@@ -17,7 +17,8 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from quad_common.files.bounded_file import check_target, make_folder, write_text
+from quad_common.files.bounded_file import check_target, make_folder
+from quad_common.files.whole_file import write_text
 from quad_common.robot.robot import Robot
 from quad_common.robot.urdf import published_urdf
 from quad_common.robot_files.bringup import bringup_text

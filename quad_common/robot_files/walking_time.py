@@ -18,7 +18,8 @@ from pathlib import Path
 import yaml
 
 from quad_common.errors import FileUnusable, ParameterError
-from quad_common.files.bounded_file import make_folder, path_exists, write_text
+from quad_common.files.bounded_file import make_folder, path_exists
+from quad_common.files.whole_file import write_text
 from quad_common.files.yaml_document import check_keys, read_yaml
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle

@@ -163,7 +163,7 @@ class GuardedNode(Node):
             # rclpy's own: it raises, or keeps a time that cannot be written as a stamp.
             callback = partial(_checked_first, check_clock, callback)
         if most_bytes is not None:
-            callback = partial(_taken_apart, msg_type, what, most_bytes, callback)
+            callback = partial(taken_apart, msg_type, what, most_bytes, callback)
         guarded = Guarded(self._net, f'a {what}', callback)
         raw = {} if most_bytes is None else {'raw': True}
         return super().create_subscription(msg_type, topic, guarded, *args, **raw, **kwargs)
@@ -236,10 +236,10 @@ def _check_request(what: str, request: Any) -> None:
                 )
 
 
-def _taken_apart(
+def taken_apart(
     msg_type: Any, what: str, most_bytes: int, callback: Callable[[Any], None], data: bytes
 ) -> None:
-    """Hand a message on that came as bytes, unless it has too many of them."""
+    """Take a message apart, and hand it on; raise InvalidMessage if it is too long, or none."""
     if len(data) > most_bytes:
         raise InvalidMessage(what, f'it has {len(data)} bytes; {most_bytes} are the most')
     try:

@@ -24,6 +24,9 @@ except ImportError:
 
 _STATIC = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
+_MOST_BYTES = 500_000
+"""Size of the largest message with transforms: 4000 of them."""
+
 _PATIENCE = 5.0
 """Time without a transform after which the frames are said to coincide [s]."""
 
@@ -49,8 +52,11 @@ class MapFrameListener:
         self._first_odometry_at: float | None = None
         self._has_said = False
         if TFMessage is not None:
-            node.create_subscription(TFMessage, 'tf', self._on_transforms, 100)
-            node.create_subscription(TFMessage, 'tf_static', self._on_static_transforms, _STATIC)
+            most = {'most_bytes': _MOST_BYTES}
+            node.create_subscription(TFMessage, 'tf', self._on_transforms, 100, **most)
+            node.create_subscription(
+                TFMessage, 'tf_static', self._on_static_transforms, _STATIC, **most
+            )
         node.create_subscription(TransformStamped, 'map_to_odom', self._on_map_to_odom, 10)
 
     def locate(self, message: Odometry) -> tuple[Pose2D, Pose2D]:

@@ -28,7 +28,8 @@ from quad_common.errors import (
     NumbersInvalid,
     ParameterError,
 )
-from quad_common.files.bounded_file import user_path, write_text
+from quad_common.files.bounded_file import user_path
+from quad_common.files.whole_file import write_text
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
 from quad_common.quantity import number_from
 from quad_common.rotations import matrix_from_quaternion, quaternion_from_matrix

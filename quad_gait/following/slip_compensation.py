@@ -17,7 +17,8 @@ import yaml
 from numpy.typing import NDArray
 
 from quad_common.errors import FileUnusable, ParameterError
-from quad_common.files.bounded_file import is_file, path_exists, user_path, write_text
+from quad_common.files.bounded_file import is_file, path_exists, user_path
+from quad_common.files.whole_file import write_text
 from quad_common.files.yaml_document import check_keys, read_yaml
 from quad_common.quantity import ANGLE, CYCLE_PERIOD, Quantity, list_of
 from quad_common.robot_files.robot_file import ROBOTS_FOLDER, robot_file

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from quad_common.files.whole_file import whole_file
 from quad_lab.campaigns.summary import Group, Summary
 from quad_lab.campaigns.tuning import Tuned
 
@@ -48,7 +49,8 @@ def draw_campaign(path: Path, summary: Summary) -> None:
     else:
         _draw_tuning(axes, summary.tuned)
         axes.set_title(f'{summary.spec.name}: cost of the candidates', fontsize=10)
-    figure.savefig(path, dpi=150)
+    with whole_file(path, 'picture') as beside:
+        figure.savefig(beside, dpi=150)
 
 
 def _draw_groups(axes: Axes, groups: tuple[Group, ...]) -> None:

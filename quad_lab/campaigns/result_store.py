@@ -8,6 +8,7 @@ counts once.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import uuid
 from collections.abc import Iterable, Mapping
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from quad_common.errors import FileUnusable, MissingOptionalDependency
-from quad_common.files.bounded_file import check_folder_target, make_folder
+from quad_common.files.bounded_file import check_folder_target, make_folder, reason_of
 from quad_lab.seeded_walks.walk_figures import WalkFigures
 from quad_lab.seeded_walks.walk_task import Job, Result, key_of
 
@@ -86,8 +87,13 @@ class ResultStore:
     def _write(self, results: Mapping[str, Result]) -> None:
         path = self._folder / f'walks-{uuid.uuid4().hex}.parquet'
         beside = path.with_suffix('.part')
-        self._parquet.write_table(_table(self._arrow, results), beside)
-        beside.replace(path)
+        try:
+            self._parquet.write_table(_table(self._arrow, results), beside)
+            beside.replace(path)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                beside.unlink(missing_ok=True)
+            raise FileUnusable(_WHAT, path, f'cannot be written: {reason_of(error)}') from error
         if len(results) < _LARGE:
             self._small.append(path)
 

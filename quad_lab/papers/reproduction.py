@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from quad_common.files.bounded_file import check_target, make_folder
+from quad_common.files.whole_file import write_bytes
 from quad_common.process.end_signals import shielded
 from quad_lab.papers.comparison import UNEXPLAINED, Exhibit, Part
 from quad_lab.papers.drawing import picture_of
@@ -155,16 +156,9 @@ def _shown(drawn: Drawn) -> Shown:
 def _write_pictures(folder: Path, drawn: Sequence[Drawn]) -> None:
     for one in drawn:
         if one.picture is not None:
-            _write_whole(folder / f'{one.exhibit.stem}.png', one.picture)
+            write_bytes(folder / f'{one.exhibit.stem}.png', one.picture)
 
 
 def _write(output: Path, results: Results) -> None:
-    _write_whole(output / NUMBERS, results.text().encode())
-    _write_whole(output / PAGE, page_text(results, orders()).encode())
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    """Replace a file at once: whoever looks meanwhile sees the old one or the new one."""
-    beside = path.with_name(f'.{path.name}.part')
-    beside.write_bytes(content)
-    beside.replace(path)
+    write_bytes(output / NUMBERS, results.text().encode())
+    write_bytes(output / PAGE, page_text(results, orders()).encode())

@@ -4,6 +4,8 @@ Makes a film of a recording: the robot in its room, drawn by a physics engine.
 
 from __future__ import annotations
 
+import errno
+import io
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -19,6 +21,7 @@ from sensor_msgs.msg import JointState
 
 from quad_common.errors import MissingOptionalDependency, NotSimulated
 from quad_common.files.bounded_file import check_target
+from quad_common.files.whole_file import whole_file
 from quad_common.process.end_signals import shielded
 from quad_common.robot.robot import Robot
 from quad_common.ros.map_conversions import grid_from_message
@@ -50,6 +53,8 @@ _SLOWLY = 1.0
 
 _WALLS = 1.2
 """Height of walls, in heights of the hips: they hide nothing that stands behind."""
+
+_CUT_OFF = 'the encoder ended before the film did; is the disk full?'
 
 
 @dataclass(frozen=True)
@@ -119,7 +124,9 @@ def make_film(
             progress((number + 1) / count)
 
     try:
-        (_write_gif if path.suffix.lower() == '.gif' else _write_mp4)(path, pictures(), options)
+        with whole_file(path, 'film') as beside:
+            write = _write_gif if path.suffix.lower() == '.gif' else _write_mp4
+            write(beside, pictures(), options)
     finally:
         scene.close()
     return count
@@ -203,15 +210,27 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], options: FilmOptions) ->
     try:
         for picture in pictures:
             encoder.send(np.ascontiguousarray(picture))
+    except OSError as error:
+        # Its words are the encoder's whole log.
+        raise OSError(errno.EIO, _CUT_OFF) from error
     finally:
         with shielded():
             encoder.close()
+    try:
+        # An encoder that could not write ends, and says nothing.
+        imageio_ffmpeg.count_frames_and_secs(str(path))
+    except RuntimeError as error:
+        raise OSError(errno.EIO, _CUT_OFF) from error
 
 
 def _write_gif(path: Path, pictures: Iterable[Picture], options: FilmOptions) -> None:
     images = [
         Image.fromarray(picture).quantize(96, dither=Image.Dither.NONE) for picture in pictures
     ]
+    # Into memory: written by itself, Pillow leaves a part where the disk is full, and no word.
+    content = io.BytesIO()
     images[0].save(
-        path, save_all=True, append_images=images[1:], duration=round(1e3 / options.rate), loop=0
-    )
+        content, 'GIF', save_all=True, append_images=images[1:],
+        duration=round(1e3 / options.rate), loop=0,
+    )  # fmt: skip
+    path.write_bytes(content.getvalue())

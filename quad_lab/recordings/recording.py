@@ -4,14 +4,18 @@ Records topics to an MCAP file that ``ros2 bag``, Foxglove and PlotJuggler read.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from quad_common.errors import MissingOptionalDependency, QuadError
+from quad_common.errors import FileUnusable, MissingOptionalDependency, QuadError
+from quad_common.files.bounded_file import make_folder, reason_of
 from quad_common.process.end_signals import shielded
 from quad_lab.recordings.recorded_topics import Delivery, RecordedTopic
 
@@ -35,7 +39,12 @@ else:
 FACTS = 'quadwalk'
 """Key of what is kept beside the messages."""
 
-_PARTS = ('metadata.yaml', '*.mcap')
+_RESERVE_NAME = 'reserve'
+
+_RESERVE = 2**21
+"""Bytes that are held for a recording's last messages, its index and its metadata."""
+
+_PARTS = ('metadata.yaml', 'metadata.yaml.tmp', '*.mcap', _RESERVE_NAME)
 """The files of a recording; one that was cut off by a kill has no metadata."""
 
 
@@ -56,11 +65,29 @@ class NoPlaceForRecording(QuadError):
         )
 
 
+@dataclass(eq=False, repr=False)
+class RecordingNotWritten(QuadError):
+    """A recording ended early: a message of it could not be written."""
+
+    folder: Path
+    """Folder of the recording."""
+    reason: str
+    """Reason, in the words of the system."""
+    is_kept: bool
+    """Whether it can be read, up to where it ended."""
+
+    def sentence(self) -> str:
+        """Say why, and what is left."""
+        left = 'it can be read up to there' if self.is_kept else 'nothing of it is left'
+        return f'the recording in {self.folder} ended, {left}: {self.reason}'
+
+
 class Recording:
     """
     A recording; use it in a ``with`` block.
 
-    It is complete whatever ends the block; nothing is left of one without messages.
+    It is complete whatever ends the block; nothing is left of one without messages. Where the disk
+    is full, it is complete up to there: room for its last part is held from the beginning on.
 
     Parameters
     ----------
@@ -76,13 +103,15 @@ class Recording:
         If the package rosbags is not installed.
     NoPlaceForRecording
         If the folder holds something else.
+    FileUnusable
+        If there is no room for it.
     """
 
     def __init__(self, folder: Path, namespace: str = '') -> None:
         if not _CAN_RECORD:
             raise MissingOptionalDependency('rosbags', 'pip install rosbags')
         _remove(folder)
-        folder.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(folder.parent)
         self.folder = folder
         """Where it goes."""
         self.counts: dict[str, int] = {}
@@ -91,10 +120,18 @@ class Recording:
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._writer: Any = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
         self._connections: dict[str, Any] = {}
+        self._reserve = folder / _RESERVE_NAME
+        self._is_over = False
 
     def __enter__(self) -> Recording:
         with shielded():
-            self._writer.open()
+            try:
+                self._writer.open()
+                self._reserve.write_bytes(bytes(_RESERVE))
+            except OSError as error:
+                self._discard()
+                reason = f'cannot be written: {reason_of(error)}'
+                raise FileUnusable('recording', self.folder, reason) from error
         return self
 
     def __exit__(
@@ -104,10 +141,19 @@ class Recording:
         trace: TracebackType | None,
     ) -> None:
         with shielded():
-            self._writer.close()
+            if self._is_over:
+                return
+            self._is_over = True
+            self._reserve.unlink(missing_ok=True)
             if not self._connections:
                 # Its duration would be less than nothing.
-                _remove(self.folder)
+                self._discard()
+                return
+            self._whole = _Written.of(self._writer)
+            try:
+                self._writer.close()
+            except OSError as problem:
+                raise self._end_early(problem) from problem
 
     def write(self, topic: RecordedTopic, data: bytes, time: float) -> None:
         """
@@ -121,25 +167,90 @@ class Recording:
             The message as it was sent (CDR).
         time : float
             When it was received, by the clock that the robot goes by [s].
+
+        Raises
+        ------
+        RecordingNotWritten
+            If it cannot be written; the recording is over then, and takes nothing more.
         """
-        name = topic.in_namespace(self._namespace)
+        if self._is_over:
+            return
         # A message that is cut off makes the file unreadable.
         with shielded():
-            if name not in self._connections:
-                self._connections[name] = self._writer.add_connection(
-                    name,
-                    topic.kind,
-                    typestore=self._types,
-                    offered_qos_profiles=[_quality_of_service(topic)],
-                )
-                self.counts[name] = 0
-            self._writer.write(self._connections[name], round(time * 1e9), data)
-            self.counts[name] += 1
+            self._whole = _Written.of(self._writer)
+            try:
+                self._add(topic, data, time)
+            except OSError as error:
+                raise self._end_early(error) from error
 
     def note(self, facts: Mapping[str, object]) -> None:
         """Keep facts beside the messages, as JSON holds them; later ones replace them."""
-        with shielded():
-            self._writer.set_custom_data(FACTS, json.dumps(dict(facts)))
+        if not self._is_over:
+            with shielded():
+                self._writer.set_custom_data(FACTS, json.dumps(dict(facts)))
+
+    def _add(self, topic: RecordedTopic, data: bytes, time: float) -> None:
+        name = topic.in_namespace(self._namespace)
+        if name not in self._connections:
+            self._connections[name] = self._writer.add_connection(
+                name,
+                topic.kind,
+                typestore=self._types,
+                offered_qos_profiles=[_quality_of_service(topic)],
+            )
+            self.counts[name] = 0
+        self._writer.write(self._connections[name], round(time * 1e9), data)
+        self.counts[name] += 1
+
+    def _end_early(self, error: OSError) -> RecordingNotWritten:
+        """End the recording where something could not be written; return what is to be said."""
+        self._is_over = True
+        is_kept = True
+        try:
+            self._reserve.unlink(missing_ok=True)
+            self._whole.finish(self._writer)
+        except (OSError, AssertionError):
+            is_kept = False
+            self._discard()
+        return RecordingNotWritten(self.folder, reason_of(error), is_kept)
+
+    def _discard(self) -> None:
+        """Leave nothing of it."""
+        with contextlib.suppress(OSError):
+            self._writer.abort()
+        with contextlib.suppress(OSError, NoPlaceForRecording):
+            _remove(self.folder)
+
+
+@dataclass(frozen=True)
+class _Written:
+    """How far a writer's file is whole."""
+
+    size: int
+    """Size of the file [bytes]."""
+    chunks: int
+    """Number of groups of messages in it."""
+
+    @classmethod
+    def of(cls, writer: Any) -> _Written:
+        return cls(writer.storage.bio.tell(), len(writer.storage.chunks))
+
+    def finish(self, writer: Any) -> None:
+        """Cut the file off where it is whole, and close it: with what waits, or without."""
+        try:
+            self._cut_off(writer)
+            writer.close()
+        except OSError:
+            self._cut_off(writer)
+            waiting = writer.storage.chunk
+            writer.storage.chunk = type(waiting)(2**63 - 1, 0, io.BytesIO(), defaultdict(list))
+            writer.close()
+
+    def _cut_off(self, writer: Any) -> None:
+        file = writer.storage.bio
+        file.seek(self.size)
+        file.truncate()
+        del writer.storage.chunks[self.chunks :]
 
 
 def _quality_of_service(topic: RecordedTopic) -> Any:

@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.run_node import make_executor
 from quad_lab.topic_walk.node_processes import in_simulated_time
+from quad_lab.topic_walk.standstill import Standstill
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_planner.session.immediate_request import ImmediateRequest
 
@@ -38,6 +39,9 @@ _SETTLING = 0.3
 
 _LONGEST_SEARCH = 30.0
 """Time on the wall clock after which those that have not found one another never will [s]."""
+
+_LONGEST_STAND = 0.5
+"""Time on the wall clock for which simulated time may stand still [s]: it does while paused."""
 
 _SHORT_WAIT = 0.005
 """Between two looks for what comes from outside the process [s], on the wall clock."""
@@ -89,10 +93,11 @@ class ComposedNodes:
         self._settle()
 
     def listen(self, duration: float) -> None:
-        """Go on for some simulated time [s]."""
+        """Go on for some simulated time [s], or until that has stood still for a while."""
         simulator: Any = self._nodes['sim_node']
         end = simulator.time + duration
-        while simulator.time < end:
+        standstill = Standstill(simulator.time)
+        while simulator.time < end and standstill.duration(simulator.time) < _LONGEST_STAND:
             simulator.drive()
             self._drain()
 

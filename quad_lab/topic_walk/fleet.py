@@ -24,6 +24,7 @@ from rclpy.qos import qos_profile_sensor_data
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_from_message, pose_message, seconds_from_time
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
+from quad_lab.topic_walk.standstill import STALL_TIMEOUT, Standstill, TimeStandsStill
 from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk import START_TIMEOUT, NodesNotReady
 from quad_sim.engines.registry import AUTO
@@ -92,6 +93,8 @@ class FleetNotes:
     """Contacts of anything but feet with the ground, as sim_node says them."""
     duration: float = 0.0
     """Time from the goals to the end [s], simulated."""
+    problem: str = ''
+    """Reason why it was not waited for longer; empty for none."""
 
     @property
     def have_arrived(self) -> bool:
@@ -193,8 +196,11 @@ def _walk(observer: _Observer, go_on: Callable[[], None]) -> None:
             raise NodesNotReady(START_TIMEOUT, observer.said)
     began = observer.time
     observer.give_goals()
-    while not observer.notes.have_arrived and observer.time < began + _LONGEST:
+    standstill, notes = Standstill(began), observer.notes
+    while not (notes.have_arrived or notes.problem) and observer.time < began + _LONGEST:
         go_on()
+        if standstill.duration(observer.time) > STALL_TIMEOUT:
+            notes.problem = str(TimeStandsStill(STALL_TIMEOUT))
     observer.notes.duration = observer.time - began
 
 

@@ -21,6 +21,7 @@ from quad_common.planar_pose import Pose2D
 from quad_gait.behaviours.activity import Activity
 from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain, subnet_domain
+from quad_lab.topic_walk.standstill import STALL_TIMEOUT, Standstill, TimeStandsStill
 from quad_lab.topic_walk.viewer_process import PagePlace, start_viewer
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkRecord
@@ -36,9 +37,6 @@ START_TIMEOUT = 90.0
 
 PLAN_TIMEOUT = 60.0
 """For the planner to answer to the goal; on a busy machine it may still compile its search [s]."""
-
-STALL_TIMEOUT = 60.0
-"""For simulated time to advance at all [s]."""
 
 _PATIENCE = 30.0
 """For a robot that has given up to go on after all, with a new plan [s], simulated."""
@@ -292,18 +290,18 @@ def _watch(
     _wait_until_ready(observer, nodes, listen)
     record = observer.record
     observer.give_goal()
-    began = advanced = time.monotonic()
-    seen = start_time = observer.time
+    began = time.monotonic()
+    start_time = observer.time
+    standstill = Standstill(start_time)
     end = GuidedEnd(_PATIENCE)
     while not record.has_arrived and not record.problem:
         listen(0.1)
         nodes.check()
         on_progress(observer)
-        now = time.monotonic()
-        if observer.time > seen:
-            seen, advanced = observer.time, now
-        record.wall_time = now - began
-        record.problem = _problem(observer, now - began, now - advanced, seen - start_time)
+        seen = observer.time
+        record.wall_time = time.monotonic() - began
+        stalled = standstill.duration(seen)
+        record.problem = _problem(observer, record.wall_time, stalled, seen - start_time)
         is_over = end.is_over(seen, observer.activity)
         if is_over and not record.problem and not record.has_arrived:
             record.problem = observer.statuses['gait_node'][1]
@@ -343,7 +341,7 @@ def _problem(observer: WalkObserver, waited: float, stalled: float, walked: floa
     if not record.plans and waited > PLAN_TIMEOUT:
         return f'no plan within {PLAN_TIMEOUT:.0f} s: {said.get("planner_node", "no word")}'
     if stalled > STALL_TIMEOUT:
-        return f'simulated time stands still since {STALL_TIMEOUT:.0f} s'
+        return str(TimeStandsStill(STALL_TIMEOUT))
     if record.plans and walked > 120.0 + record.plans[0].length / _WORST_SPEED:
         return f'not there after {walked:.0f} s of walking: {said.get("gait_node", "no word")}'
     return ''

@@ -26,6 +26,7 @@ from quad_common.errors import (
     PictureTooLarge,
 )
 from quad_common.files.bounded_file import check_target, read_bytes, read_head
+from quad_common.files.whole_file import write_bytes
 from quad_common.vision.camera import MOST_PIXELS
 from quad_perception.picture.color_segmentation import Picture
 
@@ -118,9 +119,9 @@ def write_picture(path: Path, rgb: Picture) -> None:
         raise PictureNotWritten(path)
     try:
         # Not by OpenCV, which dies of names that are not UTF-8.
-        path.write_bytes(content.tobytes())
-    except (OSError, ValueError) as error:
-        raise PictureNotWritten(path) from error
+        write_bytes(path, content.tobytes(), 'picture')
+    except FileUnusable as error:
+        raise error.of_kind(CameraFileUnusable) from error
 
 
 def _check_still(path: Path, content: bytes) -> None:

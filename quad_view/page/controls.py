@@ -107,8 +107,8 @@ class Controls:
     def show_robots(self, names: list[str]) -> None:
         """Let the user choose between robots."""
         if self._robot not in names:
-            self._robot = names[0]
-        self._robots.options = tuple(names)
+            self._robot = names[0] if names else ''
+        self._robots.options = tuple(names) or ('',)
         self._robots.value = self._robot
         self._robots.visible = len(names) > 1
 

@@ -66,6 +66,11 @@ class CourseFigure:
         self._track_due = 0.0
         self._has_new_track = False
 
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        for name in list(self._handles):
+            self._handles.pop(name).remove()
+
     def draw(self, changed: frozenset[str], now: float) -> None:
         """Draw what has changed, at a time of the wall clock [s]."""
         view = self._view

@@ -68,6 +68,7 @@ class WordPanel:
     def draw_none(self) -> None:
         """Say that there is no robot."""
         self._put('headline', self._headline, _paragraph(Level.WARN, NO_ROBOT, '1.0em'))
+        self._put('nodes', self._nodes, '')
 
     def draw(self, view: RobotView, now: float, shown: float) -> None:
         """

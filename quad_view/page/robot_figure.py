@@ -76,6 +76,12 @@ class RobotFigure:
         if changed & {'model', 'joints'}:
             self._move_joints()
 
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        if self._frames:
+            self._frames[0].remove()
+        self._frames = []
+
     def _move_joints(self) -> None:
         assert self._drawn is not None
         positions, turns = self._drawn.poses(self._view.joints)

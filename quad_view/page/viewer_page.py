@@ -4,6 +4,7 @@ The page: robots and their room in the scene, words, plots and buttons beside it
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 from quad_view.page.controls import Controls
@@ -48,6 +49,7 @@ class ViewerPage:
         self._server = server = open_server(options.host, options.port, 'quadwalk')
         self._robots: dict[str, RobotView] = {}
         self._figures: dict[str, tuple[RobotFigure, CourseFigure]] = {}
+        self._numbers = itertools.count()
         self._due = 0.0
         self._chosen: RobotView | None = None
         self._floor = FloorFigure(server)
@@ -88,11 +90,18 @@ class ViewerPage:
 
     def add_robot(self, view: RobotView) -> None:
         """Show another robot."""
-        number = len(self._robots)
+        number = next(self._numbers)
         self._robots[view.name] = view
         self._figures[view.name] = (
             RobotFigure(self._server, view, number), CourseFigure(self._server, view, number)
         )  # fmt: skip
+        self._controls.show_robots(list(self._robots))
+
+    def remove_robot(self, name: str) -> None:
+        """Show a robot no more."""
+        del self._robots[name]
+        for figure in self._figures.pop(name):
+            figure.remove()
         self._controls.show_robots(list(self._robots))
 
     def is_due(self, now: float) -> bool:

@@ -26,6 +26,9 @@ _LONGEST_URDF = 5_000_000
 
 _MOST_LINKS = 500
 
+_MOST_SHAPES = 2000
+"""Visible parts of a robot: more take a page seconds."""
+
 _TURNING = ('revolute', 'continuous')
 
 
@@ -161,6 +164,9 @@ def model_from_urdf(text: str) -> RobotModel:
     links = {element.get('name', ''): element for element in root.iterfind('link')}
     if root.tag != 'robot' or not 0 < len(links) <= _MOST_LINKS:
         raise _invalid(f'it has {len(links)} links below <robot>; 1 to {_MOST_LINKS} are valid')
+    shapes = sum(len(link.findall('visual')) for link in links.values())
+    if shapes > _MOST_SHAPES:
+        raise _invalid(f'it has {shapes} visible parts; {_MOST_SHAPES} are the most')
     joints = _joints_in_order(root, links)
     colors = {
         name: color

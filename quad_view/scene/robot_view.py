@@ -19,7 +19,7 @@ from quad_view.scene.course import Track, distance_from_plan
 from quad_view.scene.floor import FloorPicture, Surface
 from quad_view.scene.robot_model import RobotModel
 from quad_view.scene.series import Series
-from quad_view.scene.words import Line, Said, headline, lines
+from quad_view.scene.words import Line, Said, headline, lines, newest_said
 
 Array = NDArray[np.float64]
 
@@ -115,6 +115,10 @@ class RobotView:
     def has_robot(self, now: float) -> bool:
         """Return whether the robot's state came in lately; time by the wall clock [s]."""
         return now - self._moved_at < _FRESH
+
+    def note_said(self, said: Mapping[str, Said]) -> None:
+        """Take what nodes have said, by their names; of many the newest, besides our own."""
+        self.note(said=newest_said({**self.said, **said}))
 
     def note_joints(self, joints: Mapping[str, float]) -> None:
         """Take joint positions; those that have hardly moved are not drawn again."""

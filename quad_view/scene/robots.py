@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 _TOPIC = 'joint_states'
 
-_MOST = 20
+MOST_ROBOTS = 20
 """Robots on one page."""
 
 
@@ -36,4 +36,4 @@ def namespaces_of(wanted: str, topics: Iterable[str]) -> tuple[str, ...]:
             for topic in topics
             if topic.rpartition('/')[2] == _TOPIC
         }
-    return tuple(sorted(names)[:_MOST])
+    return tuple(sorted(names)[:MOST_ROBOTS])

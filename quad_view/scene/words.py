@@ -12,6 +12,9 @@ from quad_common.status import Level
 SILENT = 3.5
 """A node that has said nothing for so long does not run: each speaks every second [s]."""
 
+_MOST_OTHERS = 50
+"""Nodes besides quadwalk's own whose words are shown."""
+
 NO_ROBOT = (
     "no robot: nobody publishes 'joint_states'; start a simulator (sim_node) or the robot's "
     'driver, in the same ROS_DOMAIN_ID'
@@ -38,6 +41,14 @@ class Said:
     """Values beside it."""
     at: float = 0.0
     """Time at which it was received [s]."""
+
+
+def newest_said(said: Mapping[str, Said]) -> dict[str, Said]:
+    """Return what the nodes of quadwalk have said, and of others so many as a page can show."""
+    others = [name for name in said if name not in _WITHOUT]
+    others.sort(key=lambda name: said[name].at, reverse=True)
+    kept = {*_WITHOUT, *others[:_MOST_OTHERS]}
+    return {name: word for name, word in said.items() if name in kept}
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from quad_common.files.bounded_file import (
     check_target,
     is_file,
     user_path,
-    write_text,
 )
+from quad_common.files.whole_file import write_text
 from quad_common.files.yaml_document import LARGEST_DEPTH, MOST_VALUES, check_keys, read_yaml
 
 

@@ -1,5 +1,6 @@
 """A campaign has the same results in whatever order walks come, and however often it is ended."""
 
+import errno
 from dataclasses import replace
 
 import pytest
@@ -73,6 +74,19 @@ def test_a_file_that_was_not_finished_counts_for_nothing(tmp_path):
     path = next(tmp_path.glob('*.parquet'))
     path.rename(path.with_suffix('.part'))
     assert len(ResultStore(tmp_path).results) == len(jobs_of(GRID)) - 1
+
+
+def test_results_that_cannot_be_written_leave_nothing_half_written(tmp_path, monkeypatch):
+    store = ResultStore(tmp_path)
+
+    def write_table(table, path):
+        path.write_bytes(b'half')
+        raise OSError(errno.ENOSPC, 'No space left on device')
+
+    monkeypatch.setattr(store._parquet, 'write_table', write_table)
+    with pytest.raises(FileUnusable, match='cannot be written: No space left on device'):
+        run_campaign(GRID, store, ShuffledPool())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_damaged_file_is_named(tmp_path):

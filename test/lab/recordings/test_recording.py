@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import resource
+import signal
+
 import pytest
 
 pytest.importorskip('rosbags')
@@ -11,8 +16,9 @@ from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import String
 
+from quad_common.errors import FileUnusable
 from quad_lab.recordings.recorded_topics import RECORDED, Delivery, RecordedTopic
-from quad_lab.recordings.recording import NoPlaceForRecording, Recording
+from quad_lab.recordings.recording import NoPlaceForRecording, Recording, RecordingNotWritten
 
 CHATTER = RecordedTopic('chatter', 'std_msgs/msg/String', Delivery.RELIABLE)
 WORDS = serialize_message(String(data='words'))
@@ -89,3 +95,82 @@ def test_a_topic_is_kept_as_it_is_published(tmp_path, topic):
         )
         assert (quality.reliability.name == 'BEST_EFFORT') == (topic.delivery is Delivery.SENSOR)
         assert reader.start_time == 2_250_000_000
+
+
+LONG = serialize_message(String(data='w' * 30_000))
+
+
+@contextlib.contextmanager
+def most_bytes(count):
+    """Have every file refuse what is beyond its first bytes, as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (count, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, handler)
+
+
+def fill(folder) -> int:
+    """Record until nothing more can be written; return how much was."""
+    with Recording(folder) as recording:
+        try:
+            for count in range(500):
+                recording.write(CHATTER, LONG, 1.5 + count)
+        finally:
+            # What comes afterwards is left out, and is no error of its own.
+            recording.write(CHATTER, LONG, 1000.0)
+            recording.note({'robot': 'any'})
+            written = recording.counts['/chatter']
+    return written
+
+
+def test_a_recording_whose_disk_is_full_can_be_read_up_to_there(tmp_path):
+    folder = tmp_path / 'bag'
+    with most_bytes(2_500_000), pytest.raises(RecordingNotWritten, match='can be read up to there'):
+        fill(folder)
+    assert sorted(file.name for file in folder.iterdir()) == ['bag.mcap', 'metadata.yaml']
+    with Reader(folder) as reader:
+        assert len(list(reader.messages())) > 30
+
+
+def test_messages_that_wait_are_written_into_the_room_that_was_held(tmp_path, monkeypatch):
+    folder = tmp_path / 'bag'
+
+    class FullDisk:
+        """A file on a disk that is full while room is held on it."""
+
+        def __init__(self, file) -> None:
+            self.file = file
+
+        def write(self, data) -> int:
+            if len(data) > 2**19 and (folder / 'reserve').exists():
+                self.file.write(bytes(data)[:1000])
+                raise OSError(errno.ENOSPC, 'No space left on device')
+            return self.file.write(data)
+
+        def __getattr__(self, name):
+            return getattr(self.file, name)
+
+    def record_on_full_disk() -> None:
+        with Recording(folder) as recording:
+            storage = recording._writer.storage
+            storage.bio = FullDisk(storage.bio)
+            for count in range(100):
+                recording.write(CHATTER, LONG, 1.5 + count)
+
+    with pytest.raises(RecordingNotWritten, match='No space left on device'):
+        record_on_full_disk()
+    with Reader(folder) as reader:
+        times = [time for _, time, _ in reader.messages()]
+    # All of them, with the one at which it was noticed.
+    assert len(times) == 2**20 // len(LONG) + 1
+    assert times == [round(1e9 * (1.5 + k)) for k in range(len(times))]
+
+
+def test_nothing_is_begun_without_room(tmp_path):
+    with most_bytes(1_000_000), pytest.raises(FileUnusable, match='cannot be written'):
+        record(tmp_path / 'bag')
+    assert list(tmp_path.iterdir()) == []
