@@ -175,7 +175,11 @@ class Footing:
         rows, columns = lattice_shape(self._footed.robot, self._heights)
         if grid.width * grid.height > LARGEST or rows * columns > LARGEST_LATTICE:
             return None
-        key = grid.width, grid.height, grid.resolution, grid.origin
+        key = _cells_of(grid)
+        # Without the lock, which is kept while that is found out for another map.
+        known = self._layers.get(key) if self._before is None else None
+        if known is not None:
+            return known
         with self._lock:
             if self._before is not None:
                 self._take_over(self._before)
@@ -186,6 +190,10 @@ class Footing:
                 self._fill(layers, key, None)
                 self._layers = {key: layers}
             return self._layers[key]
+
+    def is_known(self, grid: OccupancyGrid) -> bool:
+        """Return whether :meth:`layers` of a map are known, so that they are returned at once."""
+        return self._before is None and _cells_of(grid) in self._layers
 
     def _has_cells_of(self, other: Footing) -> bool:
         """Return whether another map has the same cells, so that parts can be kept."""
@@ -295,6 +303,10 @@ class Footing:
         near = ((at >= -reach) & (at < (columns + reach, rows + reach))).all(axis=1)
         column, row = np.clip(at, 0, (columns - 1, rows - 1)).T
         return near & doubtful[row, column], uneven[row, column]
+
+
+def _cells_of(grid: OccupancyGrid) -> _Cells:
+    return grid.width, grid.height, grid.resolution, grid.origin
 
 
 def _widened(bounds: Bounds, distance: float) -> Bounds:
