@@ -289,7 +289,7 @@ class Footing:
 
         size = 2 * math.ceil(self._reach / old.side) + 1
         around = np.ones((size, size), dtype=np.uint8)
-        bad = (old.nearest < 0).any(axis=(0, 1)).astype(np.uint8)
+        bad = (old.nearest.min(axis=(0, 1)) < 0).astype(np.uint8)
         lowest, highest = (
             np.where(np.isnan(old.heights), fill, old.heights).astype(np.float32)
             for fill in (1e9, -1e9)
