@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 BINS = 12
-"""Number of headings for which shins are looked at, of 30 degrees each."""
+"""Number of headings for which shins are looked at, of 30 degrees each; with four legs each they
+are the bits of a word."""
 
 _SIDE = 0.03
 """Distance between the places of the lattice, unless cells are larger [m, of TITAN-VIII]."""
@@ -88,16 +89,17 @@ def footholds(
     certain = unknown | (is_even & (highest <= lowest))
     others = np.flatnonzero(~certain)
     doubtful = np.flatnonzero(is_even & ~certain)
-    free = np.empty((BINS * len(robot.legs), len(doubtful)), dtype=np.uint8)
+    free = np.empty(len(doubtful), dtype=np.uint64)
     cells = np.column_stack((x[doubtful % columns], y[doubtful // columns]))
-    find_free(cells, highest.ravel()[doubtful], images.images, _sorted(shins, heights.resolution), free)
+    points = _sorted(shins, heights.resolution)
+    find_free(cells, highest.ravel()[doubtful], images.images, points, free)
+    # All legs and headings of a place in the bits of a word.
+    fit = np.where(certain, ~np.uint64(0), np.uint64(0))
+    fit.ravel()[doubtful] = free
     offsets = _offsets(robot.relative_size * criterion.reach / side)
-    nearest = np.empty((len(free), rows, columns), dtype=np.int32)
+    nearest = np.empty((len(points), rows, columns), dtype=np.int32)
     nearest[:] = np.arange(rows * columns, dtype=np.int32).reshape(rows, columns)
-    fit = certain.copy()
-    for of_leg, of_bin in zip(nearest, free):
-        fit.ravel()[doubtful] = of_bin
-        find_nearest(fit, others, offsets, of_leg)
+    find_nearest(fit, others, offsets, nearest)
     nearest = nearest.reshape(BINS, len(robot.legs), rows, columns)
     return Footholds(nearest, height, x0, y0, side)
 

@@ -71,7 +71,8 @@ class FootedRobot:
         room, scale = LegRoom.of(self.robot), self.robot.relative_size
         lowest, highest = scale * min(LOWERINGS), scale * max(LOWERINGS)
         reach = room.lowest, room.highest, room.side
-        return Legs(room.neutral, *reach, lowest, highest, np.array(TILTS))
+        # With the ground's own tilt first: legs bear most ground with it, and one is enough.
+        return Legs(room.neutral, *reach, lowest, highest, np.array(TILTS[::-1]))
 
     @cached_property
     def shins(self) -> list[list[Array]]:

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from quad_common.compiled import compiled_loop
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+Bits = NDArray[np.uint64]
 Integers = NDArray[np.int64]
+
+_ONE = np.uint64(1)
 
 
 @compiled_loop
@@ -59,9 +61,7 @@ def sample_heights(image: Array, columns: Array, rows: Array, heights: Array) ->
 
 
 @compiled_loop
-def find_free(
-    cells: Array, highest: Array, images: Array, shins: Array, free: NDArray[np.uint8]
-) -> None:
+def find_free(cells: Array, highest: Array, images: Array, shins: Array, free: Bits) -> None:
     """
     Tell on which even places nothing beside foot and shin is higher than they are.
 
@@ -77,54 +77,68 @@ def find_free(
     images : ndarray, shape (4, rows, columns)
         As for `find_fit` [m].
     shins : ndarray, shape (k, m, 3)
-        Points of foot and shin of each leg at each heading, the lowest first, infinitely high ones
-        at the end: columns, rows, and height [m].
-    free : ndarray, shape (k, n)
-        Is filled.
+        Points of foot and shin of each leg at each heading, 64 at most, the lowest point first,
+        infinitely high ones at the end: columns, rows, and height [m].
+    free : ndarray of uint64, shape (n,)
+        Bit k of each place is filled in.
     """
     rows, columns = images.shape[1:]
     for n in range(len(cells)):
         x, y = cells[n, 0], cells[n, 1]
         row, column = int(math.floor(y)), int(math.floor(x))
         own, drop = images[0, row, column], images[0, row, column] - images[3, row, column]
+        bits = np.uint64(0)
         for k in range(len(shins)):
-            free[k, n] = 0 if drop > shins[k, 0, 2] else 1
+            is_free = drop <= shins[k, 0, 2]
             for m in range(shins.shape[1]):
                 height = own + shins[k, m, 2]
-                if free[k, n] == 0 or height > highest[n]:
+                if not is_free or height > highest[n]:
                     break
                 u, v = int(math.floor(x + shins[k, m, 0])), int(math.floor(y + shins[k, m, 1]))
                 is_on_map = u >= 0 and v >= 0 and u < columns and v < rows
                 # What is not known is in nobody's way.
-                if is_on_map and images[2, v, u] > height:
-                    free[k, n] = 0
+                is_free = not (is_on_map and images[2, v, u] > height)
+            if is_free:
+                bits |= _ONE << np.uint64(k)
+        free[n] = bits
 
 
 @compiled_loop
 def find_nearest(
-    fit: Mask, places: Integers, offsets: Integers, nearest: NDArray[np.int32]
+    fit: Bits, places: Integers, offsets: Integers, nearest: NDArray[np.int32]
 ) -> None:
     """
-    Find the nearest foothold to some places.
+    Find the nearest foothold to some places, for all legs and headings.
 
     Parameters
     ----------
-    fit : ndarray of bool, shape (rows, columns)
-        Whether a foot may stand at a place.
+    fit : ndarray of uint64, shape (rows, columns)
+        Bit k tells whether a leg may stand at a place with a heading.
     places : ndarray, shape (n,)
         Indices of the places to look at.
     offsets : ndarray, shape (m, 2)
         Rows and columns to the places within reach, the nearest first, (0, 0) to begin with.
-    nearest : ndarray, shape (rows, columns)
+    nearest : ndarray, shape (k, rows, columns)
         Index of the foothold is filled in, -1 where there is none within reach.
     """
     rows, columns = fit.shape
+    count = len(nearest)
     for n in range(len(places)):
         row, column = places[n] // columns, places[n] % columns
-        found = -1
-        for k in range(len(offsets)):
-            i, j = row + offsets[k, 0], column + offsets[k, 1]
-            if 0 <= i < rows and 0 <= j < columns and fit[i, j]:
-                found = i * columns + j
+        left = (_ONE << np.uint64(count)) - _ONE
+        for m in range(len(offsets)):
+            i, j = row + offsets[m, 0], column + offsets[m, 1]
+            if i < 0 or j < 0 or i >= rows or j >= columns:
+                continue
+            found = left & fit[i, j]
+            if found == 0:
+                continue
+            left &= ~found
+            for k in range(count):
+                if (found >> np.uint64(k)) & _ONE:
+                    nearest[k, row, column] = i * columns + j
+            if left == 0:
                 break
-        nearest[row, column] = found
+        for k in range(count):
+            if (left >> np.uint64(k)) & _ONE:
+                nearest[k, row, column] = -1
