@@ -78,7 +78,7 @@ def footholds(
     x0, y0 = heights.origin
     # Of the places, as the height map has it for points.
     x, y = (
-        (c + (np.arange(n) + 0.5) * side - c) / heights.resolution
+        (c + (np.arange(n, dtype=np.float64) + 0.5) * side - c) / heights.resolution
         for c, n in ((x0, columns), (y0, rows))
     )
     height = np.empty((rows, columns))
@@ -100,12 +100,15 @@ def footholds(
     nearest = np.empty((len(points), rows, columns), dtype=np.int32)
     nearest[:] = np.arange(rows * columns, dtype=np.int32).reshape(rows, columns)
     find_nearest(fit, others, offsets, nearest)
-    nearest = nearest.reshape(BINS, len(robot.legs), rows, columns)
-    return Footholds(nearest, height, x0, y0, side)
+    by_bins = nearest.reshape(BINS, len(robot.legs), rows, columns)
+    return Footholds(by_bins, height, x0, y0, side)
 
 
 def _by_any_shin(
-    images: FootholdImages, shins: list[list[Array]], heights: HeightMap, places: tuple[Array, Array]
+    images: FootholdImages,
+    shins: list[list[Array]],
+    heights: HeightMap,
+    places: tuple[Array, Array],
 ) -> tuple[Mask, Array, Array]:
     """
     Look at places in columns and rows [cells] for all shins together.

@@ -34,15 +34,15 @@ def sample_heights(image: Array, columns: Array, rows: Array, heights: Array) ->
     """
     last_row, last_column = image.shape[0] - 1, image.shape[1] - 1
     for j in range(len(rows)):
-        own_row = min(int(math.floor(rows[j])), last_row)
+        own_row = min(math.floor(rows[j]), last_row)
         y = min(max(rows[j] - 0.5, 0.0), float(last_row))
-        bottom = min(int(math.floor(y)), max(last_row - 1, 0))
+        bottom = min(math.floor(y), max(last_row - 1, 0))
         top = min(bottom + 1, last_row)
         v = y - bottom
         for i in range(len(columns)):
-            own_column = min(int(math.floor(columns[i])), last_column)
+            own_column = min(math.floor(columns[i]), last_column)
             x = min(max(columns[i] - 0.5, 0.0), float(last_column))
-            left = min(int(math.floor(x)), max(last_column - 1, 0))
+            left = min(math.floor(x), max(last_column - 1, 0))
             right = min(left + 1, last_column)
             u = x - left
             total = weights = 0.0
@@ -85,7 +85,7 @@ def find_free(cells: Array, highest: Array, images: Array, shins: Array, free: B
     rows, columns = images.shape[1:]
     for n in range(len(cells)):
         x, y = cells[n, 0], cells[n, 1]
-        row, column = int(math.floor(y)), int(math.floor(x))
+        row, column = math.floor(y), math.floor(x)
         own, drop = images[0, row, column], images[0, row, column] - images[3, row, column]
         bits = np.uint64(0)
         for k in range(len(shins)):
@@ -94,7 +94,7 @@ def find_free(cells: Array, highest: Array, images: Array, shins: Array, free: B
                 height = own + shins[k, m, 2]
                 if not is_free or height > highest[n]:
                     break
-                u, v = int(math.floor(x + shins[k, m, 0])), int(math.floor(y + shins[k, m, 1]))
+                u, v = math.floor(x + shins[k, m, 0]), math.floor(y + shins[k, m, 1])
                 is_on_map = u >= 0 and v >= 0 and u < columns and v < rows
                 # What is not known is in nobody's way.
                 is_free = not (is_on_map and images[2, v, u] > height)

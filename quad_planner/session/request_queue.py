@@ -74,9 +74,7 @@ class RequestQueue(Generic[Result]):
         self._is_closed = True
         self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _answer(
-        self, done: Callable[[Callable[[], Result]], None], future: Future[Result]
-    ) -> None:
+    def _answer(self, done: Callable[[Callable[[], Result]], None], future: Future[Result]) -> None:
         self._waiting -= 1
         if not self._is_closed:
             done(future.result)
