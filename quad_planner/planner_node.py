@@ -34,7 +34,7 @@ from quad_common.rotations import tilt_from_quaternion
 from quad_planner import planner_setup
 from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
-from quad_planner.plan_service import PlanService
+from quad_planner.plan_services import PlanService
 from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import GaitTopics, PlannerTopics

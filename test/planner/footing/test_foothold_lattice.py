@@ -1,4 +1,4 @@
-"""What is found fast of footholds is, bit for bit, what the gait's criterion says place by place."""
+"""Footholds that are found fast are, bit for bit, those of the criterion, place by place."""
 
 import numpy as np
 import pytest

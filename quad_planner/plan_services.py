@@ -1,5 +1,5 @@
 """
-The service ``get_plan`` of ``planner_node``.
+The services of ``planner_node``.
 """
 
 from __future__ import annotations
