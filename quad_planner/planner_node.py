@@ -15,12 +15,11 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
-from nav_msgs.srv import GetPlan
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.qos import qos_profile_sensor_data
 
-from quad_common.errors import PlannerError, QuadError
+from quad_common.errors import PlannerError
 from quad_common.frames.map_frame import MapFrame
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.map_frame_listener import MapFrameListener
@@ -35,20 +34,16 @@ from quad_common.rotations import tilt_from_quaternion
 from quad_planner import planner_setup
 from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
+from quad_planner.plan_services import PlanService
 from quad_planner.planner_actions import PlannerActions
 from quad_planner.planner_status import session_status
 from quad_planner.planner_topics import GaitTopics, PlannerTopics
-from quad_planner.ros_conversions import ends_from_request, path_message
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
-from quad_planner.session.single_plan import plan_between
 from quad_planner.traffic_topics import TrafficTopics
 
 _HEARTBEAT = 0.5
 """Time between two heartbeats on the wall clock [s]."""
-
-_LONGEST_ANSWER = 1.5
-"""Time for which the node searches a plan that somebody asked for, and does nothing else [s]."""
 
 
 class PlannerNode(QuadNode[PlannerParameters]):
@@ -71,7 +66,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         GaitTopics(self, self._session)
         self._traffic = TrafficTopics(self, self._session, requests)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
-        self.create_service(GetPlan, 'get_plan', self._on_get_plan)
+        self._plans = PlanService(self, self._session, requests)
         self._actions = PlannerActions(self, self._session, lambda: self._pace, requests)
         self.manage(self._session.withdraw_goal)
         clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -117,20 +112,6 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._topics.publish_heartbeat()
         self._session.tick(time.monotonic(), self.get_clock().now().nanoseconds * 1e-9)
 
-    def _on_get_plan(
-        self, request: GetPlan.Request, response: GetPlan.Response
-    ) -> GetPlan.Response:
-        """Answer with a plan, or with an empty path and the reason on diagnostics."""
-        plan = None
-        try:
-            ends = ends_from_request(request)
-            plan = plan_between(self._session.map, *ends, _LONGEST_ANSWER)
-        except QuadError as error:
-            self.report_error(error)
-        stamp = self.get_clock().now().to_msg()
-        response.plan = path_message(plan, self._session.map.frame.name, stamp)
-        return response
-
     def _on_beginning(self) -> None:
         self._beginning.cancel()
         self._session.warm_up(time.monotonic)
@@ -139,6 +120,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         """Give up what is being searched, and end."""
         self._requests.close()
         self._traffic.close()
+        self._plans.close()
         self._actions.close()
         super().destroy_node()
 

@@ -84,6 +84,7 @@ def session_from_parameters(
         steps_over_low=p.low_obstacles == 'step_over',
         warn=output.warn,
     )
+    planning_map.outline = outline_for(robot, text=p.outline).outline
     return PlanningSession(planning_map, requests, output, _session_options(p))
 
 
@@ -131,6 +132,7 @@ def change_planner(
     robot = load_robot(parameters.robot)
     planner = planner_from_parameters(parameters, robot, clock, requests.is_superseded)
     session.map.use(planner, parameters.obstacle_threshold)
+    session.map.outline = outline_for(robot, text=parameters.outline).outline
     session.options = _session_options(parameters)
     session.warm_up(clock)
     if session.map.is_ready and _frees_other_cells(before, parameters):

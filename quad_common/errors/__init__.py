@@ -117,6 +117,7 @@ from quad_common.errors.planning import PlanSuperseded as PlanSuperseded
 from quad_common.errors.planning import RobotsInTheWay as RobotsInTheWay
 from quad_common.errors.planning import StartOccupied as StartOccupied
 from quad_common.errors.planning import StartOutsideMap as StartOutsideMap
+from quad_common.errors.planning import TooManyRequests as TooManyRequests
 from quad_common.errors.planning import WrongFrame as WrongFrame
 from quad_common.errors.robots import AxisNotAUnitVector as AxisNotAUnitVector
 from quad_common.errors.robots import InitialPostureOutOfRange as InitialPostureOutOfRange

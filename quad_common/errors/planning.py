@@ -230,6 +230,18 @@ class PlanSuperseded(PlannerError):
 
 
 @dataclass(eq=False, repr=False)
+class TooManyRequests(PlannerError):
+    """So many searches wait for their turn that no more are taken."""
+
+    most: int
+    """Number that may wait."""
+
+    def sentence(self) -> str:
+        """Say how many wait."""
+        return f'{self.most} requests for plans wait already: ask again when they are answered'
+
+
+@dataclass(eq=False, repr=False)
 class NoPathFound(PlannerError):
     """Start and goal are both valid, but nothing connects them."""
 

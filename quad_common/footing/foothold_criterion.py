@@ -127,12 +127,10 @@ class FootholdImages:
         """
         heights, robot = self._heights, self._robot
         radius = max(robot.relative_size * self._criterion.radius, robot.foot_radius)
-        centers = heights.centers
         return np.stack(
             [
                 heights.heights,
                 heights.steps(radius),
-                heights.highest_within(centers, self.room),
-                heights.lowest_within(centers, self.room),
+                *heights.extremes(self.room),
             ]
         )

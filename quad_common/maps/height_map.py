@@ -229,11 +229,11 @@ class HeightMap:
         ndarray, shape (...)
             Unknown cells do not count; NaN off the map and where all are unknown [m].
         """
-        return self._look_up(self._extremes(radius)[0], points)
+        return self._look_up(self.extremes(radius)[0], points)
 
     def lowest_within(self, points: ArrayLike, radius: float) -> Array:
         """Return the smallest height near points; see :meth:`highest_within`."""
-        return self._look_up(self._extremes(radius)[1], points)
+        return self._look_up(self.extremes(radius)[1], points)
 
     def step_at(self, points: ArrayLike, radius: float) -> Array:
         """Return by how much heights differ near points [m]; see :meth:`highest_within`."""
@@ -253,7 +253,7 @@ class HeightMap:
         ndarray, shape (rows, columns)
             Highest less lowest, as in :meth:`highest_within` [m].
         """
-        highest, lowest = self._extremes(radius)
+        highest, lowest = self.extremes(radius)
         return highest - lowest
 
     def _cells(self, points: ArrayLike) -> Array:
@@ -305,8 +305,20 @@ class HeightMap:
         along_y = _differences(self.heights.T).T / self.resolution
         return along_x, along_y
 
-    def _extremes(self, radius: float) -> tuple[Array, Array]:
-        """Highest and lowest within a radius of each cell, shape (rows, columns) each."""
+    def extremes(self, radius: float) -> tuple[Array, Array]:
+        """
+        Return the highest and the lowest height within a radius of each cell.
+
+        Parameters
+        ----------
+        radius : float
+            [m]
+
+        Returns
+        -------
+        tuple of ndarray, shape (rows, columns)
+            As :meth:`highest_within` and :meth:`lowest_within` at the cells' centers [m].
+        """
         # Imported late: it takes longer than all else that a node imports, and few need it.
         from scipy import ndimage
 

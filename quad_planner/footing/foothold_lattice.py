@@ -16,13 +16,15 @@ from quad_common.footing.foothold_criterion import (
 )
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
-from quad_planner.footing.stances import Footholds, find_nearest
+from quad_planner.footing.nearest_footholds import find_free, find_nearest, sample_heights
+from quad_planner.footing.stances import Footholds
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 BINS = 12
-"""Number of headings for which shins are looked at, of 30 degrees each."""
+"""Number of headings for which shins are looked at, of 30 degrees each; with four legs each they
+are the bits of a word."""
 
 _SIDE = 0.03
 """Distance between the places of the lattice, unless cells are larger [m, of TITAN-VIII]."""
@@ -74,47 +76,68 @@ def footholds(
     side = lattice_side(robot, heights)
     rows, columns = lattice_shape(robot, heights)
     x0, y0 = heights.origin
-    x, y = (c + (np.arange(n) + 0.5) * side for c, n in ((x0, columns), (y0, rows)))
-    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    height = heights.height_at(points)
+    # Of the places, as the height map has it for points.
+    x, y = (
+        (c + (np.arange(n, dtype=np.float64) + 0.5) * side - c) / heights.resolution
+        for c, n in ((x0, columns), (y0, rows))
+    )
+    height = np.empty((rows, columns))
+    sample_heights(heights.heights, x, y, height)
     unknown = np.isnan(height)
     images = FootholdImages(robot, criterion, heights)
-    is_even, is_free = _by_any_shin(images, shins[0], heights, points)
-    doubtful = np.flatnonzero(is_even & ~is_free & ~unknown)
+    is_even, highest, lowest = _by_any_shin(images, shins, heights, (x, y))
+    certain = unknown | (is_even & (highest <= lowest))
+    others = np.flatnonzero(~certain)
+    doubtful = np.flatnonzero(is_even & ~certain)
+    free = np.empty(len(doubtful), dtype=np.uint64)
+    cells = np.column_stack((x[doubtful % columns], y[doubtful // columns]))
+    points = _sorted(shins, heights.resolution)
+    find_free(cells, highest.ravel()[doubtful], images.images, points, free)
+    # All legs and headings of a place in the bits of a word.
+    fit = np.where(certain, ~np.uint64(0), np.uint64(0))
+    fit.ravel()[doubtful] = free
     offsets = _offsets(robot.relative_size * criterion.reach / side)
-    nearest = np.empty((BINS, len(robot.legs), rows, columns), dtype=np.int32)
-    fit = unknown | (is_even & is_free)
-    for bin_ in range(BINS):
-        for leg in range(len(robot.legs)):
-            if not len(doubtful) and (bin_, leg) != (0, 0):
-                nearest[bin_, leg] = nearest[0, 0]
-                continue
-            if len(doubtful):
-                fit[doubtful] = images.is_fit_beside(shins[bin_][leg], points[doubtful])
-            find_nearest(fit.reshape(rows, columns), offsets, nearest[bin_, leg])
-    return Footholds(nearest, height.reshape(rows, columns), x0, y0, side)
+    nearest = np.empty((len(points), rows, columns), dtype=np.int32)
+    nearest[:] = np.arange(rows * columns, dtype=np.int32).reshape(rows, columns)
+    find_nearest(fit, others, offsets, nearest)
+    by_bins = nearest.reshape(BINS, len(robot.legs), rows, columns)
+    return Footholds(by_bins, height, x0, y0, side)
 
 
 def _by_any_shin(
-    images: FootholdImages, shins: list[Array], heights: HeightMap, points: Array
-) -> tuple[Mask, Mask]:
-    """Tell where the ground is even, and where no shin can be in anything's way, (n,) each."""
+    images: FootholdImages,
+    shins: list[list[Array]],
+    heights: HeightMap,
+    places: tuple[Array, Array],
+) -> tuple[Mask, Array, Array]:
+    """
+    Look at places in columns and rows [cells] for all shins together.
+
+    Return where the ground is even, the highest ground that any shin could touch, and the lowest
+    point of all shins there, shape (rows, columns) each.
+    """
     # Imported late, as only a height map needs it: it takes a good part of a node's start.
     import cv2
 
-    far = max(float(np.hypot(*shin[:, :2].T).max()) for shin in shins) + images.room
-    lowest_point = min(float(shin[:, 2].min()) for shin in shins)
-    column, row = np.floor((points - heights.origin) / heights.resolution).astype(int).T
+    points = np.vstack([shin for leg_shins in shins for shin in leg_shins])
+    far = float(np.hypot(*points[:, :2].T).max()) + images.room
+    lowest_point = float(points[:, 2].min())
+    at = np.ix_(*(np.floor(k).astype(int) for k in reversed(places)))
     own, step, _, lowest = images.images
-    here = own[row, column]
-    is_even = (step[row, column] <= images.largest_step) & (
-        here - lowest[row, column] <= lowest_point
-    )
+    here = own[at]
+    is_even = (step[at] <= images.largest_step) & (here - lowest[at] <= lowest_point)
     size = 2 * math.ceil(far / heights.resolution) + 1
-    known = np.nan_to_num(own, nan=-1e9).astype(np.float32)
-    highest = cv2.dilate(known, np.ones((size, size), dtype=np.uint8))
-    is_free = highest[row, column] < here + lowest_point - 1e-4
-    return is_even, is_free
+    highest = cv2.dilate(np.nan_to_num(own, nan=-np.inf), np.ones((size, size), dtype=np.uint8))
+    return is_even, highest[at], here + lowest_point
+
+
+def _sorted(shins: list[list[Array]], resolution: float) -> Array:
+    """Return points of all shins, the lowest first, shape (bins times legs, n, 3) [cells, m]."""
+    every = [shin / (resolution, resolution, 1.0) for of_bin in shins for shin in of_bin]
+    points = np.full((len(every), max(map(len, every)), 3), np.inf)
+    for k, shin in enumerate(every):
+        points[k, : len(shin)] = shin[np.argsort(shin[:, 2], kind='stable')]
+    return points
 
 
 def _offsets(reach: float) -> NDArray[np.int64]:

@@ -71,7 +71,8 @@ class FootedRobot:
         room, scale = LegRoom.of(self.robot), self.robot.relative_size
         lowest, highest = scale * min(LOWERINGS), scale * max(LOWERINGS)
         reach = room.lowest, room.highest, room.side
-        return Legs(room.neutral, *reach, lowest, highest, np.array(TILTS))
+        # With the ground's own tilt first: legs bear most ground with it, and one is enough.
+        return Legs(room.neutral, *reach, lowest, highest, np.array(TILTS[::-1]))
 
     @cached_property
     def shins(self) -> list[list[Array]]:
@@ -175,7 +176,11 @@ class Footing:
         rows, columns = lattice_shape(self._footed.robot, self._heights)
         if grid.width * grid.height > LARGEST or rows * columns > LARGEST_LATTICE:
             return None
-        key = grid.width, grid.height, grid.resolution, grid.origin
+        key = _cells_of(grid)
+        # Without the lock, which is kept while that is found out for another map.
+        known = self._layers.get(key) if self._before is None else None
+        if known is not None:
+            return known
         with self._lock:
             if self._before is not None:
                 self._take_over(self._before)
@@ -186,6 +191,10 @@ class Footing:
                 self._fill(layers, key, None)
                 self._layers = {key: layers}
             return self._layers[key]
+
+    def is_known(self, grid: OccupancyGrid) -> bool:
+        """Return whether :meth:`layers` of a map are known, so that they are returned at once."""
+        return self._before is None and _cells_of(grid) in self._layers
 
     def _has_cells_of(self, other: Footing) -> bool:
         """Return whether another map has the same cells, so that parts can be kept."""
@@ -281,7 +290,7 @@ class Footing:
 
         size = 2 * math.ceil(self._reach / old.side) + 1
         around = np.ones((size, size), dtype=np.uint8)
-        bad = (old.nearest < 0).any(axis=(0, 1)).astype(np.uint8)
+        bad = (old.nearest.min(axis=(0, 1)) < 0).astype(np.uint8)
         lowest, highest = (
             np.where(np.isnan(old.heights), fill, old.heights).astype(np.float32)
             for fill in (1e9, -1e9)
@@ -295,6 +304,10 @@ class Footing:
         near = ((at >= -reach) & (at < (columns + reach, rows + reach))).all(axis=1)
         column, row = np.clip(at, 0, (columns - 1, rows - 1)).T
         return near & doubtful[row, column], uneven[row, column]
+
+
+def _cells_of(grid: OccupancyGrid) -> _Cells:
+    return grid.width, grid.height, grid.resolution, grid.origin
 
 
 def _widened(bounds: Bounds, distance: float) -> Bounds:

@@ -142,34 +142,6 @@ def _stands(
 
 
 @compiled
-def find_nearest(
-    fit: NDArray[np.bool_], offsets: NDArray[np.int64], nearest: NDArray[np.int32]
-) -> None:
-    """
-    Find the nearest foothold to each place.
-
-    Parameters
-    ----------
-    fit : ndarray of bool, shape (rows, columns)
-        Whether a foot may stand at a place.
-    offsets : ndarray, shape (m, 2)
-        Rows and columns to the places within reach, the nearest first, (0, 0) to begin with.
-    nearest : ndarray, shape (rows, columns)
-        Index of the foothold is filled in, -1 where there is none within reach.
-    """
-    rows, columns = fit.shape
-    for row in range(rows):
-        for column in range(columns):
-            found = -1
-            for k in range(len(offsets)):
-                i, j = row + offsets[k, 0], column + offsets[k, 1]
-                if 0 <= i < rows and 0 <= j < columns and fit[i, j]:
-                    found = i * columns + j
-                    break
-            nearest[row, column] = found
-
-
-@compiled
 def find_unfit(
     ground: Footholds,
     legs: Legs,

@@ -26,6 +26,7 @@ from quad_planner.footing.footing import FootedRobot, Footing
 from quad_planner.grid.bit_grid import BitMask, Bits
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.outline_planner import OutlineOptions, OutlinePlanner, PreparedOutline
+from quad_planner.methods.planner_options import is_hurried
 from quad_planner.outline.heading_kernels import STEP, class_of
 
 Array = NDArray[np.float64]
@@ -73,6 +74,11 @@ class PreparedFooting(InflatedMap):
     def unfit(self) -> Bits | None:
         """Return the cells in which each class of headings finds no footholds, where known."""
         return self.footing.layers(self.grid)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether nothing takes long any more of what a plan over footholds needs."""
+        return self.footing.is_known(self.grid) and 'by_heading' in self.__dict__
 
     @cached_property
     def by_heading(self) -> PreparedOutline:
@@ -166,6 +172,9 @@ class FootedPlanner:
         """
         Plan by the method, and over footholds where that plan lacks them.
 
+        A search within a time (:func:`~quad_planner.methods.planner_options.within`) does not wait
+        for what is not known of footholds yet: its plan is the method's own.
+
         Parameters
         ----------
         prepared : InflatedMap
@@ -190,7 +199,7 @@ class FootedPlanner:
             own: Plan = self._method.plan(prepared, start, goal)
             return own
         plan: Plan = self._method.plan(prepared.by_method, start, goal)
-        if prepared.unfit is None:
+        if (is_hurried() and not prepared.is_ready) or prepared.unfit is None:
             return plan
         self._check_goal(prepared, goal)
         lacks = self._lack_on(prepared, start, plan)

@@ -22,6 +22,7 @@ from quad_common.planar_pose import Pose2D
 from quad_planner.costs.cell_costs import CostLayer
 from quad_planner.costs.ground_difficulty import ground_of
 from quad_planner.footing.footing import FootedRobot
+from quad_planner.footing.warm_up import warm_up as warm_up_footing
 from quad_planner.grid.bit_grid import changed_rows
 from quad_planner.grid.inflated_map import InflatedMap
 from quad_planner.methods.footed_planner import FootedPlanner, FootingOptions
@@ -167,6 +168,8 @@ class Planner(Generic[Prepared]):
             for goal in (behind, before, corner):
                 with suppress(PlannerError):
                     self._method.plan(prepared, start, goal)
+        if self.footed is not None:
+            warm_up_footing(self.footed)
 
     def plan(self, start: Pose2D, goal: Pose2D) -> Plan:
         """

@@ -35,6 +35,11 @@ def within(longest: float) -> Iterator[None]:
         _LONGEST.reset(token)
 
 
+def is_hurried() -> bool:
+    """Return whether this thread searches :func:`within` a time."""
+    return _LONGEST.get() < math.inf
+
+
 @dataclass(frozen=True, kw_only=True)
 class PlannerOptions:
     """

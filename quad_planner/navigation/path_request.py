@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any
 
 from quad_common.errors import InvalidPlanner, NoGoals, NoRobotPose
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_planner.methods.planner import Planner
 from quad_planner.session.planning_session import PlanningSession
 
 NAV2_PLANNER = 'GridBased'
@@ -61,8 +59,9 @@ def path_work(
     poses = [begin]
     for frame, goal in goals:
         poses.append(planning_map.pose_on_map(frame or name, goal, 'goal'))
-    planner = planning_map.planner
-    return lambda: plan_through(planner, poses)
+    robot = None if session.silence else session.pose
+    legs = [planning_map.search(a, b, robot) for a, b in pairwise(poses)]
+    return lambda: plan_through(legs)
 
 
 def check_planner(name: str, method: str) -> None:
@@ -85,16 +84,14 @@ def check_planner(name: str, method: str) -> None:
         raise InvalidPlanner(name, (NAV2_PLANNER, method))
 
 
-def plan_through(planner: Planner[Any], poses: Sequence[Pose2D]) -> Plan:
+def plan_through(searches: Sequence[Callable[[], Plan]]) -> Plan:
     """
     Plan from pose to pose.
 
     Parameters
     ----------
-    planner : Planner
-        The planner, with its map.
-    poses : sequence of Pose2D
-        Start, poses to walk through, and goal, in the world; the headings between are not kept.
+    searches : sequence of callable
+        Search from each pose to the next; the headings between are not kept.
 
     Returns
     -------
@@ -106,6 +103,6 @@ def plan_through(planner: Planner[Any], poses: Sequence[Pose2D]) -> Plan:
     PlannerError
         If there is no plan from one to the next.
     """
-    legs = [planner.plan(a, b) for a, b in pairwise(poses)]
+    legs = [search() for search in searches]
     before = [pose for leg in legs[:-1] for pose in leg.poses[:-1]]
     return Plan((*before, *legs[-1].poses), legs[-1].remark)

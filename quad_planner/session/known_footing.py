@@ -20,7 +20,11 @@ class KnownFooting:
         self._last: tuple[Ground | None, FootedRobot | None, Footing | None] = None, None, None
 
     def laid_over(
-        self, grid: OccupancyGrid, ground: Ground | None, planner: Planner[Any]
+        self,
+        grid: OccupancyGrid,
+        ground: Ground | None,
+        planner: Planner[Any],
+        is_kept: bool = True,
     ) -> OccupancyGrid:
         """
         Lay a map over the ground, if a planner has any use for that.
@@ -33,6 +37,8 @@ class KnownFooting:
             The ground that the robot walks on.
         planner : Planner
             What is to plan on it.
+        is_kept : bool
+            Whether maps that follow are likely to lie over this ground.
 
         Returns
         -------
@@ -41,13 +47,14 @@ class KnownFooting:
         """
         if ground is None or not (planner.weighs_ground or planner.footed):
             return grid
-        return GridOverGround.of(grid, ground, self._on(ground, planner.footed))
+        return GridOverGround.of(grid, ground, self._on(ground, planner.footed, is_kept))
 
-    def _on(self, ground: Ground, footed: FootedRobot | None) -> Footing | None:
+    def _on(self, ground: Ground, footed: FootedRobot | None, is_kept: bool) -> Footing | None:
         if footed is None:
             return None
         on, by, footing = self._last
         if on is not ground or by is not footed or footing is None:
             footing = footed.on(ground.heights, footing)
-            self._last = ground, footed, footing
+            if is_kept:
+                self._last = ground, footed, footing
         return footing

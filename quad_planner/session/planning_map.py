@@ -8,6 +8,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from quad_common.errors import InvalidMessage, NoMap, QuadError, WrongFrame
 from quad_common.errors.quoting import quoted
 from quad_common.frames.map_frame import MapFrame
@@ -22,6 +25,7 @@ from quad_planner.grid.traversability import Ground
 from quad_planner.methods.planner import Planner
 from quad_planner.session.known_footing import KnownFooting
 from quad_planner.session.map_additions import MapAdditions
+from quad_planner.session.own_place import OwnPlace
 
 _BEYOND = 2.0
 """Cells beyond the clearance at which an obstacle ahead of the robot leaves the robot free."""
@@ -63,6 +67,8 @@ class PlanningMap:
         """The planning method."""
         self.frame = frame
         """Relation of frames to the map's."""
+        self.outline: NDArray[np.float64] | None = None
+        """Outline of the robot in the body frame, shape (n, 2), where it is known [m]."""
         self._limits, self._warn = limits, warn
         self._occupied_threshold, self._steps_over_low = occupied_threshold, steps_over_low
         self._grid: OccupancyGrid | None = None
@@ -84,21 +90,34 @@ class PlanningMap:
             raise WrongFrame(what, frame, self.frame.name)
         return placed
 
-    def search_without_bodies(self, start: Pose2D, goal: Pose2D) -> Callable[[], Plan]:
+    def search(self, start: Pose2D, goal: Pose2D, robot: Pose2D | None) -> Callable[[], Plan]:
         """
-        Return a search between poses in the map, as it is now, as if there were no other robots.
+        Return a search between poses in the map; the robot's own place (if known) refuses no start.
 
         It may be called in another thread, and raises `PlannerError` if there is no plan.
         """
-        grid, ground, planner = self._grid, self._ground, self.planner
-        added = replace(self._added, bodies=())
+        own = OwnPlace(self._ground, self.outline, robot)
+        plan_on = self._plan_on(start, goal, self._added)
+        return lambda: own.plan(lambda: self.planner.plan(start, goal), plan_on)
 
-        def search() -> Plan:
+    def search_without_bodies(self, start: Pose2D, goal: Pose2D) -> Callable[[], Plan]:
+        """Return a search from the robot, as :meth:`search`, as if there were no other robots."""
+        ground, added = self._ground, replace(self._added, bodies=())
+        plan_on = self._plan_on(start, goal, added)
+        return lambda: OwnPlace(ground, self.outline, start).plan(lambda: plan_on(ground), plan_on)
+
+    def _plan_on(
+        self, start: Pose2D, goal: Pose2D, added: MapAdditions
+    ) -> Callable[[Ground | None], Plan]:
+        """Return a search on the map, as it is now, over some ground."""
+        grid, planner = self._grid, self.planner
+
+        def plan_on(ground: Ground | None) -> Plan:
             if grid is None:
                 raise NoMap()
             return planner.plan_on(self._combined(grid, ground, planner, added), start, goal)
 
-        return search
+        return plan_on
 
     def use(self, planner: Planner[Any], occupied_threshold: int) -> None:
         """
@@ -195,22 +214,7 @@ class PlanningMap:
         """
         Keep out of the zones of a mask from now on; without a map it waits for one.
 
-        Parameters
-        ----------
-        mask : OccupancyGrid
-            The zones.
-        frame : str
-            Of the mask.
-
-        Returns
-        -------
-        bool
-            Whether anything has changed.
-
-        Raises
-        ------
-        InvalidMessage
-            If it is in another frame than the map.
+        What is returned and raised is as of :meth:`take_heights`.
         """
         if self._grid is None:
             self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
@@ -326,4 +330,5 @@ class PlanningMap:
         """Return what a planner plans on, this map's and with what is added to it if not given."""
         how = self._occupied_threshold, self._steps_over_low
         whole = (added or self._added).combined(grid, ground, *how)
-        return self._footing.laid_over(whole, ground, planner or self.planner)
+        is_kept = ground is self._ground or added is None
+        return self._footing.laid_over(whole, ground, planner or self.planner, is_kept)

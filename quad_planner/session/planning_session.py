@@ -301,7 +301,7 @@ class PlanningSession(SessionMaps):
         assert self._pose is not None
         self._pending, start, goal = wish, self._pose, wish.goal
         receive = partial(self._on_result, start, wish)
-        self._requests.submit(lambda: self.map.planner.plan(start, goal), receive)
+        self._requests.submit(self.map.search(start, goal, start), receive)
 
     def _give_up_search(self) -> None:
         if self._pending is not None:

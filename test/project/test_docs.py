@@ -54,6 +54,7 @@ SHARED = {
     'gait_actions': ('gait_node',),
     'navigation_actions': ('planner_node',),
     'path_actions': ('planner_node',),
+    'plan_services': ('planner_node',),
     'map_topics': ('planner_node',),
     'planner_topics': ('planner_node',),
     'sim_topics': ('sim_node',),
