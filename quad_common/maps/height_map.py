@@ -52,9 +52,7 @@ class HeightMap:
     """
 
     heights: Array
-    """
-    Heights of the cells' centers, shape (rows, columns), row 0 at the bottom; NaN: unknown [m].
-    """
+    """Heights of the cells' centers, shape (rows, columns), row 0 the lowest y; NaN: unknown [m]."""
     resolution: float
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]
@@ -317,7 +315,7 @@ class HeightMap:
         Returns
         -------
         tuple of ndarray, shape (rows, columns)
-            As :meth:`highest_within` and :meth:`lowest_within` at the cells' centers [m].
+            As :meth:`highest_within` and :meth:`lowest_within` at their centers [m].
         """
         # Imported late: it takes longer than all else that a node imports, and few need it.
         from scipy import ndimage

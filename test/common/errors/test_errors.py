@@ -21,6 +21,7 @@ SAMPLES = {
     'str': 'front',
     'float': 0.25,
     'int': 3,
+    'bool': True,
     'object': ['given'],
     'Path': Path('a.yaml'),
     'Pose2D': Pose2D(1.0, 2.0, 0.5),
