@@ -52,7 +52,7 @@ class HeightMap:
     """
 
     heights: Array
-    """Heights of the cells' centers, shape (rows, columns), row 0 the lowest y; NaN: unknown [m]."""
+    """Heights of the cells' centers, shape (rows, columns), row 0 lowest; NaN: unknown [m]."""
     resolution: float
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]
