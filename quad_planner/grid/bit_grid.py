@@ -21,6 +21,7 @@ Bits = NDArray[np.uint64]
 _ONE = np.uint64(1)
 _LAST = np.uint64(63)
 _ALL = ~np.uint64(0)
+_GATHER = np.uint64(0x0102040810204080)
 _LOW_HALF = np.uint64(0x00000000FFFFFFFF)
 
 # A word with a single bit, times this, has the bit's place in its upper six bits.
@@ -213,23 +214,55 @@ def packed_cells(cells: NDArray[np.int8], least: int, most: int) -> Bits:
     ndarray of uint64, shape (m, ceil(n / 64))
         Bit x of row y is cell (x, y).
     """
-    if most < least:
-        return BitMask.of(np.ones(cells.shape, dtype=np.bool_)).words
-    # Numbers without a sign begin again at 0: one comparison instead of two.
-    above = (cells - np.int8(least)).view(np.uint8)
-    return BitMask.of(above > np.uint8(most - least)).words
+    height, width = cells.shape
+    words = np.empty((height, (width + 63) // 64), dtype=np.uint64)
+    row = np.zeros(64 * words.shape[1], dtype=np.uint8)
+    _pack(cells, np.int8(least), np.int8(most), row, row.view(np.uint64), words.view(np.uint8))
+    return words
+
+
+@compiled_loop
+def _pack(
+    cells: NDArray[np.int8],
+    least: np.int8,
+    most: np.int8,
+    row: NDArray[np.uint8],
+    eights: Bits,
+    packed: NDArray[np.uint8],
+) -> None:
+    """Pack cells into bytes, through a row that is seen as bytes and as words."""
+    height, width = cells.shape
+    for y in range(height):
+        # Bytes 0 and 1, which the compiler makes and takes many at a time.
+        for x in range(width):
+            row[x] = (cells[y, x] < least) | (cells[y, x] > most)
+        for at in range(len(eights)):
+            # The product has the lowest bits of eight bytes side by side at its top.
+            packed[y, at] = np.uint8((eights[at] * _GATHER) >> np.uint64(56))
 
 
 def _free_rows(forbidden: Bits, width: int) -> Bits:
     """Return the cells of a width that are not set, one cell up and right, in a wall."""
-    height, words = forbidden.shape
-    free = ~forbidden
-    free[:, -1] &= _ALL >> np.uint64(64 * words - width)
-    rows = np.zeros((height + 2, (width + 2 + 63) // 64), dtype=np.uint64)
-    rows[1:-1, :words] = free << _ONE
-    further = rows.shape[1] - 1
-    rows[1:-1, 1:] |= free[:, :further] >> _LAST
+    rows = np.zeros((len(forbidden) + 2, (width + 2 + 63) // 64), dtype=np.uint64)
+    _invert(forbidden, width, rows)
     return rows
+
+
+@compiled_loop
+def _invert(forbidden: Bits, width: int, rows: Bits) -> None:
+    """Fill the rows of a grid."""
+    height, words = forbidden.shape
+    in_last = _ALL >> np.uint64(64 * words - width)
+    for y in range(height):
+        before = np.uint64(0)
+        for at in range(words):
+            free = ~forbidden[y, at]
+            if at == words - 1:
+                free &= in_last
+            rows[y + 1, at] = (free << _ONE) | (before >> _LAST)
+            before = free
+        if words < rows.shape[1]:
+            rows[y + 1, words] = before >> _LAST
 
 
 def _transposed(rows: Bits, width: int) -> Bits:
