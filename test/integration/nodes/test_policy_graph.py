@@ -25,7 +25,8 @@ def allowed(owner: str, right: str) -> set[str]:
     }
 
 
-def test_the_policy_allows_all_that_running_nodes_do(bench: Bench):
+def test_the_policy_allows_all_that_running_nodes_do(composed_bench: Bench):
+    bench = composed_bench
     bench.start('sim_node')
     bench.start('planner_node')
     bench.start('gait_node')
@@ -40,7 +41,11 @@ def test_the_policy_allows_all_that_running_nodes_do(bench: Bench):
     def is_complete(node: str) -> bool:
         # A node's own services come after those that rclpy makes, and diagnostics before them.
         names = {name for name, *_ in bench.node.get_node_names_and_namespaces()}
-        return node in names and len(graph['reply'](node, '/')) >= 7
+        return (
+            node in names
+            and len(graph['reply'](node, '/')) >= 7
+            and all(found(node, '/') for found in graph.values())
+        )
 
     for node in NODES:
         bench.wait_until(f'{node} is there', lambda node=node: is_complete(node))
