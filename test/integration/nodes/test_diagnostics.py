@@ -185,6 +185,15 @@ def test_a_simulator_without_a_clock_leaves_it_to_others(bench: Bench):
     bench.node.destroy_publisher(other)
 
 
+def wait_for_publishers(bench: Bench, count: int) -> None:
+    """Wait until so many publishers of steering are known; that takes real time."""
+    bench.wait_until(
+        f'{count} publishers are known',
+        lambda: bench.node.count_publishers('cmd_vel') == count,
+        simulated_timeout=3600.0,
+    )
+
+
 @pytest.mark.parametrize(
     ('is_stamped', 'other', 'wanted'), [(False, TwistStamped, 'true'), (True, Twist, 'false')]
 )
@@ -197,6 +206,7 @@ def test_steering_of_the_type_that_is_not_received_is_said(
     # Who publishes another type does so from elsewhere: one process knows one type of a topic.
     stranger = rclpy.create_node('stranger', context=other_context)
     publisher = stranger.create_publisher(other, 'cmd_vel', 10)
+    wait_for_publishers(bench, 1)
     said = bench.wait_for_status('gait_node', 'cmd_vel is published as', level=WARN).message
     assert said.endswith(
         f'cmd_vel is published as geometry_msgs/{other.__name__} and stamped_cmd_vel is '
@@ -205,6 +215,7 @@ def test_steering_of_the_type_that_is_not_received_is_said(
     bench.wait_until('some seconds', lambda: bench.elapsed > 4.0)
     assert 1 <= capfd.readouterr().err.count('that steering is not received') <= 2
     stranger.destroy_publisher(publisher)
+    wait_for_publishers(bench, 0)
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
 
 
