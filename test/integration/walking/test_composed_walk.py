@@ -16,7 +16,7 @@ OF_THE_CLOCK = ('wall_time', 'real_time_factor', 'picture', 'recording')
 def composed(folder, backend):
     """Walk in a process of its own, and record it."""
     command = [sys.executable, '-m', 'quad_cli', *demo(folder, backend)]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120.0, check=False)
+    run = subprocess.run(command, capture_output=True, text=True, timeout=600.0, check=False)
     assert run.returncode == 0, run.stderr
     return of_the_walk(run.stdout)
 
