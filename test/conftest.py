@@ -7,12 +7,13 @@ from pathlib import Path
 # ignore them as well: what a process does when its terminal closes could not be tested.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
-# Of two workers each begins with a half of the tests. The first compiles the planner's searches
-# while the second does what needs none, and finds them compiled; both would compile them all at
-# once. Then one computes while the other waits for nodes, and what takes no time comes last.
+# Each worker begins with as many tests as the others. The first compiles the planner's searches
+# while the others do what needs none, and find them compiled; all would compile them at once.
+# Tests over topics, which wait for nodes, come last and are taken over in small numbers: the
+# longest of them first.
 _FOLDERS = (
-    'planner', 'cli', 'lab', 'sim', 'perception', 'view', 'project',
-    'gait', 'integration', 'common',
+    'planner', 'lab', 'sim', 'cli', 'common', 'project', 'perception', 'view', 'gait',
+    'integration/view', 'integration',
 )  # fmt: skip
 
 
@@ -21,7 +22,8 @@ def pytest_collection_modifyitems(items):
     here = Path(__file__).parent
 
     def place(item):
-        folder = item.path.relative_to(here).parts[0] if item.path.is_relative_to(here) else ''
-        return _FOLDERS.index(folder) if folder in _FOLDERS else len(_FOLDERS)
+        path = item.path.relative_to(here).as_posix() if item.path.is_relative_to(here) else ''
+        places = (k for k, folder in enumerate(_FOLDERS) if path.startswith(f'{folder}/'))
+        return next(places, len(_FOLDERS))
 
     items.sort(key=place)

@@ -41,6 +41,7 @@ from quad_common.ros.pose_conversions import (
 from quad_common.ros.run_node import make_executor
 from quad_gait.behaviours.activity import Activity
 from quad_lab.topic_walk.node_processes import NodeDied, NodeProcess, NodeProcesses
+from quad_sim.engines.registry import ENGINES
 
 OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -51,6 +52,9 @@ SENSOR = qos_profile_sensor_data
 
 EVERY_SAMPLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """For what comes at 100 Hz of simulated time: ten seconds of it may pass in a test's pause."""
+
+PHYSICS = 'mujoco' if ENGINES['mujoco'].is_installed else 'bullet'
+"""Engine of walks that are not about one: they take a third of the time in MuJoCo."""
 
 START = Pose2D(1.2, 1.2, 0.0)
 """Where the robot stands at first, unless a test says otherwise."""

@@ -1,6 +1,7 @@
 """The core needs neither ROS nor PyBullet, and imports point one way."""
 
 import ast
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -95,6 +96,9 @@ def module_name(path):
     return '.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__')
 
 
+KNOWN = {module_name(path) for path in SOURCES}
+
+
 def is_shell(path):
     is_ros = path.stem.endswith(_SHELL_NAMES)
     return is_ros or path.stem in SHELLS or module_name(path) in ROS_COMMANDS
@@ -113,12 +117,19 @@ def import_blocked(modules):
     return result.stdout.strip().splitlines()
 
 
+@functools.cache
+def import_statements(path):
+    """List the statements that import something, anywhere in a file."""
+    tree = ast.parse(path.read_text(encoding='utf-8'))
+    return [node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom))]
+
+
 def imports(path):
     """List every module that a file imports, anywhere in it."""
-    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+    for node in import_statements(path):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+        else:
             assert node.level == 0, f'{path} imports relatively'
             yield node.module
 
@@ -173,15 +184,14 @@ def test_rooms_import_one_another_one_way():
 
 def imported_modules(path):
     """List the modules of quadwalk that a file imports, as names of files."""
-    known = {module_name(source) for source in SOURCES}
-    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+    for node in import_statements(path):
         if isinstance(node, ast.ImportFrom):
             names = [f'{node.module}.{alias.name}' for alias in node.names]
             yield from (
-                name if name in known else node.module for name in names if node.module in known
+                name if name in KNOWN else node.module for name in names if node.module in KNOWN
             )
-        elif isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name in known)
+        else:
+            yield from (alias.name for alias in node.names if alias.name in KNOWN)
 
 
 def test_no_room_is_crowded():

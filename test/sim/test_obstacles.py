@@ -26,7 +26,7 @@ CYLINDER = Obstacle.cylinder(-1.0, 0.5, 0.3, 1.0)
 @pytest.mark.parametrize('one', [BOX, CYLINDER], ids=['box', 'cylinder'])
 def test_points_are_as_far_from_an_obstacle_as_from_its_outline(one):
     points = np.random.default_rng(0).uniform(-3.0, 3.0, (300, 2))
-    outline = one.outline(sides=720)
+    outline = one.outline(sides=96)
     along = np.linspace(0.0, 1.0, 100)[:, None, None]
     edge = (outline + along * (np.roll(outline, -1, axis=0) - outline)).reshape(-1, 2)
     to_edge = np.linalg.norm(points[:, None] - edge[None], axis=2).min(axis=1)

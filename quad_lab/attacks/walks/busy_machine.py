@@ -217,11 +217,11 @@ def drawn_walks(seed: int, duration: float) -> Iterator[WatchedWalk]:
     duration : float
         Of each of them [s].
     """
-    names = available_robots()
+    robots = [load_robot(name) for name in available_robots()]
     engines = [name for name in engines_with('has_world') if ENGINES[name].is_installed]
     for number in count():
         rng = np.random.default_rng((seed, number))
-        robot = load_robot(names[number % len(names)])
+        robot = robots[number % len(robots)]
         gait = str(rng.choice([name for name in _GAITS if name in robot.gaits]))
         kinds = ['steered', 'steered', 'circle', 'plan']
         if gait in ('crawl', 'crab'):
@@ -231,7 +231,7 @@ def drawn_walks(seed: int, duration: float) -> Iterator[WatchedWalk]:
             kind = str(rng.choice(_courses_of(robot)))
         turning = str(rng.choice(_TURNINGS))
         is_disturbed = bool(rng.random() < 0.8)
-        backend = _engine_of(number // len(names), engines)
+        backend = _engine_of(number // len(robots), engines)
         key = (seed, number)
         yield WatchedWalk(robot.name, gait, kind, turning, is_disturbed, key, duration, backend)
 

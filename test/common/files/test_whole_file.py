@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import resource
 import signal
+import sys
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -30,7 +32,9 @@ def hardly_any_room():
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, before[1]))
     try:
-        yield
+        # Python would cut off the bytecode of what is imported now, and could not read it again.
+        with mock.patch.object(sys, 'dont_write_bytecode', True):
+            yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, handler)

@@ -26,7 +26,8 @@ def state(bench: Bench, node: str) -> str:
     return bench.call(f'{node}/get_state', GetState).current_state.label
 
 
-def test_managed_nodes_work_only_while_they_are_active(bench: Bench):
+def test_managed_nodes_work_only_while_they_are_active(composed_bench: Bench):
+    bench = composed_bench
     bench.start('sim_node')
     bench.start('planner_node', managed=True)
     bench.start('gait_node', managed=True)

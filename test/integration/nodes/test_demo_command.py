@@ -11,6 +11,8 @@ import pytest
 pytest.importorskip('rclpy')
 pytest.importorskip('matplotlib')
 
+from quad_cli.main import main
+
 pytestmark = pytest.mark.ros
 
 
@@ -53,10 +55,11 @@ def test_the_demo_walks_to_its_goal_and_shows_how(tmp_path):
 
 
 @pytest.mark.usefixtures('domain')
-def test_a_demo_with_an_impossible_goal_says_why(tmp_path):
-    result = demo(tmp_path, '--goal', '0,0,0', '--no-recording')
-    assert result.returncode == 1, result.stderr
-    summary = json.loads(result.stdout)
+def test_a_demo_with_an_impossible_goal_says_why(tmp_path, capfd):
+    options = ('--goal', '0,0,0', '--no-recording', '--output', str(tmp_path))
+    code = main(['demo', '--composed', '--backend', 'kinematic', '--json', *options])
+    assert code == 1
+    summary = json.loads(capfd.readouterr().out)
     assert summary['arrived'] is False
     assert 'the goal (0.00, 0.00) m is 0.00 m from the nearest occupied' in summary['problem']
     assert summary['recording'] is None

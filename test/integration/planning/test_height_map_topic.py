@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import LATCHED, OK, START, Bench
+from harness import LATCHED, OK, PHYSICS, START, Bench
 from sensor_msgs.msg import PointCloud2
 
 from quad_common.ros.height_map_conversions import height_map_from_message
@@ -18,9 +18,10 @@ from quad_sim.world.terrain_spec import make_terrain, specs_from_text
 pytestmark = pytest.mark.ros
 
 
-def test_the_height_map_is_that_of_the_ground_and_the_robot_is_on_it(bench: Bench):
+def test_the_height_map_is_that_of_the_ground_and_the_robot_is_on_it(composed_bench: Bench):
+    bench = composed_bench
     text = 'cross_slope:angle=0.1+boxes'
-    bench.start('sim_node', backend='bullet', map_file='none', terrain=text, terrain_seed=3)
+    bench.start('sim_node', backend=PHYSICS, map_file='none', terrain=text, terrain_seed=3)
     bench.wait_for_status('sim_node', 'running', level=OK)
     heard = bench.hear(PointCloud2, 'height_map', LATCHED)
     bench.wait_until('a height map', lambda: bool(heard))
@@ -42,13 +43,16 @@ def test_the_height_map_is_that_of_the_ground_and_the_robot_is_on_it(bench: Benc
     assert last.z == pytest.approx(0.26, abs=0.02)
 
 
-def test_flat_ground_has_no_height_map_and_unwelcome_ground_ends_the_node(bench: Bench):
-    bench.start('sim_node', backend='bullet', map_file='none')
+def test_flat_ground_has_no_height_map(composed_bench: Bench):
+    bench = composed_bench
+    bench.start('sim_node', backend=PHYSICS, map_file='none')
     bench.wait_for_status('sim_node', 'running', level=OK)
     heard = bench.hear(PointCloud2, 'height_map', LATCHED)
     bench.wait_until('half a second', lambda: bench.elapsed > 0.5)
     assert heard == []
-    bench.kill('sim_node')
+
+
+def test_unwelcome_ground_ends_the_node(bench: Bench):
     bench.start('sim_node', backend='kinematic', terrain='bumps')
     died = bench.wait_for_end('sim_node')
     assert 'uneven ground cannot be had' in str(died)

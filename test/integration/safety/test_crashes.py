@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import EVERY_SAMPLE, OK, SLOWLY, STALE, START, Bench
+from harness import EVERY_SAMPLE, OK, PHYSICS, SLOWLY, STALE, START, Bench
 from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D
@@ -58,7 +58,7 @@ def test_a_walk_outlives_its_planner(bench: Bench):
 
 def test_without_its_gait_node_the_robot_stands_until_it_is_back(composed_bench: Bench):
     bench = composed_bench
-    bench.start_robot(backend='bullet', real_time_factor=SLOWLY)
+    bench.start_robot(backend=PHYSICS, real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()
     bench.kill('gait_node')
@@ -81,7 +81,7 @@ def test_without_its_gait_node_the_robot_stands_until_it_is_back(composed_bench:
 
 def test_a_robot_that_is_reset_walks_again_from_its_start(composed_bench: Bench):
     bench = composed_bench
-    bench.start_robot(backend='bullet', real_time_factor=SLOWLY)
+    bench.start_robot(backend=PHYSICS, real_time_factor=SLOWLY)
     bench.client('reset')
     heard = bench.hear(Odometry, 'odom', EVERY_SAMPLE)
     bench.give_goal(GOAL)

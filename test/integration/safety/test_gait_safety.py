@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
-from harness import ERROR, LATCHED, OK, WARN, Bench
+from harness import ERROR, LATCHED, OK, PHYSICS, WARN, Bench
 from nav_msgs.msg import Path
 from std_msgs.msg import Bool, Header
 from std_srvs.srv import SetBool
@@ -28,7 +28,7 @@ def fastest_joint(bench: Bench) -> float:
 
 def test_an_emergency_stop_freezes_the_robot_until_it_is_released(composed_bench: Bench):
     bench = composed_bench
-    bench.start_robot(backend='bullet', real_time_factor=2.0)
+    bench.start_robot(backend=PHYSICS, real_time_factor=2.0)
     bench.client('emergency_stop', SetBool)
     bench.give_goal(GOAL)
     bench.wait_for_walking()

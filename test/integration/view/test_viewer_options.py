@@ -15,7 +15,8 @@ from quad_view.ros_conversions import option_request
 pytestmark = pytest.mark.ros
 
 
-def test_choices_of_the_page_are_taken_or_refused_with_the_reason(bench: Bench):
+def test_choices_of_the_page_are_taken_or_refused_with_the_reason(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot()
 
     def choose(node: str, name: str, value: str) -> tuple[bool, str]:

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from geometry_msgs.msg import Twist, Vector3
-from harness import ERROR, OK, WARN, Bench
+from harness import ERROR, OK, PHYSICS, WARN, Bench
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
 
@@ -34,7 +34,7 @@ def set_parameters(bench: Bench, node: str, **values: str) -> None:
 def test_a_joint_that_fails_in_mid_walk_is_named_and_the_robot_stands_still_until_repaired(
     bench: Bench,
 ) -> None:
-    bench.start('sim_node', map_file='none', backend='bullet', real_time_factor=4.0)
+    bench.start('sim_node', map_file='none', backend=PHYSICS, real_time_factor=4.0)
     bench.start('gait_node', cmd_vel_timeout=60.0)
     bench.wait_for_status('gait_node', 'standing', level=OK)
     bench.client('sim_node/set_parameters', SetParameters)

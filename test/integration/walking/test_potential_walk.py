@@ -42,7 +42,7 @@ def start_nodes(bench: Bench, **planner_parameters):
 
 def test_it_walks_round_the_pocket_along_arcs(bench: Bench):
     start_nodes(bench, path_deviation=0.01, influence=0.3)
-    bench.start('gait_node', gait='wave', turning='arc', corner_deviation=0.02)
+    bench.start('gait_node', gait='trot', turning='arc', corner_deviation=0.02)
     bench.wait_for_status('gait_node', 'standing')
     bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL, simulated_timeout=600.0)

@@ -12,7 +12,7 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
-from harness import ERROR, LATCHED, OK, WARN, Bench
+from harness import ERROR, LATCHED, OK, PHYSICS, WARN, Bench
 from nav_msgs.msg import Path
 
 from quad_common.plan import Plan
@@ -92,7 +92,7 @@ def assert_stands_on_four_feet(bench: Bench, robot_name: str = 'titan_viii') -> 
 
 
 def test_a_robot_walks_and_turns_as_it_is_steered_and_stops_when_nobody_steers(bench: Bench):
-    start_steered(bench, {'backend': 'bullet', 'robot': 'genibo'}, robot='genibo', gait='wave')
+    start_steered(bench, {'backend': PHYSICS, 'robot': 'genibo'}, robot='genibo', gait='wave')
     start = bench.pose
     with bench.publishing('cmd_vel', twist(forward=0.02)):
         wait_for_way(bench, 0.05)

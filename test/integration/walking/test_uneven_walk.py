@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import EVERY_SAMPLE, OK, START, Bench
+from harness import EVERY_SAMPLE, OK, PHYSICS, START, Bench
 from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D
@@ -26,7 +26,7 @@ FACTOR = 3.0
 def start_nodes(bench: Bench, terrain: str, **simulator):
     bench.start(
         'sim_node',
-        backend='bullet',
+        backend=PHYSICS,
         terrain=terrain,
         terrain_clear=0.5,
         real_time_factor=FACTOR,

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import SLOWLY, START, Bench
+from harness import PHYSICS, SLOWLY, START, Bench
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
@@ -24,7 +24,7 @@ GOAL = Pose2D(1.3, 2.2, math.pi / 2)
 
 
 def test_a_goal_is_reached(bench: Bench):
-    bench.start_robot(backend='bullet')
+    bench.start_robot(backend=PHYSICS)
     margins = bench.hear(Float64, 'stability_margin')
     heard = bench.hear(JointTrajectory, 'joint_trajectory')
     bench.give_goal(GOAL)

@@ -6,6 +6,8 @@ import contextlib
 import errno
 import resource
 import signal
+import sys
+from unittest import mock
 
 import pytest
 
@@ -107,7 +109,9 @@ def most_bytes(count):
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (count, before[1]))
     try:
-        yield
+        # Python would cut off the bytecode of what is imported now, and could not read it again.
+        with mock.patch.object(sys, 'dont_write_bytecode', True):
+            yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, handler)

@@ -34,10 +34,10 @@ def test_inflation_is_the_exact_distance_between_squares():
         resolution, radius = rng.uniform(0.02, 0.2), rng.uniform(0.0, 0.7)
         forbidden = inflate(OccupancyGrid(cells, resolution, ORIGIN), radius)
         expected = cells == 100
-        for row, column in np.ndindex(cells.shape):
-            for r, c in np.argwhere(cells == 100):
-                gap = math.hypot(max(abs(r - row) - 1, 0), max(abs(c - column) - 1, 0))
-                expected[row, column] |= gap * resolution < radius
+        rows, columns = np.indices(cells.shape)
+        for r, c in np.argwhere(cells == 100):
+            apart = (np.maximum(np.abs(at - k) - 1, 0) for at, k in ((rows, r), (columns, c)))
+            expected |= np.hypot(*apart) * resolution < radius
         assert (forbidden == expected).all()
 
 

@@ -23,9 +23,10 @@ def apart(a, b):
 
 
 def test_one_seed_gives_one_room_and_another_seed_another():
-    assert random_room(7).world.obstacles == random_room(7).world.obstacles
-    assert random_room(7).goal == random_room(7).goal
-    assert random_room(7).world.obstacles != random_room(8).world.obstacles
+    one, again, other = (random_room(seed) for seed in (7, 7, 8))
+    assert one.world.obstacles == again.world.obstacles
+    assert one.goal == again.goal
+    assert one.world.obstacles != other.world.obstacles
 
 
 def test_numbers_kinds_sizes_and_gaps_are_part_of_the_draw():
@@ -57,7 +58,7 @@ def test_obstacles_lie_in_the_room_and_keep_their_distance(count):
             assert apart(a, b) >= room.gap - 1e-9
 
 
-@pytest.mark.parametrize('seed', range(30))
+@pytest.mark.parametrize('seed', range(12))
 def test_a_disc_as_large_as_the_robot_finds_a_way_from_start_to_goal(seed):
     room = random_room(seed, 12 if seed % 2 else None)
     resolution = 0.02

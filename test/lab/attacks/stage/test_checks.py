@@ -81,7 +81,7 @@ def test_a_position_between_the_points_is_noticed():
 
 def test_extremes_are_those_of_many_samples():
     rng = np.random.default_rng(3)
-    for _ in range(20):
+    for _ in range(6):
         drawn = trajectory(hip=rng.uniform(-0.3, 0.3, 5), velocities=rng.uniform(-3, 3, 5))
         low, high, fast = extremes(drawn)
         times = np.linspace(1.0, 1.4, 40_001)
