@@ -5,7 +5,8 @@ Each loop is plain Python, and works uncompiled too. What Python calls is `compi
 `compiled_loop` where it makes no arrays; what only such functions call is a `compiled_part` of
 them.
 Compiled code is kept beside the sources, or in the user's cache: only the first call after an
-installation compiles.
+installation compiles. Where nothing can be kept (a full disk, a home that may not be written)
+each process compiles for itself, and where what was kept is damaged it is compiled anew.
 
 That call is to be short, so loops fill arrays that are made outside, and copy element by
 element: slices that are assigned, copies and conversions within would have more of Numba's
@@ -15,10 +16,12 @@ arguments, so whole numbers are of 64 bits unless memory matters.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.caching import FunctionCache
 from numba.extending import register_jitable
 
 Function = TypeVar('Function', bound=Callable[..., Any])
@@ -45,7 +48,7 @@ def compiled(function: Function) -> Function:
     callable
         The same function, compiled when it is first called with arguments of a kind.
     """
-    return cast(Function, numba.njit(cache=True, **_OPTIONS)(function))
+    return _kept(numba.njit(**_OPTIONS)(function), function)
 
 
 def compiled_loop(function: Function) -> Function:
@@ -67,7 +70,7 @@ def compiled_loop(function: Function) -> Function:
         The same function, compiled when it is first called with arguments of a kind.
     """
     # Numba has the option in all versions, by this name only.
-    return cast(Function, numba.njit(cache=True, _nrt=False, **_OPTIONS)(function))
+    return _kept(numba.njit(_nrt=False, **_OPTIONS)(function), function)
 
 
 def compiled_part(function: Function) -> Function:
@@ -107,3 +110,54 @@ def inlined_part(function: Function) -> Function:
         The same function, which Python calls as it is, uncompiled.
     """
     return cast(Function, register_jitable(forceinline=True, **_OPTIONS)(function))
+
+
+class _CodeOnDisk(FunctionCache):  # type: ignore[misc]
+    """Numba's files of compiled code, which end nothing where they cannot be read or written."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """
+        Read the code for a kind of arguments.
+
+        Parameters
+        ----------
+        sig : tuple of numba.types.Type
+            Kind of the arguments.
+        target_context : numba.core.base.BaseContext
+            Target for which Numba compiles.
+
+        Returns
+        -------
+        object or None
+            Code, or None where none is kept or what is kept is damaged.
+        """
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # A damaged pickle may raise anything.
+            # Its index, where that is what is damaged, would refuse new code too.
+            with contextlib.suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """
+        Keep the code for a kind of arguments, if it can be kept.
+
+        Parameters
+        ----------
+        sig : tuple of numba.types.Type
+            Kind of the arguments.
+        data : object
+            Code.
+        """
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
+
+
+def _kept(dispatcher: Any, function: Function) -> Function:
+    # Numba's own `cache=True` lets errors of files through, from the first call, and refuses a
+    # function at its definition where no folder can be written.
+    if dispatcher is not function:  # As it is where NUMBA_DISABLE_JIT is set.
+        with contextlib.suppress(RuntimeError):
+            dispatcher._cache = _CodeOnDisk(function)
+    return cast(Function, dispatcher)

@@ -1,7 +1,13 @@
 """What all tests need."""
 
+import contextlib
+import resource
 import signal
+import sys
 from pathlib import Path
+from unittest import mock
+
+import pytest
 
 # Where tests run under nohup, or as a service, hangups are ignored, and whatever they start would
 # ignore them as well: what a process does when its terminal closes could not be tested.
@@ -27,3 +33,23 @@ def pytest_collection_modifyitems(items):
         return next(places, len(_FOLDERS))
 
     items.sort(key=place)
+
+
+@contextlib.contextmanager
+def _most_bytes(count):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (count, before[1]))
+    try:
+        # Python would cut off the bytecode of what is imported now, and could not read it again.
+        with mock.patch.object(sys, 'dont_write_bytecode', True):
+            yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, handler)
+
+
+@pytest.fixture
+def most_bytes():
+    """Have every file refuse what is beyond its first bytes, as a full disk does."""
+    return _most_bytes

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
-import resource
-import signal
-import sys
-from unittest import mock
 
 import pytest
 
@@ -102,21 +97,6 @@ def test_a_topic_is_kept_as_it_is_published(tmp_path, topic):
 LONG = serialize_message(String(data='w' * 30_000))
 
 
-@contextlib.contextmanager
-def most_bytes(count):
-    """Have every file refuse what is beyond its first bytes, as a full disk does."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (count, before[1]))
-    try:
-        # Python would cut off the bytecode of what is imported now, and could not read it again.
-        with mock.patch.object(sys, 'dont_write_bytecode', True):
-            yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-        signal.signal(signal.SIGXFSZ, handler)
-
-
 def fill(folder) -> int:
     """Record until nothing more can be written; return how much was."""
     with Recording(folder) as recording:
@@ -131,7 +111,7 @@ def fill(folder) -> int:
     return written
 
 
-def test_a_recording_whose_disk_is_full_can_be_read_up_to_there(tmp_path):
+def test_a_recording_whose_disk_is_full_can_be_read_up_to_there(tmp_path, most_bytes):
     folder = tmp_path / 'bag'
     with most_bytes(2_500_000), pytest.raises(RecordingNotWritten, match='can be read up to there'):
         fill(folder)
@@ -174,7 +154,7 @@ def test_messages_that_wait_are_written_into_the_room_that_was_held(tmp_path, mo
     assert times == [round(1e9 * (1.5 + k)) for k in range(len(times))]
 
 
-def test_nothing_is_begun_without_room(tmp_path):
+def test_nothing_is_begun_without_room(tmp_path, most_bytes):
     with most_bytes(1_000_000), pytest.raises(FileUnusable, match='cannot be written'):
         record(tmp_path / 'bag')
     assert list(tmp_path.iterdir()) == []
