@@ -304,6 +304,24 @@ class Bench:
         self._subscribe(kind, topic, messages.append, qos)
         return messages
 
+    def services_of(self, node: str) -> dict[str, list[str]]:
+        """
+        Give the types of the services of a node by their names, once it has been discovered.
+
+        A status may be heard before the graph names who published it.
+        """
+        services: dict[str, list[str]] = {}
+
+        def are_discovered() -> bool:
+            if node not in self.node.get_node_names():
+                return False
+            found = self.node.get_service_names_and_types_by_node(node, '/')
+            services.update(found)
+            return f'/{node}/set_parameters' in services
+
+        self.wait_until(f'the services of {node} are discovered', are_discovered)
+        return services
+
     @property
     def pose(self) -> Pose2D:
         """Where the robot is; it is waited for until it is known."""

@@ -28,9 +28,7 @@ def test_without_nav2_msgs_there_are_no_actions_and_goals_come_by_topic(
         bench.wait_for_status(node, '')
         log = bench.processes[node].log_tail(1000)
         assert log.count(SENTENCE) == 1
-        services = bench.node.get_service_names_and_types_by_node(node, '/')
-        assert services
-        assert not any('/_action/' in name for name, _ in services)
+        assert not any('/_action/' in name for name in bench.services_of(node))
     bench.wait_until(
         'goals are subscribed to',
         lambda: bench.node.count_subscribers('goal_pose') == 1,

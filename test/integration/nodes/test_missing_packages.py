@@ -33,8 +33,8 @@ def test_without_simulation_interfaces_robots_come_by_the_parameter(bench: Bench
     bench.wait_for_status('sim_node', 'running')
     sentence = 'simulation_interfaces is not installed: robots are spawned by the parameter'
     assert bench.processes['sim_node'].log_tail(1000).count(sentence) == 1
-    offered = bench.node.get_service_names_and_types_by_node('sim_node', '/')
-    assert not any('simulation_interfaces' in kind for _, kinds in offered for kind in kinds)
+    offered = bench.services_of('sim_node').values()
+    assert not any('simulation_interfaces' in kind for kinds in offered for kind in kinds)
 
 
 def test_without_control_msgs_no_gait_begins_that_needs_it(bench: Bench, without):
