@@ -187,7 +187,11 @@ class FootPlanner:
             aim.left + options.giving_way * error[1],
             aim.turn + options.turn_giving_way * (measured.turn - aim.turn),
         )
-        excess = self.capture_time * error[0], self.capture_time * error[1]
+        leaning = self._rate**-2 * mean.turn
+        excess = (
+            self.capture_time * error[0] + leaning * mean.left,
+            self.capture_time * error[1] - leaning * mean.forward,
+        )
         return _Law(mean, given_way, excess, demand.slope, self._neutral_on(demand.slope))
 
     def _neutral_on(self, slope: Slope) -> list[tuple[float, ...]]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.planar_pose import STILL, Pose2D
+from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion, smooth_progress
@@ -79,7 +79,7 @@ def next_footholds(robot: Robot, gait: Gait, motion: BodyMotion, ends: CycleEnds
 
     In mid-stance a foot is where it is in the initial posture: so every foot uses its
     working range evenly, whatever the motion (S4 eq. 5 for straight walking). A pendulum
-    that is to gain speed stands farther back.
+    that is to gain speed stands farther back, and one that walks a curve stands outside it.
 
     Parameters
     ----------
@@ -170,10 +170,39 @@ def _stances(gait: Gait, motion: BodyMotion, ends: CycleEnds) -> list[Pose2D] | 
             if gait.body_progress is not None:
                 fraction = float(smooth_progress(gait.body_progress, np.array([middle]))[0][0])
             body = _pose(before, fraction) @ set_back
+            velocity = ends.entry.plus(ends.exit).scaled(0.5)
         else:
             body = motion.end @ _pose(onward, middle / period - 1.0)
-        stances.append(body)
+            velocity = ends.exit
+        outward = lean_on_curve(gait, velocity)
+        stances.append(body @ Pose2D(*outward, 0.0) if any(outward) else body)
     return stances
+
+
+def lean_on_curve(gait: Gait, velocity: Twist2D) -> tuple[float, float]:
+    """
+    Say how far outside its curve a dynamic gait stands, so that its body leans into it.
+
+    A pendulum over feet at p is accelerated by ``omega^2 (c - p)``, and a curve needs
+    ``omega_z x v``: feet that stand under the body do not give it, and let it tilt outward.
+
+    Parameters
+    ----------
+    gait : Gait
+        The gait.
+    velocity : Twist2D
+        Mean velocity of the body.
+
+    Returns
+    -------
+    tuple of float
+        Distance forward and to the left [m]; 0 for static gaits, straight ways, and turns in
+        place.
+    """
+    if gait.pendulum_rate == 0.0 or velocity.turn == 0.0:
+        return 0.0, 0.0
+    aside = velocity.turn / gait.pendulum_rate**2
+    return aside * velocity.left, -aside * velocity.forward
 
 
 def _pose(motion: BodyMotion, fraction: float) -> Pose2D:

@@ -11,6 +11,7 @@ a cycle begins with the feet and the speed that the last one ended with.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
@@ -28,6 +29,7 @@ from quad_gait.cycle.cycle import AT_REST, Cycle, CycleEnds
 from quad_gait.cycle.foot_paths import FootPaths, rolled_paths
 from quad_gait.cycle.footholds import (
     footholds_between,
+    lean_on_curve,
     steady_ends,
     steady_footholds_of_orders,
 )
@@ -45,6 +47,9 @@ positions and velocities (n, 4, 3)."""
 
 _GRAVITY = 9.80665
 """[m/s^2]"""
+
+_LEAN_ALLOWED = 0.5
+"""Fraction of a lean into a curve by which the center of mass may be farther beside its feet."""
 
 _REACTION_SAMPLES = 128
 """Instants of a cycle at which the legs' masses are looked at."""
@@ -121,8 +126,11 @@ def generate_cycle(
     check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
     center_of_mass = _center_of_mass(robot, positions, chain, course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
-    if np.min(margin) < options.least_margin:
-        raise UnstableCycle(float(np.min(margin)), options.least_margin)
+    least = options.least_margin - _LEAN_ALLOWED * max(
+        math.hypot(*lean_on_curve(gait, velocity)) for velocity in (ends.entry, ends.exit)
+    )
+    if np.min(margin) < least:
+        raise UnstableCycle(float(np.min(margin)), least)
     return Cycle(
         gait,
         motion,

@@ -40,9 +40,10 @@ class SteadyWalk:
     done: BodyMotion
     """Mean of one cycle."""
     drift: float
-    """Distance by which the robot leaves its course, per metre walked [m/m]; 0 for a turn."""
+    """Distance by which the robot leaves its course, per metre walked [m/m]; 0 for a turn. On a
+    curve the course is that of each cycle by itself."""
     veer: float
-    """Change of heading that was not asked for, per metre [rad/m]; 0 for a turn."""
+    """Change of heading that was not asked for, per metre [rad/m]; 0 for a turn, and a curve."""
     slip: float
     """How far standing feet moved, all four together, per cycle [m]; rolling counts."""
     least_margin: float
@@ -149,9 +150,12 @@ def _steady_walk(
     drift = veer = 0.0
     cost = math.nan
     if stride and ends:
-        course = start.yaw + math.atan2(asked.left, asked.forward)
-        turned = (ends[0].inverse() @ ends[-1]).yaw
-        drift, veer = distance_aside(ends, course) / walked, abs(turned) / walked
+        if asked.turn:
+            drift = abs(asked.forward * mean[1] - asked.left * mean[0]) / stride**2
+        else:
+            course = start.yaw + math.atan2(asked.left, asked.forward)
+            turned = (ends[0].inverse() @ ends[-1]).yaw
+            drift, veer = distance_aside(ends, course) / walked, abs(turned) / walked
         speed = stride / period
         cost = float(np.mean(record.power)) / (robot.mass * _GRAVITY * speed)
     joints = np.array(record.joints).reshape(-1, 4, 3)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -29,10 +30,12 @@ EXHIBITS = ('Table I', 'Table II', 'Fig. 8', 'Table III', 'Table IV', 'Fig. 9', 
 """Those that show a result; the others are sketches."""
 
 
-def planned_circle(published: PublishedCircle) -> Cycle:
-    """Plan a cycle in the midst of a circle."""
+def planned_circle(published: PublishedCircle, is_pendulum: bool = True) -> Cycle:
+    """Plan a cycle in the midst of a circle, of a body that leans into it as a pendulum, or not."""
     robot = load_robot('cuhk')
     gait = load_gait('trot', robot)
+    if not is_pendulum:
+        gait = replace(gait, pendulum_rate=0.0)
     options = CycleOptions(gait.cycle_period / 400.0)
     return generate_steady_cycle(robot, gait, published.motion, options)
 
@@ -181,7 +184,7 @@ def _steps_table() -> Exhibit:
         same('rho', 0.25, gait.support_depth, '', 0.005, 2),
     ]
     for circle in CIRCLES:
-        cycle = planned_circle(circle)
+        cycle = planned_circle(circle, is_pendulum=False)
         steps = (cycle.feet[-1] - cycle.feet[0])[:2, :2]
         lengths = 1e3 * np.hypot(steps[:, 0], steps[:, 1])
         angles = _deflections(circle, cycle)
@@ -204,7 +207,8 @@ def _steps_table() -> Exhibit:
         'Table III',
         'steps and deflections',
         tuple(rows),
-        'Steps are measured between planned footholds.',
+        'Steps are measured between footholds as the paper plans them, whose body does not lean '
+        'into the circle; those that are walked are up to 0.5 % longer.',
     )
 
 

@@ -124,6 +124,7 @@ _MORE_ASKED = (
     'asked for. Longer steps slip more, and those of 18 degrees are the longest'
 )
 
+_BELOW_A_MILLIMETRE = 'all four are below a millimetre, the last digit of the radii of the paper'
 
 _HALF_STEPS = 'the paper counts in half steps, 2.5 % of this lap: its zero is no more exact'
 
@@ -191,7 +192,7 @@ def _paths_exhibit(circles: list[WalkedCircle]) -> Exhibit:
             '%',
             100.0,
             0,
-        )
+        ).because(_BELOW_A_MILLIMETRE)
         for many, few in ('ba', 'dc')
     ]
     note = 'Open loop, three laps; the circle that is wanted is dotted.'

@@ -23,7 +23,7 @@ from quad_lab.robots.import_check import (
     check_import,
     other_description,
 )
-from quad_lab.robots.imported_walks import DIRECTIONS, ImportedWalk, walk_imported
+from quad_lab.robots.imported_walks import CURVES, DIRECTIONS, ImportedWalk, walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
 from quad_lab.robots.serial_bars import serial_bars
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
@@ -207,10 +207,12 @@ def _walk_bars(walks: list[ImportedWalk]) -> list[Criterion]:
         own = [found for found in walked if found.gait == gait]
         drift = 0.02 if gait == 'trot' else 0.01
         off = max((abs(found.error) for found in own), default=None)
-        aside = max((found.drift for found in own), default=None)
+        aside = max((found.drift for found in own if found.direction not in CURVES), default=None)
+        beside = max((found.drift for found in own if found.direction in CURVES), default=None)
         bars += [
             at_most(f'{gait}: distance off', off, '', 0.02),
             at_most(f'{gait}: drift', aside, 'm/m', drift),
+            figure(f'{gait}: drift on curves', beside, 'm/m'),
         ]
         if gait == 'trot':
             tilt = max((math.degrees(found.tilt_rms) for found in own), default=None)

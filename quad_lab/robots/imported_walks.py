@@ -15,11 +15,20 @@ from quad_gait.cycle.motion_limits import MotionLimits
 from quad_lab.closed_loop.gait_measures import steady_walk
 from quad_sim.engines.registry import preferred
 
+CURVES = {
+    'curve': BodyMotion(1.0, 0.0, 1.0),
+    'tight curve': BodyMotion(1.0, 0.0, 3.0),
+    'backward curve': BodyMotion(-1.0, 0.0, 1.0),
+    'crab curve': BodyMotion(0.0, 1.0, 1.0),
+}
+"""Curves that are walked, by metres and radians."""
+
 DIRECTIONS = {
     'forward': BodyMotion(1.0, 0.0, 0.0),
     'backward': BodyMotion(-1.0, 0.0, 0.0),
     'left': BodyMotion(0.0, 1.0, 0.0),
     'turn': BodyMotion(0.0, 0.0, 1.0),
+    **CURVES,
 }
 """Directions that are walked."""
 
@@ -46,11 +55,12 @@ class ImportedWalk:
     fraction: float
     """Part of the most that was asked for."""
     most: float
-    """Most that the limits allow [m/s, or rad/s for turns]."""
+    """Most that the limits allow [m/s, or rad/s for turns in place]."""
     reason: str
     """What limits it."""
     error: float = math.nan
-    """What was walked beside what was asked for, as a fraction less 1."""
+    """What was walked beside what was asked for, as a fraction less 1; on a curve of its length or
+    its turn, whichever is farther off."""
     drift: float = math.nan
     """Sideways distance per metre."""
     tilt_rms: float = math.nan
@@ -102,7 +112,7 @@ def walk_imported(
         return _with(found, problem=str(error), has_fallen=has_fallen)
     return _with(
         found,
-        error=_along(walk.done, motion) / _along(walk.asked, motion) - 1.0,
+        error=_error(walk.done, walk.asked),
         drift=abs(walk.drift),
         tilt_rms=walk.tilt_rms,
         has_fallen=walk.has_fallen,
@@ -113,10 +123,12 @@ def _with(walk: ImportedWalk, **changes: object) -> ImportedWalk:
     return replace(walk, **changes)  # type: ignore[arg-type]
 
 
-def _along(motion: BodyMotion, direction: BodyMotion) -> float:
-    """Return the part of a motion along a direction."""
-    return (
-        motion.forward * direction.forward
-        + motion.left * direction.left
-        + motion.turn * direction.turn
-    )
+def _error(done: BodyMotion, asked: BodyMotion) -> float:
+    """Return by which fraction a distance or a turn is off, whichever is farther."""
+    errors = []
+    if stride := math.hypot(asked.forward, asked.left):
+        along = asked.forward * done.forward + asked.left * done.left
+        errors.append(along / stride**2 - 1.0)
+    if asked.turn:
+        errors.append(done.turn / asked.turn - 1.0)
+    return max(errors, key=abs)

@@ -125,6 +125,22 @@ def test_a_body_moves_over_two_feet_as_a_pendulum_and_as_far_as_at_its_mean_spee
     assert clock.pendulum_factor(-1.0, rate) == 1.0
 
 
+def test_on_a_curve_feet_land_outside_it_by_what_gives_the_acceleration_that_it_needs():
+    planner = FootPlanner(ROBOT, GAIT, BalanceOptions())
+    clock, landed = PhaseClock.of(GAIT, 0.0), []
+    for pace in (Pace(0.15, 0.05, 0.6), Pace(0.15, 0.05, 0.0)):
+        plan, demand = planner.at_rest(ROBOT.neutral_feet), Demand(pace, pace)
+        stood = []
+        for k in range(round(20 * GAIT.cycle_period / 0.01)):
+            plan = planner.advance(plan, clock, (0.01 * k, 0.01 * (k + 1)), demand)
+            if k * 0.01 > 10 * GAIT.cycle_period:
+                stood.append(np.mean([(f.x, f.y) for f in plan.feet if not f.swings], axis=0))
+        landed.append(np.mean(stood, axis=0))
+    pull = -(GAIT.pendulum_rate**2) * (landed[0] - landed[1])
+    # The stance's own arc bends their mean by a little more.
+    assert pull == pytest.approx([-0.6 * 0.05, 0.6 * 0.15], abs=0.03)
+
+
 @pytest.mark.parametrize('knot_time', [0.017, 0.013])
 def test_feet_stand_as_far_ahead_of_their_place_as_behind_it_whatever_the_knots(knot_time):
     planner = FootPlanner(ROBOT, GAIT, BalanceOptions())

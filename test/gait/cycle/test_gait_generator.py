@@ -20,7 +20,7 @@ from quad_common.robot.robot_build import LEGS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import AT_REST, CycleEnds
-from quad_gait.cycle.footholds import steady_ends
+from quad_gait.cycle.footholds import lean_on_curve, steady_ends
 from quad_gait.cycle.gait import Gait, Swing, available_gaits, load_gait
 from quad_gait.cycle.gait_generator import (
     CycleOptions,
@@ -559,7 +559,8 @@ def steps_and_angles_of_s2(radius, degrees):
 def trot_on_a_circle(radius, degrees):
     """Trot in the way of S2: on feet without size, one step of 2 delta in each half cycle."""
     robot = on_points(CUHK)
-    gait = load_gait('trot', robot)
+    # S2's body is no pendulum: it does not lean into its curve, and its feet stand under it.
+    gait = replace(load_gait('trot', robot), pendulum_rate=0.0)
     turn = math.radians(degrees)
     motion = BodyMotion(forward=1e-3 * radius * turn, turn=turn)
     return (
@@ -948,3 +949,38 @@ def test_if_not_even_an_eighth_is_possible_the_reason_is_told():
         )
     with pytest.raises(FootTargetUnreachable):
         generate_largest_cycle(ROBOT, CRAWL, BodyMotion(forward=50.0))
+
+
+# Curves: a pendulum over its feet.
+
+
+@pytest.mark.parametrize('velocity', [(0.3, 0.0, 0.8), (-0.2, 0.0, 0.8), (0.1, 0.2, -1.0)])
+def test_a_trot_stands_as_far_outside_its_curve_as_gives_the_acceleration_that_it_needs(velocity):
+    forward, left, turn = velocity
+    ahead, aside = lean_on_curve(TROT, Twist2D(*velocity))
+    # omega^2 times the lead of the body over its feet is omega_z x v.
+    pull = -(TROT.pendulum_rate**2) * np.array([ahead, aside])
+    assert pull == pytest.approx([-turn * left, turn * forward])
+
+
+@pytest.mark.parametrize(
+    ('gait', 'velocity'),
+    [('trot', (0.3, 0.1, 0.0)), ('trot', (0.0, 0.0, 1.0)), ('wave', (0.1, 0.0, 0.5))],
+)
+def test_straight_on_in_place_and_in_a_static_gait_nothing_leans(gait, velocity):
+    assert lean_on_curve(load_gait(gait, CUHK), Twist2D(*velocity)) == (0.0, 0.0)
+
+
+def test_on_a_curve_the_feet_of_a_trot_are_outside_it_in_mid_stance():
+    motion = BodyMotion(forward=0.1, turn=0.3)
+    velocity = motion.rate(TROT.cycle_period)
+    ahead, aside = lean_on_curve(TROT, velocity)
+    cycle = generate_steady_cycle(CUHK, TROT, motion, CycleOptions(0.002))
+    beside, means = CUHK.foot_positions(cycle.joint_positions)[..., :2], []
+    for k, leg in enumerate(LEGS):
+        swing = TROT.swing(leg)
+        middle = (swing.touchdown + TROT.cycle_period + swing.liftoff) / 2.0
+        row = np.argmin(np.abs(cycle.times - middle % TROT.cycle_period))
+        means.append(beside[row, k] - CUHK.neutral_feet[k, :2])
+    assert aside < -1e-3
+    assert np.mean(means, axis=0) == pytest.approx([ahead, aside], abs=1e-4)
