@@ -82,12 +82,11 @@ class TopicListener:
         """What goes on meanwhile: it is noted down with each violation."""
 
     def listen_to(self, nodes: Iterable[str]) -> None:
-        """Subscribe to all that these nodes publish, as far as that is not done yet."""
+        """Subscribe to all that these nodes publish, as far as it is discovered and not done yet."""
         for node in nodes:
             for topic in outputs_of(self._node, node):
-                if topic.name not in self._subscribed:
+                if topic.name not in self._subscribed and self._subscribe(topic):
                     self._subscribed.add(topic.name)
-                    self._subscribe(topic)
 
     def ignore(self, data: bytes) -> None:
         """Take a message, as it is sent, for one of the attack's own: it is not checked."""
@@ -108,14 +107,19 @@ class TopicListener:
             self._noted.add((kind, what.split()[0], self.context))
             examples.append(f'{what} ({self.context})' if self.context else what)
 
-    def _subscribe(self, topic: Interface) -> None:
+    def _subscribe(self, topic: Interface) -> bool:
+        """Subscribe to a topic; return whether its publisher is discovered."""
         offers = self._node.get_publishers_info_by_topic(topic.name)
-        offered = next(o.qos_profile for o in offers if o.topic_type == topic.type_name)
+        fitting = [o.qos_profile for o in offers if o.topic_type == topic.type_name]
+        if not fitting:
+            return False
+        offered = fitting[0]
         qos = QoSProfile(
             depth=_DEPTH, reliability=offered.reliability, durability=offered.durability
         )
         callback = partial(self._on_bytes, topic)
         self._node.create_subscription(topic.type, topic.name, callback, qos, raw=True)
+        return True
 
     def _on_bytes(self, topic: Interface, data: bytes) -> None:
         if hash(data) in self._own:

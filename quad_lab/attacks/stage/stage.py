@@ -5,6 +5,7 @@ Nodes as processes, and somebody who listens to all of them: what every attack n
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,6 +48,9 @@ _GIVE_UP = 20.0
 _LOST = 3.0
 """Time after which a request is repeated [s]: a service that has not found its client yet sends no
 answer."""
+
+_DISCOVERY_PERIOD = 1.0
+"""Time between two looks for what nodes publish that was not discovered before [s]."""
 
 _LOOK_PERIOD = 0.01
 """Longest time between two looks whether it has come [s]."""
@@ -214,7 +218,12 @@ class Stage:
         """
         seen = self.listener.time
         advanced, passed = time.monotonic(), 0.0
+        looked = -math.inf
         while not condition():
+            # What a node publishes is not discovered all at once.
+            if time.monotonic() > looked + _DISCOVERY_PERIOD:
+                self._listen_to_all()
+                looked = time.monotonic()
             self._executor.spin_once(timeout_sec=0.05)
             for process in self.nodes.values():
                 process.check()
@@ -350,6 +359,11 @@ class Stage:
             if not inputs_of(self.node, name):
                 return False
             self.listener.listen_to([name])
-        except (NodeNameNonExistentError, StopIteration):
+        except NodeNameNonExistentError:
             return False
         return name in self.listener.statuses
+
+    def _listen_to_all(self) -> None:
+        for name in self.nodes:
+            with contextlib.suppress(NodeNameNonExistentError):
+                self.listener.listen_to([name])
