@@ -82,7 +82,7 @@ class TopicListener:
         """What goes on meanwhile: it is noted down with each violation."""
 
     def listen_to(self, nodes: Iterable[str]) -> None:
-        """Subscribe to all that these nodes publish, as far as it is discovered and not done yet."""
+        """Subscribe to all that these nodes publish, as far as it is discovered by now."""
         for node in nodes:
             for topic in outputs_of(self._node, node):
                 if topic.name not in self._subscribed and self._subscribe(topic):
