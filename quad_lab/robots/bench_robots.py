@@ -25,12 +25,13 @@ from quad_lab.robots.import_check import (
 )
 from quad_lab.robots.imported_walks import CURVES, DIRECTIONS, ImportedWalk, walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
+from quad_lab.robots.reversals import reversal_bars
 from quad_lab.robots.serial_bars import serial_bars
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_sim.engines.registry import ENGINES
 
-PARTS = ('imports', 'broken', 'kinematics', 'serial', 'walks', 'fast', 'topics')
+PARTS = ('imports', 'broken', 'kinematics', 'serial', 'walks', 'fast', 'reversals', 'topics')
 """Parts for ``--only``."""
 
 _GAITS = ('crawl', 'wave', 'trot')
@@ -93,6 +94,9 @@ def measure(
             walks = _walks(console, chosen, fraction, quick)
             bars += _walk_bars(walks) if part == 'walks' else _fast_bars(walks)
             details[part] = [asdict(found) for found in walks]
+    if 'reversals' in parts:
+        found, details['reversals'] = reversal_bars(console, chosen, quick)
+        bars += found
     if 'topics' in parts:
         # Whatever is not over topics needs no ROS.
         from quad_lab.robots.topic_walks import topic_bars

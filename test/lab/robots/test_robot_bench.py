@@ -21,6 +21,7 @@ from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_brok
 from quad_lab.robots.import_check import check_description, check_import
 from quad_lab.robots.imported_walks import walk_imported
 from quad_lab.robots.numeric_kinematics import compare_kinematics
+from quad_lab.robots.reversals import walk_there_and_back
 from quad_lab.robots.serial_bars import crawl_forward, write_serial_robot
 from quad_lab.robots.serial_robots import BUILDS, serial_urdf
 from quad_sim.engines.registry import ENGINES, preferred
@@ -83,6 +84,13 @@ def test_at_almost_its_most_an_imported_robot_stays_upright_on_a_curve(backend):
     assert abs(walk.error) < 0.03
     # With feet under the body it was tilted by 3.8 degrees, and fell in one engine.
     assert walk.tilt_rms < 0.015
+
+
+@pytest.mark.parametrize('direction', ['turn', 'curve'])
+def test_a_trot_that_is_turned_round_at_once_stays_upright(direction):
+    walk = walk_there_and_back('cuhk', direction, ENGINES_WITH_PHYSICS[-1], 0.95)
+    assert (walk.problem, walk.has_fallen) == ('', False)
+    assert 0.0 < walk.largest_tilt < 0.2
 
 
 @pytest.fixture(scope='module', params=BUILDS)
