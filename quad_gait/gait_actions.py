@@ -10,6 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 from nav_msgs.msg import Odometry, Path
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 
 from quad_common.errors import QuadError
 from quad_common.plan import Plan, turning_points
@@ -63,12 +65,14 @@ class GaitActions:
         self._read_path = read_path
         self._task = PathTask(supervisor)
         self._action: GoalAction | None = None
-        self._reported_at = 0.0
+        self._reported_at = self._updated_at = 0.0
+        self._silent_from = time.monotonic()
         if FollowPath is None:
             node.get_logger().info('nav2_msgs is not installed: no actions are served')
             return
         port = GoalPort(self._accept, self._begin, self._cancel)
         self._action = GoalAction(node, FollowPath, 'follow_path', port)
+        node.create_timer(_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     @property
     def is_followed(self) -> bool:
@@ -78,6 +82,7 @@ class GaitActions:
     def update(self, state: RobotState, odometry: Odometry) -> None:
         """Look how the task goes, after the supervisor has decided; report on it."""
         action = self._action
+        self._updated_at = time.monotonic()
         if action is None or not action.is_active:
             return
         result = self._task.update(state.time)
@@ -92,6 +97,19 @@ class GaitActions:
                     speed=math.hypot(speed.x, speed.y),
                 )
             )
+
+    def _look(self) -> None:
+        """Let no goal wait for ever for odometry; a clock that stands still stops waiting, too."""
+        action = self._action
+        if action is None or not action.is_active or self._node.clock_check.problem() is not None:
+            self._silent_from = time.monotonic()
+            return
+        silence = time.monotonic() - max(self._updated_at, self._silent_from)
+        if silence > self._node.parameters.odom_timeout:
+            result = self._task.wait(silence)
+            if result is not None:
+                action.finish(result)
+                self._topics.publish_followed()
 
     def _accept(self, request: Any) -> None:
         """Accept any goal of an active node: what is wrong with it is said in the result."""

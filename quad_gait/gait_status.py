@@ -101,6 +101,7 @@ class GaitStatus:
         supervisor = self._supervisor
         activity, cycle = supervisor.activity, supervisor.cycle
         level = _LEVELS.get(activity, Level.OK)
+        most = supervisor.gait_pair.largest_speeds
         silent_imu = self._estimator.imu_problem
         missing = '' if silent_imu in f'{supervisor.reason}; {supervisor.limit}' else silent_imu
         status = Status(
@@ -112,6 +113,10 @@ class GaitStatus:
                 'distance_left': f'{self._distance_left:.3f}',
                 'least_margin': '' if cycle is None else f'{cycle.least_margin:.4f}',
                 'limit': supervisor.limit,
+                'cycle_period': f'{supervisor.gait.cycle_period:.3f}',
+                'largest_forward': f'{most.forward:.4f}',
+                'largest_left': f'{most.left:.4f}',
+                'largest_turn': f'{most.turn:.4f}',
             },
             is_waiting=activity is Activity.WAITING,
         )

@@ -11,7 +11,7 @@ from quad_gait.behaviours.wishes import FollowPlan
 from quad_gait.supervisor import Supervisor
 
 _PATIENCE = 10.0
-"""Time for which the robot may do nothing before the task fails [s]."""
+"""Time for which the robot may do nothing, or be nowhere, before the task fails [s]."""
 
 _ENDS = {
     Activity.BLOCKED: FollowCode.NO_PROGRESS,
@@ -79,6 +79,30 @@ class PathTask:
         result = self._checked(time, self._plan)
         if result is not None:
             self._plan = None
+        return result
+
+    def wait(self, silence: float) -> TaskResult | None:
+        """
+        Look how the task goes while nothing tells where the robot is, and nothing is decided.
+
+        Parameters
+        ----------
+        silence : float
+            Time for which that is so [s].
+
+        Returns
+        -------
+        TaskResult or None
+            The end of the task; None while it waits, or if there is none.
+        """
+        if self._plan is None or (not self._is_canceled and silence <= _PATIENCE):
+            return None
+        result = TaskResult(TaskOutcome.CANCELED)
+        if not self._is_canceled:
+            why = f'nothing has told for {_PATIENCE:g} s where the robot is'
+            result = _aborted(FollowCode.PATIENCE_EXCEEDED, why)
+            self.cancel()
+        self._plan = None
         return result
 
     def _checked(self, time: float, plan: Plan) -> TaskResult | None:

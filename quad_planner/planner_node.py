@@ -36,7 +36,7 @@ from quad_planner.map_topics import MapTopics
 from quad_planner.parameters import PlannerParameters
 from quad_planner.plan_services import PlanService
 from quad_planner.planner_actions import PlannerActions
-from quad_planner.planner_status import session_status
+from quad_planner.planner_status import SessionProblems, session_status
 from quad_planner.planner_topics import GaitTopics, PlannerTopics
 from quad_planner.session.latest_request import LatestRequest
 from quad_planner.session.session_ports import Requests
@@ -63,7 +63,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         MapTopics(self, self._session)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
-        GaitTopics(self, self._session)
+        self._gait = GaitTopics(self, self._session)
         self._traffic = TrafficTopics(self, self._session, requests)
         self._corrections = MapFrameListener(self, frame, p.correction_timeout)
         self._plans = PlanService(self, self._session, requests)
@@ -82,8 +82,8 @@ class PlannerNode(QuadNode[PlannerParameters]):
         elif self.rest_note():
             self.report(WARN, self.rest_note(), is_waiting=True)
         else:
-            old = self._corrections.problem()
-            self.report_status(session_status(self._session, self.parameters, self._pace, old))
+            problems = SessionProblems(self._corrections.problem(), self._gait.problem())
+            self.report_status(session_status(self._session, self.parameters, self._pace, problems))
 
     def take_parameters(self, parameters: PlannerParameters) -> None:
         """Plan by other parameters."""

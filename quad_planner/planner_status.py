@@ -4,6 +4,8 @@ What a planning session is doing, or what it waits for, as a status.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from quad_common.errors import QuadError
 from quad_common.plan import Plan
 from quad_common.robot_files.walking_time import WalkingTimeModel
@@ -13,11 +15,24 @@ from quad_planner.parameters import PlannerParameters
 from quad_planner.session.planning_session import PlanningSession
 
 
+class SessionProblems(NamedTuple):
+    """What is wrong around a session, as sentences; empty where nothing is."""
+
+    old_correction: str = ''
+    """That corrections of odometry have grown old."""
+    lost_gait: str = ''
+    """That the gait node that followed plans is gone."""
+
+
+NO_PROBLEMS = SessionProblems()
+"""Nothing is wrong."""
+
+
 def session_status(
     session: PlanningSession,
     parameters: PlannerParameters,
     pace: WalkingTimeModel | None,
-    old_correction: str = '',
+    problems: SessionProblems = NO_PROBLEMS,
 ) -> Status | QuadError:
     """
     Return what a session does, or what it waits for.
@@ -30,8 +45,8 @@ def session_status(
         Parameters of its node.
     pace : WalkingTimeModel or None
         Times of the gait, for the time that a plan takes.
-    old_correction : str
-        Sentence about corrections of odometry that have grown old; empty if they have not.
+    problems : SessionProblems
+        What is wrong around the session.
 
     Returns
     -------
@@ -57,14 +72,17 @@ def session_status(
             f"silent odometry: none on '{topic}' for {session.silence:.0f} s; "
             'plans wait for the robot to say where it is',
         )
-    if old_correction:
-        return Status(Level.WARN, f'old localisation: {old_correction}')
+    if problems.old_correction:
+        return Status(Level.WARN, f'old localisation: {problems.old_correction}')
     if session.hold_reason:
         return Status(Level.OK, session.hold_reason)
     if session.plan is None:
         return Status(Level.OK, "ready: waiting for a goal on 'goal_pose'")
     values = {'error_code': 0, 'footprint': footprint_of(session.plan)}
-    return Status(Level.OK, _described(session, session.plan, parameters.gait, pace), values)
+    described = _described(session, session.plan, parameters.gait, pace)
+    if problems.lost_gait and not session.has_ended:
+        return Status(Level.WARN, f'{described}; {problems.lost_gait}', values)
+    return Status(Level.OK, described, values)
 
 
 def footprint_of(plan: Plan) -> str:

@@ -108,6 +108,7 @@ class GaitTopics:
 
     def __init__(self, node: QuadNode[Any], session: PlanningSession) -> None:
         self._node, self._session = node, session
+        self._was_seen = False
         node.create_subscription(
             Path, 'plan/followed', self._on_followed, _EVERY_PLAN, most_bytes=most_plan_bytes()
         )
@@ -115,6 +116,14 @@ class GaitTopics:
         # A joint controller does not say that it holds the joints, as a simulator does.
         held = node.create_publisher(Bool, 'emergency_stop/held', _LATCHED)
         node.create_subscription(Bool, 'emergency_stop/active', held.publish, _LATCHED)
+
+    def problem(self) -> str:
+        """Return that the gait node that followed plans is gone, as a sentence; empty if not."""
+        is_there = self._node.count_publishers('plan/followed') > 0
+        self._was_seen |= is_there
+        if is_there or not self._was_seen:
+            return ''
+        return "no gait_node follows it any more: nobody publishes 'plan/followed'"
 
     def _on_followed(self, message: Path) -> None:
         if self._node.rest_note():

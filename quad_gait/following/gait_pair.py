@@ -45,9 +45,18 @@ class GaitPair:
 
     def prepare(self) -> None:
         """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
-        self.walking.largest_scale(BodyMotion(forward=1.0))
-        for side in (1.0, -1.0):
-            self.turning.largest_scale(BodyMotion(turn=side))
+        self.turning.largest_scale(BodyMotion(turn=-1.0))
+        _ = self.largest_speeds
+
+    @property
+    def largest_speeds(self) -> Twist2D:
+        """Largest velocity forward, to the left, and in turns on the spot, each by itself."""
+        walking, turning = self.walking, self.turning
+        return Twist2D(
+            walking.largest_scale(BodyMotion(forward=1.0)) / walking.period,
+            walking.largest_scale(BodyMotion(left=1.0)) / walking.period,
+            turning.largest_scale(BodyMotion(turn=1.0)) / turning.period,
+        )
 
     def of(self, step: Step) -> MotionLimits:
         """Return the gait that does a step."""

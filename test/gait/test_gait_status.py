@@ -1,7 +1,10 @@
 """What gait_node reports, and whether it misses its planner."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import yaml
 from told_supervisor import ToldSupervisor, measurement
 
 from quad_common.maps.height_map import HeightMap
@@ -10,7 +13,9 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_common.status import Level
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
+from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait, turning_gait_for
+from quad_gait.following.gait_pair import GaitPair
 from quad_gait.gait_status import GaitStatus
 from quad_gait.parameters import GaitParameters
 from quad_gait.planner_watch import PlannerWatch
@@ -119,6 +124,35 @@ def test_what_the_robot_does_is_said_with_its_level_and_values(robot):
     robot.supervisor.update(measurement(ROBOT, 1.1, tilt=1.0))
     assert robot.said().level is Level.ERROR
     assert robot.said().message.startswith('fallen: ')
+
+
+def test_the_most_that_the_gait_does_is_told(robot):
+    robot.status.take_odometry(is_new=True)
+    robot.supervisor.update(measurement(ROBOT, 1.0))
+    values = robot.said().values
+    assert values['cycle_period'] == '5.000'
+    for name, motion in (
+        ('largest_forward', BodyMotion(forward=1.0)),
+        ('largest_left', BodyMotion(left=1.0)),
+    ):
+        limits = robot.supervisor.gait_pair.walking
+        asked = motion.scaled(float(values[name]) * limits.period)
+        assert limits.largest_scale(asked) == pytest.approx(1.0, rel=5e-3)
+    turning = robot.supervisor.gait_pair.turning
+    asked = BodyMotion(turn=float(values['largest_turn']) * turning.period)
+    assert turning.largest_scale(asked) == pytest.approx(1.0, rel=5e-3)
+
+
+def test_nav2s_controller_asks_for_three_quarters_of_what_cuhks_trot_does_at_most():
+    path = Path(__file__).parents[2] / 'config' / 'nav2_controller.yaml'
+    asked = yaml.safe_load(path.read_text(encoding='utf-8'))['controller_server']['ros__parameters']
+    cuhk = load_robot('cuhk')
+    trot = load_gait('trot', cuhk)
+    most = GaitPair(cuhk, trot, trot, 0.01).largest_speeds
+    follow = asked['FollowPath']
+    assert 0.6 * most.forward < follow['desired_linear_vel'] <= 0.75 * most.forward
+    assert follow['rotate_to_heading_angular_vel'] <= 0.75 * most.turn
+    assert asked['controller_frequency'] * trot.cycle_period <= 2.5
 
 
 def test_notes_make_a_warning(robot):

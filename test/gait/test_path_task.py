@@ -110,6 +110,24 @@ def test_a_robot_that_moves_in_any_manner_is_waited_for(activity):
     assert task.update(62.0).outcome is TaskOutcome.CANCELED
 
 
+def test_where_nothing_tells_where_the_robot_is_it_ends_after_a_while_or_when_it_is_canceled():
+    silent = Walk()
+    silent.task.begin(STRAIGHT)
+    silent.run(1.0)
+    assert silent.task.wait(9.0) is None
+    result = silent.task.wait(10.5)
+    assert (result.outcome, result.code) == (TaskOutcome.ABORTED, FollowCode.PATIENCE_EXCEEDED)
+    # It is not followed when odometry is back.
+    assert silent.supervisor.wanted_plan is None
+    assert silent.task.wait(11.0) is None
+
+    canceled = Walk()
+    canceled.task.begin(STRAIGHT)
+    canceled.run(1.0)
+    canceled.task.cancel()
+    assert canceled.task.wait(1.5).outcome is TaskOutcome.CANCELED
+
+
 def test_trouble_ends_it_with_its_code():
     blocked = Walk()
     blocked.change = {'pose': ORIGIN}

@@ -97,3 +97,15 @@ def test_paths_are_computed_and_followed_without_the_topics(bench, client):
     assert client.follow_path(found.path, controller_id='no_such')
     client.wait_until(client.is_complete)
     assert client.result.error_code == 101
+
+
+def test_a_path_ends_where_odometry_falls_silent(bench: Bench):
+    # By the wall clock: a simulated one would stand still, and so would everybody's patience.
+    bench.start_robot({'use_sim_time': False})
+    client = NavigationClient(bench.node, lambda: bench._executor.spin_once(timeout_sec=0.1))
+    path = client.get_path([FAR]).path
+    assert client.follow_path(path)
+    bench.wait_for_walking(0.02)
+    bench.kill('sim_node')
+    client.wait_until(client.is_complete)
+    assert (client.status, client.result.error_code) == (ABORTED, 104)

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from harness import EVERY_SAMPLE, OK, PHYSICS, SLOWLY, STALE, START, Bench
+from harness import EVERY_SAMPLE, OK, PHYSICS, SLOWLY, STALE, START, WARN, Bench
 from nav_msgs.msg import Odometry
 
 from quad_common.planar_pose import Pose2D
@@ -73,6 +73,7 @@ def test_without_its_gait_node_the_robot_stands_until_it_is_back(composed_bench:
     bench.wait_until('the robot stands for five seconds', has_come_to_rest)
     assert not has_fallen(bench)
     assert not bench.is_near(GOAL)
+    bench.wait_for_status('planner_node', 'no gait_node follows it any more', level=WARN)
 
     bench.start('gait_node')
     bench.wait_for_arrival(GOAL)
