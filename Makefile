@@ -17,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo view test smoke smokes bench lint lock site tf nav2 simulation control clean
+.PHONY: help venv demo view test smoke smokes bench lint lock site tf nav2 simulation control interfaces clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
@@ -32,6 +32,7 @@ help:
 	@echo "make nav2    build nav2_msgs and map_msgs into .venv, for Nav2's actions and updates of maps (optional; the same)"
 	@echo 'make simulation  build simulation_interfaces into .venv, for services that spawn robots (optional; the same)'
 	@echo 'make control  build control_msgs into .venv, for controllers that take an action (optional; the same)'
+	@echo 'make interfaces  all four of them: then make test leaves none of their tests out'
 	@echo 'make lock    write requirements.lock anew (python3.10 to python3.13)'
 	@echo 'make clean   remove .venv and everything else that was built'
 	@echo "Arguments for the command behind a target: make test ARGS='-k gait'"
@@ -122,6 +123,8 @@ simulation: venv
 
 control: venv
 	@$(BIN)/python tools/build_messages.py control_msgs
+
+interfaces: tf nav2 simulation control
 
 clean:
 	rm -rf $(VENV) .venv-3.* build install log dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
