@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import enum
 import importlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -62,7 +62,11 @@ GOAL_MARKER = RecordedTopic('goal_marker', 'geometry_msgs/msg/PoseStamped', Deli
 IMU = RecordedTopic('imu', 'sensor_msgs/msg/Imu', Delivery.SENSOR, 5)
 TRUTH = RecordedTopic('odom/truth', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5, is_on_demand=True)
 TRANSFORMS = RecordedTopic('tf', 'tf2_msgs/msg/TFMessage', Delivery.RELIABLE, 100)
-FIXED_TRANSFORMS = RecordedTopic('tf_static', 'tf2_msgs/msg/TFMessage', Delivery.LATCHED, 1)
+FIXED_TRANSFORMS = RecordedTopic('tf_static', 'tf2_msgs/msg/TFMessage', Delivery.LATCHED, 100)
+"""Several nodes publish them, each its own, and all count."""
+SHARED_TRANSFORMS = replace(TRANSFORMS, name='/tf')
+SHARED_FIXED_TRANSFORMS = replace(FIXED_TRANSFORMS, name='/tf_static')
+"""Where robots in namespaces meet, each with a prefix of its frames."""
 CORRECTIONS = RecordedTopic('map_to_odom', 'geometry_msgs/msg/TransformStamped', Delivery.RELIABLE)
 
 RECORDED = (

@@ -14,8 +14,19 @@ import rclpy
 
 from quad_common.errors import QuadError
 from quad_common.network.transport import leave_shared_memory
-from quad_lab.recordings.recorded_topics import BATCHED, BATCHES, CLOCK, RECORDED, RecordedTopic
+from quad_lab.recordings.recorded_topics import (
+    BATCHED,
+    BATCHES,
+    CLOCK,
+    ODOMETRY,
+    RECORDED,
+    SHARED_FIXED_TRANSFORMS,
+    SHARED_TRANSFORMS,
+    TRANSFORMS,
+    RecordedTopic,
+)
 from quad_lab.recordings.robot_recording import RobotRecording
+from quad_lab.recordings.robot_transforms import Others
 from quad_lab.recordings.topic_listener import TopicListener
 
 _DISCOVERY = 1.5
@@ -76,12 +87,15 @@ class Recorder:
                 folder,
                 namespace,
                 is_simulated=names[CLOCK] in found,
-                has_links=_PUBLISHER_OF_LINKS in self._node.get_node_names(),
+                others=self._others(namespace, names[ODOMETRY] in found),
             )
             """What is recorded."""
         except BaseException:
             self._close()
             raise
+        if namespace:
+            shared = (SHARED_TRANSFORMS, SHARED_FIXED_TRANSFORMS)
+            names |= {topic: topic.name for topic in shared}
         batches = BATCHES.in_namespace(namespace)
         batched = {t: name for t, name in names.items() if self._is_in(batches, t, name)}
         others = [(t, name) for t, name in names.items() if t not in batched]
@@ -109,6 +123,21 @@ class Recorder:
         """Return those of the topics that somebody publishes, after some time."""
         time.sleep(_DISCOVERY)
         return {name for name in names if self._node.count_publishers(name)}
+
+    def _others(self, namespace: str, has_odometry: bool) -> Others:
+        """Return what others publish of the robot."""
+        nodes = self._node.get_node_names_and_namespaces()
+        topics = {TRANSFORMS.in_namespace(namespace), SHARED_TRANSFORMS.name}
+        publishers = [
+            info.node_name
+            for topic in topics
+            for info in self._node.get_publishers_info_by_topic(topic)
+        ]
+        return Others(
+            has_body=any(name != _PUBLISHER_OF_LINKS for name in publishers),
+            has_links=(_PUBLISHER_OF_LINKS, f'/{namespace}') in nodes,
+            has_odometry=has_odometry,
+        )
 
     def _is_in(self, batches: str, topic: RecordedTopic, name: str) -> bool:
         """Return whether all that is published on a topic is in batches on another one, too."""

@@ -20,11 +20,14 @@ from quad_lab.recordings.recorded_topics import (
     FIXED_TRANSFORMS,
     JOINT_STATES,
     ODOMETRY,
+    SHARED_FIXED_TRANSFORMS,
+    SHARED_TRANSFORMS,
     TRANSFORMS,
     RecordedTopic,
 )
 from quad_lab.recordings.recording import Recording
-from quad_lab.recordings.robot_transforms import RobotTransforms, map_transform
+from quad_lab.recordings.robot_transforms import Made, Others, RobotTransforms
+from quad_lab.recordings.shared_transforms import with_prefix
 
 _CLOCK = struct.Struct('<iI')
 """Seconds and nanoseconds of a Clock, after the four bytes that say how numbers are written."""
@@ -35,6 +38,13 @@ MOST_KEPT = 2**26
 
 _INSTANT = 1e-6
 """Time between two messages that are received at the same simulated time [s]."""
+
+_SHARED = (SHARED_TRANSFORMS, SHARED_FIXED_TRANSFORMS)
+
+_MOST_EARLY = 100
+"""Messages of fixed transforms that wait until the names of the robot's frames are known."""
+
+_ALL_OTHERS = Others()
 
 _Taken = tuple[RecordedTopic, bytes, float]
 """Topic, message (CDR), and when it was taken by the machine's clock [s]."""
@@ -56,8 +66,8 @@ class RobotRecording:
     is_simulated : bool
         Whether the robot goes by ``/clock``: messages are recorded at that time then, as their
         stamps have it, and at the machine's time otherwise.
-    has_links : bool
-        Whether somebody publishes transforms of the links.
+    others : Others
+        What others publish.
     most_kept : int
         Bytes of messages that are kept in memory until the end. To write a message takes ten times
         as long as to keep it, and nodes beside it that go as fast as they can need the processor.
@@ -68,7 +78,7 @@ class RobotRecording:
         folder: Path,
         namespace: str = '',
         is_simulated: bool = True,
-        has_links: bool = False,
+        others: Others = _ALL_OTHERS,
         most_kept: int = 0,
     ) -> None:
         self._recording = Recording(folder, namespace)
@@ -78,8 +88,8 @@ class RobotRecording:
         self._kept: deque[_Taken] = deque()
         self._kept_bytes, self._most_kept = 0, most_kept
         self._last = 0.0
-        self._has_body = TRANSFORMS.message_type() is not None
-        self._transforms = RobotTransforms(self._has_body, has_links)
+        self._transforms = RobotTransforms(others)
+        self._early: list[bytes] = []
         self._first_odometry: tuple[bytes, float] | None = None
         self._is_corrected = False
 
@@ -107,10 +117,10 @@ class RobotRecording:
         for taken in self._waiting:
             self._time = 0.0
             self._write(*taken)
-        if self._first_odometry is not None and not self._has_body and not self._is_corrected:
+        if self._first_odometry is not None and not self._is_corrected:
             odometry, received = self._first_odometry
             with contextlib.suppress(InvalidMessage):
-                self._recording.write(FIXED_TRANSFORMS, map_transform('map', odometry), received)
+                self._write_transforms(self._transforms.of_map(odometry), received)
         self._recording.__exit__(kind, error, trace)
 
     def take(self, topic: RecordedTopic, data: bytes) -> None:
@@ -145,8 +155,25 @@ class RobotRecording:
         assert now is not None
         # Readers sort by time: what came after something else is to stay behind it.
         self._last = max(now, self._last + _INSTANT)
-        self._recording.write(topic, data, self._last)
-        self._add_transforms(topic, data, self._last)
+        if topic in _SHARED:
+            self._write_shared(topic, data)
+        else:
+            self._recording.write(topic, data, self._last)
+            self._add_transforms(topic, data, self._last)
+
+    def _write_shared(self, topic: RecordedTopic, data: bytes) -> None:
+        """Record, of the transforms of many robots, those of this one."""
+        prefix = self._transforms.prefix
+        if prefix is None:
+            if topic is SHARED_FIXED_TRANSFORMS and len(self._early) < _MOST_EARLY:
+                self._early.append(data)
+            return
+        with contextlib.suppress(InvalidMessage):
+            # Frames without a prefix are any robot's.
+            own = with_prefix(data, prefix) if prefix else None
+            if own is not None:
+                self._transforms.of_others(own)
+                self._recording.write(topic, own, self._last)
 
     def note(self, facts: Mapping[str, object]) -> None:
         """Keep facts beside the messages; see :meth:`Recording.note`."""
@@ -159,13 +186,22 @@ class RobotRecording:
         with contextlib.suppress(InvalidMessage):
             if topic is ODOMETRY:
                 self._first_odometry = self._first_odometry or (data, now)
-                self._write_transforms(TRANSFORMS, self._transforms.of_body(data), now)
+                self._write_transforms(self._transforms.of_odometry(data), now)
+                self._write_early()
             elif topic is JOINT_STATES:
-                self._write_transforms(TRANSFORMS, self._transforms.of_joints(data), now)
+                self._write_transforms(self._transforms.of_joints(data), now)
             elif topic is DESCRIPTION:
-                fixed = self._transforms.of_description(data)
-                self._write_transforms(FIXED_TRANSFORMS, fixed, now)
+                self._write_transforms(self._transforms.of_description(data), now)
+            elif topic in (TRANSFORMS, FIXED_TRANSFORMS):
+                self._transforms.of_others(data)
 
-    def _write_transforms(self, topic: RecordedTopic, data: bytes | None, now: float) -> None:
-        if data is not None:
+    def _write_early(self) -> None:
+        """Record the fixed transforms that came before the names of the robot's frames did."""
+        if self._early and self._transforms.prefix is not None:
+            early, self._early = self._early, []
+            for data in early:
+                self._write_shared(SHARED_FIXED_TRANSFORMS, data)
+
+    def _write_transforms(self, made: list[Made], now: float) -> None:
+        for topic, data in made:
             self._recording.write(topic, data, now)

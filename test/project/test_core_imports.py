@@ -43,6 +43,7 @@ ROS_COMMANDS = {
     'quad_lab.recordings.replay',
     'quad_lab.recordings.topic_listener',
     'quad_lab.recordings.transform_pattern',
+    'quad_lab.recordings.shared_transforms',
     'quad_lab.recordings.film',
     'quad_lab.doctor.echo',
     'quad_lab.recordings.robot_recording',

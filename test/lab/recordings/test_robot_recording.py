@@ -30,13 +30,18 @@ from quad_lab.recordings.recorded_topics import (
     GOAL,
     JOINT_STATES,
     ODOMETRY,
-    TRANSFORMS,
+    SHARED_FIXED_TRANSFORMS,
+    SHARED_TRANSFORMS,
 )
 from quad_lab.recordings.robot_recording import RobotRecording
+from quad_lab.recordings.robot_transforms import Others
+from quad_lab.recordings.transform_pattern import TransformPattern
 
 TYPES = get_typestore(Stores.ROS2_JAZZY)
 
 ROBOT = load_robot('titan_viii')
+
+NO_ODOMETRY = Others(has_body=False, has_odometry=False)
 
 ANGLES = ROBOT.initial_joint_angles + np.linspace(-0.1, 0.1, 12).reshape(4, 3)
 
@@ -54,9 +59,9 @@ def joints(time, angles=ANGLES):
     return serialize_message(message)
 
 
-def odometry(time, x=0.0):
-    message = Odometry(child_frame_id='base_link')
-    message.header.frame_id = 'odom'
+def odometry(time, x=0.0, prefix=''):
+    message = Odometry(child_frame_id=f'{prefix}base_link')
+    message.header.frame_id = f'{prefix}odom'
     message.header.stamp = time_from_seconds(time)
     message.pose.pose.position.x = x
     return serialize_message(message)
@@ -74,7 +79,7 @@ def transforms(folder):
     return [
         transform
         for topic, _, message in messages(folder)
-        if topic in ('/tf', '/tf_static')
+        if topic.endswith(('/tf', '/tf_static'))
         for transform in message.transforms
     ]
 
@@ -89,7 +94,7 @@ def matrix(transform):
 
 @pytest.mark.parametrize('leg', range(4))
 def test_links_are_where_kinematics_has_them(tmp_path, leg):
-    with RobotRecording(tmp_path / 'bag') as recording:
+    with RobotRecording(tmp_path / 'bag', others=NO_ODOMETRY) as recording:
         recording.take(DESCRIPTION, DESCRIBED)
         recording.take(CLOCK, clock(3.0))
         recording.take(JOINT_STATES, joints(3.0))
@@ -105,7 +110,7 @@ def test_links_are_where_kinematics_has_them(tmp_path, leg):
 
 
 def test_links_of_others_are_left_to_them(tmp_path):
-    with RobotRecording(tmp_path / 'bag', has_links=True) as recording:
+    with RobotRecording(tmp_path / 'bag', others=Others(has_links=True)) as recording:
         recording.take(DESCRIPTION, DESCRIBED)
         recording.take(JOINT_STATES, joints(0.0))
     names = {topic for topic, _, _ in messages(tmp_path / 'bag')}
@@ -113,17 +118,16 @@ def test_links_of_others_are_left_to_them(tmp_path):
 
 
 def test_transforms_are_as_frequent_as_pictures_of_a_film(tmp_path):
-    with RobotRecording(tmp_path / 'bag') as recording:
+    with RobotRecording(tmp_path / 'bag', others=NO_ODOMETRY) as recording:
         recording.take(DESCRIPTION, DESCRIBED)
         for k in range(50):
             recording.take(JOINT_STATES, joints(0.02 * k))
     assert sum(topic == '/tf' for topic, _, _ in messages(tmp_path / 'bag')) == 25
 
 
-@pytest.mark.skipif(TRANSFORMS.message_type() is not None, reason='tf2_msgs is installed')
 @pytest.mark.parametrize('has_links', [False, True])
 def test_the_body_is_placed_on_the_map_where_nobody_publishes_transforms(tmp_path, has_links):
-    with RobotRecording(tmp_path / 'bag', has_links=has_links) as recording:
+    with RobotRecording(tmp_path / 'bag', others=Others(False, has_links)) as recording:
         recording.take(CLOCK, clock(1.0))
         recording.take(ODOMETRY, odometry(1.0, x=2.5))
     found = {
@@ -159,7 +163,7 @@ def test_what_is_latched_has_the_time_at_which_recording_begins(tmp_path):
 
 
 def test_without_a_clock_nothing_is_lost(tmp_path):
-    with RobotRecording(tmp_path / 'bag', has_links=True) as recording:
+    with RobotRecording(tmp_path / 'bag', others=Others(has_links=True)) as recording:
         recording.take(DESCRIPTION, DESCRIBED)
     assert [topic for topic, _, _ in messages(tmp_path / 'bag')] == ['/robot_description']
 
@@ -210,7 +214,7 @@ def test_no_more_is_kept_in_memory_than_was_said(tmp_path):
 @pytest.mark.parametrize('topic', [CLOCK, ODOMETRY, JOINT_STATES, DESCRIPTION])
 @pytest.mark.parametrize('data', [b'', b'\x00\x01\x00\x00', bytes(11), b'\xff' * 40])
 def test_bytes_that_are_no_message_end_nothing(tmp_path, topic, data):
-    with RobotRecording(tmp_path / 'bag', is_simulated=False) as recording:
+    with RobotRecording(tmp_path / 'bag', is_simulated=False, others=NO_ODOMETRY) as recording:
         recording.take(DESCRIPTION, DESCRIBED)
         recording.take(topic, data)
         recording.take(JOINT_STATES, joints(5.0))
@@ -226,3 +230,105 @@ def test_no_transform_is_made_of_numbers_that_are_none(tmp_path, number):
         recording.take(JOINT_STATES, joints(1.0, np.full((4, 3), number)))
         recording.take(ODOMETRY, odometry(1.0, x=number))
     assert not any(topic == '/tf' for topic, _, _ in messages(tmp_path / 'bag'))
+
+
+def moved(parent, child, time=3.0):
+    stamp = time_from_seconds(time)
+    pattern = TransformPattern([(parent, child)])
+    return pattern.fill((stamp.sec, stamp.nanosec), [(0.0, 0.0, 0.0)], [(0.0, 0.0, 0.0, 1.0)])
+
+
+def edges(folder):
+    return {(part.header.frame_id, part.child_frame_id) for part in transforms(folder)}
+
+
+def ways(folder):
+    """Return, for each frame, where its parents lead to."""
+    parents = {child: parent for parent, child in edges(folder)}
+    ends = {}
+    for frame in parents:
+        end = frame
+        while end in parents:
+            end = parents[end]
+        ends[frame] = end
+    return ends
+
+
+def take_fleet(recording, times, shared=()):
+    recording.take(DESCRIPTION, DESCRIBED)
+    recording.take(SHARED_FIXED_TRANSFORMS, moved('map', 'robot2/odom'))
+    for time in times:
+        recording.take(CLOCK, clock(time))
+        recording.take(JOINT_STATES, joints(time))
+        recording.take(ODOMETRY, odometry(time, prefix='robot1/'))
+        for data in shared:
+            recording.take(SHARED_TRANSFORMS, data)
+
+
+def test_links_are_called_as_odometry_calls_the_body(tmp_path):
+    with RobotRecording(tmp_path / 'bag', 'robot1', others=Others(has_body=False)) as recording:
+        take_fleet(recording, (3.0, 3.04))
+    ends = ways(tmp_path / 'bag')
+    assert set(ends.values()) == {'map'}
+    assert all(frame.startswith('robot1/') for frame in ends)
+    assert len(ends) == 2 + 16
+    # Other robots are beside it there, and RViz looks there.
+    assert {name for name, _, _ in messages(tmp_path / 'bag') if 'tf' in name} == {
+        '/tf', '/tf_static'
+    }  # fmt: skip
+
+
+def test_of_the_transforms_of_a_fleet_those_of_one_robot_are_recorded(tmp_path):
+    shared = moved('robot1/odom', 'robot1/base_link'), moved('robot2/odom', 'robot2/base_link')
+    with RobotRecording(tmp_path / 'bag', 'robot1', others=Others(has_body=True)) as recording:
+        recording.take(SHARED_FIXED_TRANSFORMS, moved('map', 'robot1/odom'))
+        take_fleet(recording, np.arange(3.0, 6.0, 0.04), shared)
+    ends = ways(tmp_path / 'bag')
+    assert set(ends.values()) == {'map'}
+    assert not any('robot2' in frame for frame in ends)
+    counts = recording.counts
+    # Nothing of the body is added to what was published of it.
+    assert counts['/tf'] == 2 * counts['/robot1/odom'] - 1
+
+
+def test_a_message_with_transforms_of_many_robots_is_taken_apart(tmp_path):
+    pattern = TransformPattern([('map', 'robot2/odom'), ('map', 'robot1/odom')])
+    both = pattern.fill((3, 0), [(1.0, 0.0, 0.0), (2.0, 0.0, 0.0)], [(0.0, 0.0, 0.0, 1.0)] * 2)
+    with RobotRecording(tmp_path / 'bag', 'robot1', others=Others(has_body=True)) as recording:
+        recording.take(SHARED_FIXED_TRANSFORMS, both)
+        take_fleet(recording, (3.0,), [moved('robot1/odom', 'robot1/base_link')])
+    found = {
+        part.child_frame_id: part.transform.translation.x for part in transforms(tmp_path / 'bag')
+    }
+    assert found['robot1/odom'] == 2.0
+    assert 'robot2/odom' not in found
+
+
+def test_a_body_that_others_do_not_publish_is_placed_though_they_publish_other_robots(tmp_path):
+    others = [moved('robot2/odom', 'robot2/base_link')]
+    with RobotRecording(tmp_path / 'bag', 'robot1', others=Others(has_body=True)) as recording:
+        take_fleet(recording, np.arange(3.0, 6.0, 0.04), others)
+    assert set(ways(tmp_path / 'bag').values()) == {'map'}
+    assert ('robot1/odom', 'robot1/base_link') in edges(tmp_path / 'bag')
+
+
+def test_a_robot_without_a_prefix_takes_nothing_of_what_many_share(tmp_path):
+    with RobotRecording(tmp_path / 'bag', 'robot1', others=Others(has_body=False)) as recording:
+        recording.take(DESCRIPTION, DESCRIBED)
+        recording.take(CLOCK, clock(3.0))
+        recording.take(ODOMETRY, odometry(3.0))
+        recording.take(JOINT_STATES, joints(3.0))
+        recording.take(SHARED_TRANSFORMS, moved('odom', 'base_link'))
+    names = {name for name, _, _ in messages(tmp_path / 'bag') if 'tf' in name}
+    assert names == {'/robot1/tf', '/robot1/tf_static'}
+    assert set(ways(tmp_path / 'bag').values()) == {'map'}
+
+
+@pytest.mark.parametrize('topic', [SHARED_TRANSFORMS, SHARED_FIXED_TRANSFORMS])
+def test_shared_transforms_that_are_none_end_nothing(tmp_path, topic):
+    with RobotRecording(tmp_path / 'bag', 'robot1') as recording:
+        recording.take(topic, b'robot1/')
+        take_fleet(recording, (3.0,))
+        recording.take(topic, b'robot1/')
+        recording.take(topic, b'')
+    assert recording.counts['/robot1/odom'] == 1
