@@ -22,17 +22,21 @@ from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from quad_common.robot.urdf import published_urdf
 from quad_common.robot_files.robot_file import load_robot
 
-# Launch argument: its description. Each is the node's parameter of the same name.
+# Launch argument: its description. Each is the node's parameter of the same name, and what both
+# nodes have goes to both.
 PLANNER_ARGUMENTS = {
     'robot': 'name of a robot, or path of a robot data file',
     'method': 'how the planner searches',
     'safety_distance': "kept free around the robot's feet [m]",
     'odom_topic': "where the robot's pose comes from",
+    # How long a way takes, and how much room it needs, depends on how it is walked.
+    'gait': 'name of a gait, or path of a gait file',
+    'turning': 'how the robot turns at the turning points of its plan',
 }
 GAIT_ARGUMENTS = {
     'robot': PLANNER_ARGUMENTS['robot'],
-    'gait': 'name of a gait, or path of a gait file',
-    'turning': 'how the robot turns at the turning points of its plan',
+    'gait': PLANNER_ARGUMENTS['gait'],
+    'turning': PLANNER_ARGUMENTS['turning'],
     'ground': "'flat', or 'uneven' to feel for the ground with each foot",
     'odom_topic': PLANNER_ARGUMENTS['odom_topic'],
     'leg_odometry_start': "'origin' lets a camera place the odometry of the legs",

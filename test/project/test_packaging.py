@@ -271,6 +271,20 @@ def test_a_launch_file_compiles_and_describes_a_launch(path):
     assert 'generate_launch_description' in functions
 
 
+def arguments_of(launch_file: str, table: str) -> set[str]:
+    """Names in a launch file's table of arguments, without running it."""
+    tree = ast.parse((ROOT / 'launch' / f'{launch_file}.launch.py').read_text(encoding='utf-8'))
+    [dictionary] = [
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Dict)
+        and isinstance(node.targets[0], ast.Name)
+        and node.targets[0].id == table
+    ]
+    return {key.value for key in dictionary.keys if isinstance(key, ast.Constant)}
+
+
 @pytest.mark.parametrize(
     ('launch_file', 'table', 'module', 'parameters'),
     [
@@ -281,18 +295,18 @@ def test_a_launch_file_compiles_and_describes_a_launch(path):
     ],
 )
 def test_every_launch_argument_is_a_parameter_of_its_node(launch_file, table, module, parameters):
-    tree = ast.parse((ROOT / 'launch' / f'{launch_file}.launch.py').read_text(encoding='utf-8'))
-    [dictionary] = [
-        node.value
-        for node in tree.body
-        if isinstance(node, ast.Assign)
-        and isinstance(node.value, ast.Dict)
-        and isinstance(node.targets[0], ast.Name)
-        and node.targets[0].id == table
-    ]
-    arguments = {key.value for key in dictionary.keys if isinstance(key, ast.Constant)}
     declared = vars(pytest.importorskip(module))[parameters].__dataclass_fields__
-    assert arguments <= set(declared)
+    assert arguments_of(launch_file, table) <= set(declared)
+
+
+def test_a_launch_argument_reaches_the_planner_and_the_gait_where_both_have_it():
+    planner, gait = (
+        arguments_of('robot', table) for table in ('PLANNER_ARGUMENTS', 'GAIT_ARGUMENTS')
+    )
+    planners = set(pytest.importorskip('quad_planner.parameters').PlannerParameters().__dict__)
+    gaits = set(pytest.importorskip('quad_gait.parameters').GaitParameters().__dict__)
+    assert planner & gaits == gait & planners == planner & gait
+    assert {'gait', 'turning'} <= planner
 
 
 @pytest.mark.parametrize('name', ['walk', 'robot', 'camera'])
@@ -340,6 +354,32 @@ def test_the_frames_of_the_legs_are_published_where_they_can_be(wanted, is_there
     started = [type(entity).__name__ for entity in start(context, True)]
     expected = {('auto', True): ['Node'], ('auto', False): ['LogInfo'], ('false', True): []}
     assert started == expected[wanted, is_there]
+
+
+def started_with(file: dict[str, Any], **given: object) -> Any:
+    """Return the launch of a file with these arguments; the others are empty, or switches off."""
+    shown = file['generate_launch_description']().get_launch_arguments()
+    switches = ('respawn', 'view', 'rviz', 'robot_state_publisher')
+    arguments = dict.fromkeys((argument.name for argument in shown), '')
+    arguments |= dict.fromkeys(switches, 'false')
+    arguments |= {'use_sim_time': 'true', 'config_directory': str(ROOT / 'config')}
+    return context_of(**{**arguments, **given})
+
+
+def parameters_of(node: Any, context: Any) -> dict[str, Any]:
+    """Parameters that a launch gives a node after those of the file."""
+    evaluate = pytest.importorskip('launch_ros.utilities').evaluate_parameters
+    given: dict[str, Any] = {}
+    for part in evaluate(context, node._Node__parameters):
+        given |= part if isinstance(part, dict) else {}
+    return given
+
+
+def test_the_planner_plans_for_the_gait_that_the_launch_file_was_given():
+    robot = launch_file('robot')
+    context = started_with(robot, gait='trot', turning='arc')
+    planner, gait = (parameters_of(node, context) for node in robot['start_nodes'](context))
+    assert planner == gait == {'use_sim_time': True, 'gait': 'trot', 'turning': 'arc'}
 
 
 def test_what_is_asked_for_and_not_installed_is_refused():
