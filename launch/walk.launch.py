@@ -45,6 +45,11 @@ SIM_ARGUMENTS = {
     'backend': (str, "'auto', 'bullet', 'mujoco' or 'kinematic'"),
     'gui': (boolean, "show PyBullet's own window: true or false"),
     'seed': (int, 'of the noise of the simulated sensors'),
+    'odom_drift': (
+        float,
+        'of odom: fraction of the distance and of the angle turned, and radians a metre',
+    ),
+    'localiser_rate': (float, 'how often a localiser publishes map -> odom [Hz]; 0: there is none'),
     'room_seed': (int, 'of a room of obstacles at random, in place of a map'),
     'terrain': (
         str,

@@ -382,6 +382,18 @@ def test_the_planner_plans_for_the_gait_that_the_launch_file_was_given():
     assert planner == gait == {'use_sim_time': True, 'gait': 'trot', 'turning': 'arc'}
 
 
+def test_the_simulator_drifts_and_localises_as_the_launch_file_was_told():
+    walk = launch_file('walk')
+    context = started_with(walk, odom_drift='0.05', localiser_rate='1', backend='kinematic')
+    [simulator] = walk['start_simulator'](context)
+    assert parameters_of(simulator, context) == {
+        'use_sim_time': True,
+        'backend': 'kinematic',
+        'odom_drift': 0.05,
+        'localiser_rate': 1.0,
+    }
+
+
 def test_what_is_asked_for_and_not_installed_is_refused():
     robot = launch_file('robot')
     robot['start_rviz'].__globals__['is_installed'] = lambda package: False
