@@ -61,8 +61,8 @@ GOAL = RecordedTopic('goal_pose', 'geometry_msgs/msg/PoseStamped', Delivery.RELI
 GOAL_MARKER = RecordedTopic('goal_marker', 'geometry_msgs/msg/PoseStamped', Delivery.RELIABLE)
 IMU = RecordedTopic('imu', 'sensor_msgs/msg/Imu', Delivery.SENSOR, 5)
 TRUTH = RecordedTopic('odom/truth', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5, is_on_demand=True)
-TRANSFORMS = RecordedTopic('tf', 'tf2_msgs/msg/TFMessage', Delivery.RELIABLE, 100)
-FIXED_TRANSFORMS = RecordedTopic('tf_static', 'tf2_msgs/msg/TFMessage', Delivery.LATCHED, 1)
+TRANSFORMS = RecordedTopic('/tf', 'tf2_msgs/msg/TFMessage', Delivery.RELIABLE, 100)
+FIXED_TRANSFORMS = RecordedTopic('/tf_static', 'tf2_msgs/msg/TFMessage', Delivery.LATCHED, 1)
 CORRECTIONS = RecordedTopic('map_to_odom', 'geometry_msgs/msg/TransformStamped', Delivery.RELIABLE)
 
 RECORDED = (
