@@ -13,11 +13,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import yaml
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
+from launch.actions import (
+    DeclareLaunchArgument,
+    GroupAction,
+    IncludeLaunchDescription,
+    OpaqueFunction,
+)
 from launch.conditions import IfCondition, UnlessCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
+from launch_ros.actions import Node, SetRemap
 from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -82,6 +87,8 @@ def what_walks() -> list[IncludeLaunchDescription]:
     # The camera says where the robot is, and the legs begin at an origin of their own.
     shared = {name: LaunchConfiguration(name) for name in SHARED}
     shared |= {'odom_topic': 'odom/camera', 'leg_odometry_start': 'origin'}
+    # The legs' odometry has frames without a prefix.
+    shared |= {'frame_prefix': ''}
     simulated = {'camera': 'true', 'publish_map': 'false', 'publish_tf': 'false'}
     simulated |= {name: LaunchConfiguration(name) for name in ('camera_position', 'camera_yaw')}
     has_simulator = LaunchConfiguration('simulator')
@@ -131,7 +138,13 @@ def generate_launch_description() -> LaunchDescription:
                 DeclareLaunchArgument(name, default_value='', description=description)
                 for name, (_, description) in CAMERA_ARGUMENTS.items()
             ),
-            OpaqueFunction(function=start_camera),
-            *what_walks(),
+            GroupAction(
+                [
+                    # In a namespace the robot has a tree of its own.
+                    *(SetRemap(f'/{name}', name) for name in ('tf', 'tf_static')),
+                    OpaqueFunction(function=start_camera),
+                    *what_walks(),
+                ]
+            ),
         ]
     )

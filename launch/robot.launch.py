@@ -9,11 +9,12 @@ parameter files.
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import mkdtemp
 
 import yaml
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -55,8 +56,6 @@ RVIZ_TOPICS = (
     'plan_markers',
     'support_polygon',
     'robot_description',
-    'tf',
-    'tf_static',
 )
 """What quadwalk.rviz shows, and sends."""
 
@@ -81,6 +80,12 @@ def is_installed(package: str) -> bool:
 def config_file(name: str) -> PathJoinSubstitution:
     """Return the path of a file in the folder of configurations."""
     return PathJoinSubstitution([LaunchConfiguration('config_directory'), name])
+
+
+def prefix_of_namespace() -> PythonExpression:
+    """Name the robot's frames after its namespace: 'left' makes 'left/', none makes nothing."""
+    name = ("'", LaunchConfiguration('namespace'), "'.strip('/')")
+    return PythonExpression([*name, ' and ', *name, " + '/'"])
 
 
 def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
@@ -119,7 +124,7 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         )
         nodes.append(viewer)
     if is_true(context, 'rviz'):
-        nodes.append(start_rviz(use_sim_time))
+        nodes.append(start_rviz(context, use_sim_time))
     return nodes
 
 
@@ -148,18 +153,33 @@ def start_state_publisher(
             parameters=[
                 {
                     'use_sim_time': use_sim_time,
+                    'frame_prefix': ParameterValue(
+                        LaunchConfiguration('frame_prefix'), value_type=str
+                    ),
                     'robot_description': ParameterValue(
                         published_urdf(load_robot(robot or 'titan_viii')), value_type=str
                     ),
                 }
             ],
-            # Its names begin with a slash: in a namespace they would be those of all robots.
-            remappings=[(f'/{name}', name) for name in ('tf', 'tf_static')],
         )
     ]
 
 
-def start_rviz(use_sim_time: bool) -> Node:
+def rviz_file(context: LaunchContext) -> str:
+    """Return the path of RViz's configuration, in which the robot's frames have its prefix."""
+    file = config_file('quadwalk.rviz').perform(context)
+    prefix = LaunchConfiguration('frame_prefix').perform(context)
+    if prefix == '':
+        return file
+    text = Path(file).read_text(encoding='utf-8')
+    prefixed = Path(mkdtemp(prefix='quadwalk-')) / 'quadwalk.rviz'
+    # RViz itself writes the slash between prefix and name.
+    text = text.replace('TF Prefix: ""', f'TF Prefix: "{prefix.removesuffix("/")}"')
+    prefixed.write_text(text, encoding='utf-8')
+    return str(prefixed)
+
+
+def start_rviz(context: LaunchContext, use_sim_time: bool) -> Node:
     """Start RViz with what a walking robot shows."""
     if not is_installed('rviz2'):
         raise ValueError('rviz:=true, and rviz2 is not installed: view:=true needs no RViz')
@@ -167,7 +187,7 @@ def start_rviz(use_sim_time: bool) -> Node:
         package='rviz2',
         executable='rviz2',
         namespace=LaunchConfiguration('namespace'),
-        arguments=['-d', config_file('quadwalk.rviz')],
+        arguments=['-d', rviz_file(context)],
         parameters=[{'use_sim_time': use_sim_time}],
         # Its configuration has names that begin with a slash.
         remappings=[(f'/{name}', name) for name in RVIZ_TOPICS],
@@ -197,6 +217,11 @@ def generate_launch_description() -> LaunchDescription:
                 default_value='false',
                 choices=['true', 'false'],
                 description='start a node again when it has ended',
+            ),
+            DeclareLaunchArgument(
+                'frame_prefix',
+                default_value=prefix_of_namespace(),
+                description="what the frames of the legs begin with; the namespace and '/'",
             ),
             DeclareLaunchArgument(
                 'robot_state_publisher',

@@ -17,7 +17,7 @@ from launch.actions import (
     Shutdown,
 )
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
@@ -61,11 +61,18 @@ SIM_ARGUMENTS = {
     'camera_yaw': (float, "direction in the map of the picture's right side [rad]"),
     'publish_map': (boolean, 'false leaves the map to a camera'),
     'publish_tf': (boolean, 'false leaves the transforms to a camera'),
+    'frame_prefix': (str, "what the robot's frames begin with; the namespace and '/'"),
     'publish_clock': (
         boolean,
         'false: another simulator does; with use_sim_time:=false',
     ),
 }
+
+
+def prefix_of_namespace() -> PythonExpression:
+    """Name the robot's frames after its namespace: 'left' makes 'left/', none makes nothing."""
+    name = ("'", LaunchConfiguration('namespace'), "'.strip('/')")
+    return PythonExpression([*name, ' and ', *name, " + '/'"])
 
 
 def start_simulator(context: LaunchContext) -> list[Node]:
@@ -98,7 +105,8 @@ def start_simulator(context: LaunchContext) -> list[Node]:
 
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments, and start the nodes once their values are known."""
-    shared = ('robot', 'namespace', 'use_sim_time', 'config_directory')
+    shared = ('robot', 'namespace', 'use_sim_time', 'config_directory', 'frame_prefix')
+    defaults = {'frame_prefix': prefix_of_namespace()}
     return LaunchDescription(
         [
             DeclareLaunchArgument(
@@ -118,7 +126,9 @@ def generate_launch_description() -> LaunchDescription:
                 description='folder with planner_node.yaml, gait_node.yaml and sim_node.yaml',
             ),
             *(
-                DeclareLaunchArgument(name, default_value='', description=description)
+                DeclareLaunchArgument(
+                    name, default_value=defaults.get(name, ''), description=description
+                )
                 for name, (_, description) in SIM_ARGUMENTS.items()
             ),
             OpaqueFunction(function=start_simulator),

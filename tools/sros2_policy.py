@@ -58,7 +58,7 @@ _OF_MANAGED = (
 
 _MANAGED = ('gait_node', 'planner_node')
 
-_ABSOLUTE = ('/clock', '/rosout', '/parameter_events')
+_ABSOLUTE = ('/clock', '/rosout', '/parameter_events', '/tf', '/tf_static')
 """Topics that no namespace moves, as ROS has it; parameter_events is relative there."""
 
 _COMMENT = """

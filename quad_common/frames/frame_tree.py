@@ -20,8 +20,8 @@ _LARGEST_TILT = 0.2
 _LONGEST_NAME = 200
 """Largest length of a frame's name, in characters."""
 
-MOST_FRAMES = 500
-"""Most frames that are remembered."""
+MOST_FRAMES = 1000
+"""Most frames that are remembered: those of 32 robots with their legs, and some more."""
 
 IDENTITY = Pose2D(0.0, 0.0, 0.0)
 """Transform between two frames that coincide."""

@@ -20,7 +20,7 @@ from pathlib import Path
 from launch.actions import DeclareLaunchArgument, GroupAction, IncludeLaunchDescription
 from launch.conditions import IfCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node, SetRemap
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -33,15 +33,25 @@ CONTROLLERS = FOLDER / 'controllers.yaml'
 BROADCASTER = @BROADCASTER@
 CONTROLLER = @CONTROLLER@
 
+NAMESPACE = ("'", LaunchConfiguration('namespace'), "'.strip('/')")
+
 # Launch argument: its default and its description.
 ARGUMENTS = {
     'robot': (@ROBOT@, "the robot of quadwalk's nodes: name, data file or description"),
     'gait': ('', 'name of a gait, or path of a gait file'),
     'odom_topic': ('odom/legs', "where the robot's pose comes from"),
     'namespace': ('', 'of all topics; a second robot needs one'),
+    'frame_prefix': (
+        # 'left' makes 'left/', none makes nothing.
+        PythonExpression([*NAMESPACE, ' and ', *NAMESPACE, " + '/'"]),
+        "what the robot's frames begin with; the namespace and '/'",
+    ),
     'use_sim_time': ('false', 'take the time from /clock, as with a simulator of ros2_control'),
     'walk': ('true', "start quadwalk's planner and gait as well"),
 }
+
+# Arguments of quadwalk's own launch file.
+SHARED = ('robot', 'gait', 'odom_topic', 'namespace', 'frame_prefix', 'use_sim_time')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -62,8 +72,15 @@ def generate_launch_description() -> LaunchDescription:
                 package='robot_state_publisher',
                 executable='robot_state_publisher',
                 namespace=namespace,
-                parameters=[{'robot_description': robot_description}, use_sim_time],
-                remappings=[('/tf', 'tf'), ('/tf_static', 'tf_static')],
+                parameters=[
+                    {
+                        'robot_description': robot_description,
+                        'frame_prefix': ParameterValue(
+                            LaunchConfiguration('frame_prefix'), value_type=str
+                        ),
+                    },
+                    use_sim_time,
+                ],
             ),
             # It takes the robot from the topic robot_description.
             Node(
@@ -95,8 +112,9 @@ def generate_launch_description() -> LaunchDescription:
                             )
                         ),
                         launch_arguments={
-                            name: LaunchConfiguration(name)
-                            for name in ('robot', 'gait', 'odom_topic', 'namespace', 'use_sim_time')
+                            **{name: LaunchConfiguration(name) for name in SHARED},
+                            # It runs already.
+                            'robot_state_publisher': 'false',
                         }.items(),
                     ),
                 ],

@@ -53,9 +53,10 @@ class MapFrameListener:
         self._has_said = False
         if TFMessage is not None:
             most = {'most_bytes': _MOST_BYTES}
-            node.create_subscription(TFMessage, 'tf', self._on_transforms, 100, **most)
+            # As tf2's listeners, in whatever namespace the node is.
+            node.create_subscription(TFMessage, '/tf', self._on_transforms, 100, **most)
             node.create_subscription(
-                TFMessage, 'tf_static', self._on_static_transforms, _STATIC, **most
+                TFMessage, '/tf_static', self._on_static_transforms, _STATIC, **most
             )
         node.create_subscription(TransformStamped, 'map_to_odom', self._on_map_to_odom, 10)
 
@@ -112,7 +113,7 @@ class MapFrameListener:
         if since is None or time.monotonic() - since < _PATIENCE:
             return
         self._has_said = True
-        where = 'tf or map_to_odom' if TFMessage else 'map_to_odom (tf needs tf2_msgs)'
+        where = '/tf or map_to_odom' if TFMessage else 'map_to_odom (tf needs tf2_msgs)'
         self._node.get_logger().info(
             f"nothing publishes '{self.frame.name}' -> '{self.frame.odom_frame}' on {where}: "
             f'the frames are taken to coincide'

@@ -221,7 +221,9 @@ class QuadNode(GuardedNode, Generic[Table]):
         with self.handle:
             given = dict(self.handle.get_parameters(RosParameter))
         given.update({parameter.name: parameter for parameter in overrides})
-        return {name: plain_value(parameter) for name, parameter in given.items()}
+        values = {name: plain_value(parameter) for name, parameter in given.items()}
+        # A list without elements in a parameter file arrives as a parameter that is not set.
+        return {name: [] if value is None else value for name, value in values.items()}
 
     def _declare(self, table: type[Table], given: dict[str, object]) -> Table:
         """Declare the parameters with checked values, so that refusals are our sentences."""

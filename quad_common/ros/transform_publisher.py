@@ -1,5 +1,7 @@
 """
-Publishes transforms on ``tf`` and ``tf_static`` where tf2_msgs is installed.
+Publishes transforms on ``/tf`` and ``/tf_static`` where tf2_msgs is installed.
+
+As tf2 does, in whatever namespace the node is: robots in one tree differ by their frames' names.
 """
 
 from __future__ import annotations
@@ -38,8 +40,8 @@ class TransformPublisher:
         if TFMessage is None:
             node.get_logger().info('tf2_msgs is not installed: no transforms are published')
             return
-        self._fixed = node.create_publisher(TFMessage, 'tf_static', _LATCHED)
-        self._moving = node.create_publisher(TFMessage, 'tf', 100)
+        self._fixed = node.create_publisher(TFMessage, '/tf_static', _LATCHED)
+        self._moving = node.create_publisher(TFMessage, '/tf', 100)
 
     @property
     def is_active(self) -> bool:

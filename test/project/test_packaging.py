@@ -224,6 +224,7 @@ def test_data_files_exist_and_hold_what_ros_looks_for(metadata):
         'share/quadwalk/launch/walk.launch.py',
         'share/quadwalk/launch/robot.launch.py',
         'share/quadwalk/launch/camera.launch.py',
+        'share/quadwalk/launch/fleet.launch.py',
         'share/quadwalk/maps/room.yaml',
         'share/quadwalk/config/campaigns/reliability.yaml',
     } <= files
@@ -292,6 +293,7 @@ def arguments_of(launch_file: str, table: str) -> set[str]:
         ('robot', 'GAIT_ARGUMENTS', 'quad_gait.parameters', 'GaitParameters'),
         ('walk', 'SIM_ARGUMENTS', 'quad_sim.parameters', 'SimParameters'),
         ('camera', 'CAMERA_ARGUMENTS', 'quad_perception.parameters', 'CeilingCameraParameters'),
+        ('fleet', 'SIM_ARGUMENTS', 'quad_sim.parameters', 'SimParameters'),
     ],
 )
 def test_every_launch_argument_is_a_parameter_of_its_node(launch_file, table, module, parameters):
@@ -394,11 +396,66 @@ def test_the_simulator_drifts_and_localises_as_the_launch_file_was_told():
     }
 
 
+@pytest.mark.parametrize('name', ['robot', 'walk'])
+@pytest.mark.parametrize(
+    ('namespace', 'prefix'), [('', ''), ('left', 'left/'), ('/left/', 'left/')]
+)
+def test_frames_begin_with_the_namespace(name, namespace, prefix):
+    expression = launch_file(name)['prefix_of_namespace']()
+    assert expression.perform(context_of(namespace=namespace)) == prefix
+
+
+def test_the_frames_of_the_legs_are_those_of_the_simulated_robot():
+    walk, robot = launch_file('walk'), launch_file('robot')
+    robot['start_state_publisher'].__globals__['is_installed'] = lambda package: True
+    context = started_with(
+        walk, namespace='left', frame_prefix='left/', robot_state_publisher='true'
+    )
+    [simulator] = walk['start_simulator'](context)
+    [publisher] = robot['start_state_publisher'](context, True)
+    assert parameters_of(simulator, context)['frame_prefix'] == 'left/'
+    assert parameters_of(publisher, context)['frame_prefix'] == 'left/'
+    # Its transforms stay on the global /tf, where the simulator's are.
+    assert not publisher._Node__remappings
+
+
+@pytest.mark.parametrize('prefix', ['', 'left/'])
+def test_rviz_shows_the_robot_whose_frames_have_a_prefix(prefix):
+    robot = launch_file('robot')
+    context = context_of(frame_prefix=prefix, config_directory=ROOT / 'config')
+    text = Path(robot['rviz_file'](context)).read_text(encoding='utf-8')
+    shown = yaml.safe_load(text)['Visualization Manager']['Displays']
+    [model] = [display for display in shown if display['Class'].endswith('RobotModel')]
+    assert model['TF Prefix'] == prefix.strip('/')
+
+
+def test_a_fleet_is_one_simulator_and_a_launch_of_a_robot_for_each():
+    fleet = launch_file('fleet')
+    robots = 'left=cuhk@1,2,0; right=a1@4,2,3.14'
+    context = started_with(fleet, robots=robots, gait='trot', view='true')
+    simulator, *groups = fleet['start_fleet'](context)
+    assert parameters_of(simulator, context) == {'robots': robots}
+    given = []
+    for group in groups:
+        [include] = [e for e in group.get_sub_entities() if hasattr(e, 'launch_arguments')]
+        given.append(
+            {
+                name: value if isinstance(value, str) else value.perform(context)
+                for name, value in include.launch_arguments
+            }
+        )
+    assert [one['namespace'] for one in given] == ['left', 'right']
+    assert [one['frame_prefix'] for one in given] == ['left/', 'right/']
+    assert [one['robot'] for one in given] == ['cuhk', 'a1']
+    assert [one['view'] for one in given] == ['true', 'false']
+    assert {(one['gait'], one['use_sim_time']) for one in given} == {('trot', 'true')}
+
+
 def test_what_is_asked_for_and_not_installed_is_refused():
     robot = launch_file('robot')
     robot['start_rviz'].__globals__['is_installed'] = lambda package: False
     with pytest.raises(ValueError, match='rviz2 is not installed'):
-        robot['start_rviz'](True)
+        robot['start_rviz'](context_of(), True)
     with pytest.raises(ValueError, match='robot_state_publisher is not installed'):
         robot['start_state_publisher'](context_of(robot_state_publisher='true'), True)
 
@@ -433,7 +490,7 @@ def test_rviz_is_brought_into_a_namespace_with_all_its_topics():
         for node in tree.body
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == 'RVIZ_TOPICS'
     ]
-    assert set(names) == {*rviz_topics(), 'tf', 'tf_static'}
+    assert set(names) == {*rviz_topics()}
 
 
 def test_foxgloves_layout_shows_topics_that_exist():

@@ -118,4 +118,5 @@ def test_a_namespace_moves_all_but_what_is_absolute():
         assert name.startswith('/robot1/') or name in ('/rosout', '/parameter_events')
     assert '/robot1/stop' in allowed('gait_node', 'services', 'reply', text)
     assert '/clock' in allowed('gait_node', 'topics', 'subscribe', text)
+    assert {'/tf', '/tf_static'} <= set(allowed('gait_node', 'topics', 'subscribe', text))
     assert 'path="/robot1/quadwalk/gait_node"' in text

@@ -90,7 +90,7 @@ def test_what_is_no_pose_in_the_plane_is_refused_and_the_last_one_stays(
 
 def test_the_number_of_frames_is_bounded():
     frames = tree(*(transform('map', f'frame {index}', A) for index in range(MOST_FRAMES)))
-    with pytest.raises(InvalidTransform, match='500 frames are known'):
+    with pytest.raises(InvalidTransform, match=f'{MOST_FRAMES} frames are known'):
         frames.add(transform('map', 'one more', A))
     frames.add(transform('map', 'frame 7', B))
     assert_same(frames.find('map', 'frame 7').pose, B)

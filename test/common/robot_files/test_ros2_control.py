@@ -198,8 +198,13 @@ def test_the_launch_file_starts_the_nodes_and_leads_trajectories_to_the_controll
     )
     included = modules['launch.actions'].IncludeLaunchDescription.call_args.kwargs
     assert dict(included['launch_arguments']) == {
-        name: f'<{name}>' for name in ('robot', 'gait', 'odom_topic', 'namespace', 'use_sim_time')
+        **{name: f'<{name}>' for name in ('robot', 'gait', 'odom_topic', 'namespace')},
+        **{name: f'<{name}>' for name in ('frame_prefix', 'use_sim_time')},
+        'robot_state_publisher': 'false',
     }
+    publisher = nodes['robot_state_publisher']
+    assert publisher['parameters'][0]['frame_prefix'] == '<frame_prefix>'
+    assert 'remappings' not in publisher
     defaults = {
         call.args[0]: call.kwargs['default_value']
         for call in modules['launch.actions'].DeclareLaunchArgument.call_args_list

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import subprocess
@@ -13,6 +14,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+import rclpy
 from harness import WALL_TIMEOUT, Bench
 
 from quad_common.errors import QuadError
@@ -20,6 +22,7 @@ from quad_common.network.reach import SecuritySettingUnknown, library_without_se
 from quad_common.network.transport import PROFILES, RANGE
 from quad_common.planar_pose import Pose2D
 from quad_lab.attacks.processes.traces import files_of
+from quad_lab.topic_walk import composed_nodes
 from quad_lab.topic_walk.node_processes import (
     NODES,
     NodeProcess,
@@ -28,6 +31,8 @@ from quad_lab.topic_walk.node_processes import (
 )
 
 pytestmark = pytest.mark.ros
+
+ROOT = Path(__file__).resolve().parents[3]
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -70,6 +75,19 @@ def test_no_node_is_made_with_an_invalid_parameter(composed_bench: Bench, node, 
         composed_bench.start(node, **parameters)
     [sentence] = str(refused.value).splitlines()
     assert words in sentence
+
+
+@pytest.mark.parametrize('node', ['ceiling_camera_node', 'gait_node', 'planner_node', 'sim_node'])
+def test_a_node_begins_with_the_parameter_file_that_ships(domain, node):
+    file = ROOT / 'config' / f'{node}.yaml'
+    module, kind = composed_nodes._NODES[node]
+    rclpy.init(args=['--ros-args', '--disable-stdout-logs', '--params-file', str(file)])
+    try:
+        made = getattr(importlib.import_module(module), kind)()
+        assert made.parameters == type(made.parameters)()
+        made.destroy_node()
+    finally:
+        rclpy.try_shutdown()
 
 
 def test_whole_numbers_will_do_where_others_are_expected(composed_bench: Bench):
