@@ -55,7 +55,7 @@ EXTRAS = {
 }
 EXTRAS['all'] = [requirement for extra in EXTRAS.values() for requirement in extra]
 # What "quadwalk bench" compares with, if it is there: neither in "all" nor locked.
-EXTRAS['bench'] = ['ikpy>=3.4', 'pyastar2d>=1.1', 'scikit-image>=0.22', 'tcod>=16']
+EXTRAS['bench'] = ['ikpy>=3.4', 'mcap>=1.1', 'pyastar2d>=1.1', 'scikit-image>=0.22', 'tcod>=16']
 # The documents as a site, for "make site": neither of the two either. Its plugins want MkDocs 1.
 EXTRAS['docs'] = ['mkdocs-material>=9.5,<10']
 

@@ -56,6 +56,7 @@ EXAMPLES = """examples:
   quadwalk bench campaign --quick
   quadwalk bench fleet --only cancels
   quadwalk bench fleet --only network
+  quadwalk bench fleet --only recording
   quadwalk bench fleet --only warehouse corridor speed --backend mujoco
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave

@@ -25,6 +25,7 @@ from quad_gait.parameters import GaitParameters
 from quad_lab.benchmarks.changed_plans import replans
 from quad_lab.benchmarks.many_robots import speeds, walks
 from quad_lab.benchmarks.network_walks import network_bars
+from quad_lab.benchmarks.recordings.recorded_demo import recording_bars
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 
@@ -37,6 +38,7 @@ _OTHERS: dict[str, Callable[..., tuple[list[Criterion], dict[str, Any]]]] = {
     'replans': replans,
     'speed': speeds,
     'network': network_bars,
+    'recording': recording_bars,
 }
 """Functions that measure parts of their own."""
 

@@ -47,6 +47,7 @@ LIBRARIES = {
 # Imported only where they are installed, for comparison; rosdep does not know them.
 COMPARED_WITH = {
     'ikpy': 'ikpy',
+    'mcap': 'mcap',
     'pyastar2d': 'pyastar2d',
     'skimage': 'scikit-image',
     'tcod': 'tcod',
