@@ -160,7 +160,7 @@ def robot_transforms(
     Returns
     -------
     list of geometry_msgs/TransformStamped
-        With the stamp and the frames of the legs' odometry.
+        With the stamp and the frames of the legs' odometry: map -> odom -> base_link -> footprint.
     """
     transforms = [base_transform(legs), footprint_transform(legs, footprint_frame)]
     if correction is not None:

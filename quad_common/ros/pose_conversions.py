@@ -20,7 +20,7 @@ from quad_common.errors.quoting import quoted
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import LONGEST_PLAN, Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.rotations import yaw_from_quaternion
+from quad_common.rotations import matrix_from_unit_quaternion, yaw_from_quaternion
 from quad_common.vision.camera import CameraModel
 
 LARGEST_COORDINATE = 1e6
@@ -255,12 +255,32 @@ def footprint_transform(odometry: Odometry, frame: str, ground: float = 0.0) -> 
     Returns
     -------
     geometry_msgs/TransformStamped
-        Upright.
+        From the body's own frame, in which the footprint, upright in the odometry's, is tilted
+        the other way.
+
+    Raises
+    ------
+    InvalidPose
+        If the odometry is no pose.
     """
-    transform = TransformStamped(header=odometry.header, child_frame_id=frame)
-    position = odometry.pose.pose.position
-    transform.transform.translation = Vector3(x=position.x, y=position.y, z=ground)
-    transform.transform.rotation = quaternion_from_yaw(pose_from_message(odometry.pose.pose).yaw)
+    transform = TransformStamped(child_frame_id=frame)
+    transform.header.stamp = odometry.header.stamp
+    transform.header.frame_id = odometry.child_frame_id
+    pose = odometry.pose.pose
+    height = position_from_message(pose.position, 'odometry')[2]
+    x, y, z, w = unit_quaternion(pose.orientation, 'odometry')
+    # The odometry's vertical in the body's frame.
+    up = matrix_from_unit_quaternion((x, y, z, w))[2]
+    down = [float(part) for part in (ground - height) * up]
+    transform.transform.translation = Vector3(x=down[0], y=down[1], z=down[2])
+    # The body's orientation undone, then its heading.
+    turn = quaternion_from_yaw(yaw_from_quaternion((x, y, z, w)))
+    transform.transform.rotation = Quaternion(
+        x=-x * turn.w - y * turn.z,
+        y=x * turn.z - y * turn.w,
+        z=w * turn.z - z * turn.w,
+        w=w * turn.w + z * turn.z,
+    )
     return transform
 
 

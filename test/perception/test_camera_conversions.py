@@ -53,17 +53,17 @@ def test_map_to_odom_is_the_fused_pose_after_the_legs_undone(seed):
     fused = pose_from_message(fused_odometry(message, fusion, 'map').pose.pose)
     transforms = robot_transforms(message, fusion.correction, 'map', 'base_footprint')
     found = {t.child_frame_id: t for t in transforms}
-    assert {t.header.frame_id for t in transforms} == {'map', 'odom'}
+    parents = {t.child_frame_id: t.header.frame_id for t in transforms}
+    assert parents == {'odom': 'map', 'base_link': 'odom', 'base_footprint': 'base_link'}
     assert all(t.header.stamp == message.header.stamp for t in transforms)
     expected = matrix(fused) @ np.linalg.inv(matrix(legs))
     assert matrix(pose_of(found['odom'])) == pytest.approx(expected, abs=1e-9)
-    for child in ('base_link', 'base_footprint'):
-        assert found[child].header.frame_id == 'odom'
-        there = pose_of(found['odom']) @ pose_of(found[child])
-        assert there.distance_to(fused) < 1e-9
-        assert wrap_angle(there.yaw - fused.yaw) == pytest.approx(0.0, abs=1e-9)
+    there = pose_of(found['odom']) @ pose_of(found['base_link'])
+    for place in (there, there @ pose_of(found['base_footprint'])):
+        assert place.distance_to(fused) < 1e-9
+        assert wrap_angle(place.yaw - fused.yaw) == pytest.approx(0.0, abs=1e-9)
     assert found['base_link'].transform.translation.z == 0.4
-    assert found['base_footprint'].transform.translation.z == 0.0
+    assert found['base_footprint'].transform.translation.z == -0.4
 
 
 def test_while_the_camera_does_not_know_only_the_legs_tell():

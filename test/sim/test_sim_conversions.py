@@ -10,6 +10,7 @@ pytest.importorskip('rclpy')
 pytest.importorskip('trajectory_msgs')
 
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Quaternion, TransformStamped
 from sensor_msgs.msg import CameraInfo, Image
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -35,7 +36,12 @@ from quad_common.ros.pose_conversions import (
     pose_from_message,
     pose_message,
 )
-from quad_common.rotations import tilt_from_quaternion
+from quad_common.rotations import (
+    matrix_from_angles,
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+    tilt_from_quaternion,
+)
 from quad_common.vision.camera import CameraModel
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
@@ -149,16 +155,32 @@ def test_the_transform_is_the_odometrys_pose():
     assert transform.transform.rotation == message.pose.pose.orientation
 
 
-def test_the_footprint_is_on_the_ground_under_the_body_with_its_heading():
-    message = odometry(3)
+def frame_of(transform: TransformStamped) -> np.ndarray:
+    """Pose of the child in its parent, shape (4, 4)."""
+    rotation, frame = transform.transform.rotation, np.eye(4)
+    frame[:3, :3] = matrix_from_quaternion(
+        np.array([rotation.x, rotation.y, rotation.z, rotation.w])
+    )
+    frame[:3, 3] = numbers(transform.transform.translation)
+    return frame
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_the_footprint_is_on_the_ground_under_the_body_with_its_heading(seed):
+    message, rng = odometry(3), np.random.default_rng(seed)
+    roll, pitch, yaw = rng.uniform([-0.6, -0.6, -3.1], [0.6, 0.6, 3.1])
+    body = quaternion_from_matrix(matrix_from_angles(np.array([roll, pitch, yaw])))
+    pose = message.pose.pose
+    pose.orientation = Quaternion(**dict(zip('xyzw', map(float, body))))
     transform = footprint_transform(message, 'base_footprint', 0.07)
-    assert transform.header == message.header
+    assert transform.header.stamp == message.header.stamp
+    # One chain: odom -> base_link -> base_footprint.
+    assert transform.header.frame_id == message.child_frame_id == 'base_link'
     assert transform.child_frame_id == 'base_footprint'
-    assert transform.transform.translation.z == 0.07
-    assert transform.transform.translation.x == message.pose.pose.position.x
-    rotation = transform.transform.rotation
-    assert (rotation.x, rotation.y) == (0.0, 0.0)
-    assert 2.0 * math.atan2(rotation.z, rotation.w) == pytest.approx(POSE.yaw)
+    there = frame_of(base_transform(message)) @ frame_of(transform)
+    assert there[:3, 3] == pytest.approx([pose.position.x, pose.position.y, 0.07])
+    upright = matrix_from_angles(np.array([0.0, 0.0, yaw]))
+    assert there[:3, :3] == pytest.approx(upright, abs=1e-9)
 
 
 def test_the_imu_measures_gravity_upward_with_the_noise_that_it_admits():

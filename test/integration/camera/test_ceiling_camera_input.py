@@ -136,7 +136,8 @@ def test_map_to_odom_is_the_cameras_correction_of_the_legs(bench: Bench, room: R
     assert by_child['odom'].header.frame_id == 'map'
     assert by_child['base_link'].header.frame_id == 'odom'
     assert by_child['base_link'].transform.translation.z == 0.3
-    assert by_child['base_footprint'].transform.translation.z == 0.0
+    assert by_child['base_footprint'].header.frame_id == 'base_link'
+    assert by_child['base_footprint'].transform.translation.z == pytest.approx(-0.3)
     assert pose_of(by_child['base_link']).distance_to(room.legs) < 1e-9
     pose = pose_of(by_child['odom']) @ pose_of(by_child['base_link'])
     assert pose.distance_to(START) < 0.03
