@@ -64,6 +64,11 @@ _CORRECTION_TIMEOUT = 60.0
 """The planner and the gait say sooner that corrections are old [s]."""
 
 
+def _full_name(prefix: str, topic: str) -> str:
+    """Return a topic's name in a robot's namespace; a name of all robots begins with a slash."""
+    return topic if topic.startswith('/') else f'{prefix}{topic}'
+
+
 class SampledTopics:
     """
     Subscriptions that are looked at, not waited for: only the newest message is ever taken apart.
@@ -88,7 +93,7 @@ class SampledTopics:
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
     ) -> None:
         """Have the newest message handed on at each look."""
-        name = f'{self._prefix}{topic}'
+        name = _full_name(self._prefix, topic)
         # The executor of another node calls nothing of this one.
         subscription = self._node.create_subscription(kind, name, lambda message: None, qos)
         most = options.get('most_bytes', _MOST_BYTES)
@@ -137,14 +142,14 @@ class NamedTopics:
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: Any, **options: Any
     ) -> Any:
         """Subscribe; see :meth:`GuardedNode.create_subscription`."""
-        name = f'{self._prefix}{topic}'
+        name = _full_name(self._prefix, topic)
         subscription = self._node.create_subscription(kind, name, callback, qos, **options)
         self._subscriptions.append(subscription)
         return subscription
 
     def create_publisher(self, kind: Any, topic: str, qos: Any) -> Any:
         """Make a publisher."""
-        publisher = self._node.create_publisher(kind, f'{self._prefix}{topic}', qos)
+        publisher = self._node.create_publisher(kind, _full_name(self._prefix, topic), qos)
         self._publishers.append(publisher)
         return publisher
 
