@@ -5,10 +5,11 @@ Plays a recording as it says that it was published, to subscriptions like those 
 from __future__ import annotations
 
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +77,7 @@ def play(folder: Path) -> tuple[dict[str, Played], list[str]]:
             for name, topic in topics.items()
         }
         _until(lambda: all(p.get_subscription_count() for p in publishers.values()), ear, _PATIENCE)
-        _send([one for one in messages if one[0] in topics], publishers, latched, ear)
+        _send([one for one in messages if one[0] in topics], publishers, topics, ear)
         with _Ear('quadwalk_late_ear', latched) as late:
             _until(lambda: late.heard == kept, late, _PATIENCE)
     played = {
@@ -91,17 +92,27 @@ def play(folder: Path) -> tuple[dict[str, Played], list[str]]:
 def _send(
     messages: Messages,
     publishers: Mapping[str, Any],
-    latched: Mapping[str, RecordedTopic],
+    topics: Mapping[str, RecordedTopic],
     ear: _Ear,
 ) -> None:
-    """Send all messages, a few at a time."""
-    count = 0
+    """Send all messages, a few at a time; what does not arrive in time is lost, and not awaited."""
+    lost = 0
+    waiting: Counter[str] = Counter()
     for number, (name, _, data) in enumerate(messages, 1):
         publishers[name].publish(data)
-        # A subscription to what is latched keeps the last message alone.
-        if number - count == _CHUNK or name in latched or number == len(messages):
-            count = number
-            _until(lambda: ear.count >= count, ear, _WAIT)  # noqa: B023
+        waiting[name] += 1
+        # A subscription keeps no more of a topic than this, until they are taken.
+        is_full = waiting[name] == _room(topics[name])
+        if is_full or waiting.total() == _CHUNK or number == len(messages):
+            awaited = number - lost
+            _until(partial(ear.has_heard, awaited), ear, _WAIT)
+            lost = number - ear.count
+            waiting.clear()
+
+
+def _room(topic: RecordedTopic) -> int:
+    """Return how many messages of a topic wait for whoever subscribes to it."""
+    return 1 if topic.delivery is Delivery.LATCHED else topic.depth
 
 
 class _Ear:
@@ -114,6 +125,10 @@ class _Ear:
         """Messages by names of topics."""
         self.count = 0
         """Number of messages."""
+
+    def has_heard(self, count: int) -> bool:
+        """Return whether so many messages have come."""
+        return self.count >= count
 
     def __enter__(self) -> _Ear:
         names = [(topic, name) for name, topic in self._topics.items()]
