@@ -73,6 +73,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self.create_timer(_HEARTBEAT, self._on_heartbeat, clock=clock)
         # Once the executor has the node: what is answered before would not be received.
         self._beginning = self.create_timer(0.0, self._on_beginning, clock=clock)
+        self._warn_of_costs(p)
         self.update_status()
 
     def update_status(self) -> None:
@@ -91,6 +92,11 @@ class PlannerNode(QuadNode[PlannerParameters]):
             self._session, self.parameters, parameters, self._requests, time.monotonic
         )
         self._actions.take_parameters(parameters)
+        self._warn_of_costs(parameters)
+
+    def _warn_of_costs(self, parameters: PlannerParameters) -> None:
+        if problem := planner_setup.unheeded_costs(parameters):
+            self.get_logger().warning(problem)
 
     def _on_goal(self, message: PoseStamped) -> None:
         self.check_active()

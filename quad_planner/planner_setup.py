@@ -349,6 +349,17 @@ def _costs(parameters: PlannerParameters) -> tuple[CostLayer, ...]:
     return tuple(layers)
 
 
+def unheeded_costs(parameters: PlannerParameters) -> str:
+    """Return that the method heeds no costs of a costmap, as a sentence; empty if it does."""
+    if parameters.map_values != 'costmap' or _takes_costs(parameters):
+        return ''
+    return (
+        f"map_values is 'costmap', and what method '{parameters.method}' keeps clear of is what is "
+        "occupied alone: costs count with 'shortest' and 'quickest', and with 'potential' if "
+        "potential is 'navigation'"
+    )
+
+
 def _takes_costs(parameters: PlannerParameters) -> bool:
     """Return whether the method compares paths by costs; others go by the obstacles alone."""
     is_any_potential = parameters.method == 'potential' and parameters.potential != 'navigation'

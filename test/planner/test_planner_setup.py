@@ -19,6 +19,7 @@ from quad_planner.planner_setup import (
     change_planner,
     planner_from_parameters,
     session_from_parameters,
+    unheeded_costs,
 )
 from quad_planner.session.immediate_request import ImmediateRequest
 
@@ -171,3 +172,15 @@ def test_a_gait_of_a_file_whose_pace_is_not_known_is_taken(tmp_path):
     path.write_text('cycle_period: 4.0')
     _, planner = planner_with(gait=str(path))
     assert planner.plan(Pose2D(1.0, 2.0, 0.0), GOAL).length == pytest.approx(1.0)
+
+
+def test_costs_that_a_method_does_not_heed_are_said():
+    def said(**changes):
+        return unheeded_costs(replace(PlannerParameters(), **changes))
+
+    assert said(method='mesh') == ''
+    assert "method 'mesh'" in said(method='mesh', map_values='costmap')
+    assert said(method='potential', map_values='costmap')
+    heeding = {'shortest': {}, 'quickest': {}, 'potential': {'potential': 'navigation'}}
+    for method, more in heeding.items():
+        assert said(method=method, map_values='costmap', **more) == ''
