@@ -19,6 +19,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait, load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS
 from quad_lab.benchmarks.gait_speed import speed_bars
+from quad_lab.benchmarks.odometry_error import leg_odometry_error
 from quad_lab.benchmarks.paper_figures import (
     circles_of_s2,
     figures_of_s0,
@@ -27,7 +28,6 @@ from quad_lab.benchmarks.paper_figures import (
 )
 from quad_lab.closed_loop.gait_measures import (
     SteadyWalk,
-    leg_odometry_error,
     steady_walk,
 )
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
