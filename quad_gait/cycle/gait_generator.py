@@ -126,9 +126,7 @@ def generate_cycle(
     check_own_parts(robot, schedule.times, schedule.body_lift, positions, chain)
     center_of_mass = _center_of_mass(robot, positions, chain, course.pose)
     margin = stability_margin(center_of_mass, feet.in_ground[..., :2], schedule.in_contact)
-    least = options.least_margin - _LEAN_ALLOWED * max(
-        math.hypot(*lean_on_curve(gait, velocity)) for velocity in (ends.entry, ends.exit)
-    )
+    least = _least_margin(gait, ends, options)
     if np.min(margin) < least:
         raise UnstableCycle(float(np.min(margin)), least)
     return Cycle(
@@ -145,6 +143,12 @@ def generate_cycle(
         end_feet=feet.in_body[-1],
         center_of_mass=center_of_mass, margin=margin,
     )  # fmt: skip
+
+
+def _least_margin(gait: Gait, ends: CycleEnds, options: CycleOptions) -> float:
+    """Return the margin that a cycle must keep [m]: less where the body leans into a curve."""
+    lean = max(math.hypot(*lean_on_curve(gait, velocity)) for velocity in (ends.entry, ends.exit))
+    return options.least_margin - _LEAN_ALLOWED * lean
 
 
 def generate_steady_cycle(
