@@ -35,7 +35,7 @@ COMMANDS = {
     'calibrate': 'measure in simulation how far a gait goes, and keep it with the robot',
     'gait': 'list the gaits, or check one on a robot',
     'camera': 'see what a ceiling camera shows: colors, map, robot and goal, or where it is',
-    'robot': 'check a robot data file, or print its URDF',
+    'robot': 'import a robot from its URDF, xacro or MJCF; list, check or export robots',
     'doctor': 'say what works on this machine, what is missing, and what mends it',
     'parameters': "print a node's parameters as a commented YAML file",
 }
