@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 pytest.importorskip('rich')
@@ -29,6 +30,8 @@ from quad_lab.closed_loop.calibration import (
     default_motions,
     measure_motion,
 )
+from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_sim.engines.simulator import GRAVITY
 
 TITAN, CUHK = load_robot('titan_viii'), load_robot('cuhk')
 TROT = load_gait('trot', CUHK)
@@ -215,7 +218,19 @@ def test_a_motion_beyond_the_limits_leaves_a_file_that_can_be_read(tmp_path):
     load_compensation(path)
 
 
-def test_a_robot_that_falls_is_measured_as_fallen():
-    pytest.importorskip('pybullet')
-    weak = replace(CUHK, effort=0.07 * CUHK.effort)
-    assert measure_motion(weak, TROT, BodyMotion(0.1), 4).has_fallen
+class OverturnedLoop(ClosedLoop):
+    """A walk in which the robot is pushed over after its first cycle."""
+
+    def next_cycle_end(self):
+        end = super().next_cycle_end()
+        self.simulation.push(np.array([0.0, 3.0 * GRAVITY * self.robot.mass, 0.0]))
+        return end
+
+
+@pytest.mark.parametrize(('engine', 'module'), [('bullet', 'pybullet'), ('mujoco', 'mujoco')])
+def test_a_robot_that_falls_is_measured_as_fallen(monkeypatch, engine, module):
+    pytest.importorskip(module)
+    monkeypatch.setattr('quad_lab.closed_loop.calibration.ClosedLoop', OverturnedLoop)
+    measured = measure_motion(CUHK, TROT, BodyMotion(0.1), 4, engine)
+    assert measured.has_fallen
+    assert math.isnan(measured.mean.forward)
