@@ -86,6 +86,7 @@ def main(args: list[str] | None = None) -> int:
             command.epilog = module.EXAMPLES
             module.add_arguments(command)
             command.set_defaults(run=module.run)
+    parser.check_values(args)
     arguments = parser.parse_args(with_negative_values(args))
     try:
         code: int = arguments.run(arguments)

@@ -203,6 +203,8 @@ def test_what_cannot_be_done_ends_with_code_2_and_one_sentence(capsys, arguments
         ['plan', '--start', 'here', '--goal', '1,1,0'],
         [*PLAN, '--map', 'nowhere'],
         [*PLAN, '--method', 'guess'],
+        ['plan', '--start=--', '--goal', '1,1,0'],
+        ['plan', '--start', '1,1,0', '--goal=--'],
         ['parameters', 'other_node'],
         ['robot', 'paint', 'titan_viii'],
         ['robot', 'export', 'titan_viii', '--plugin', 'no plugin'],
