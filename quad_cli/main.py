@@ -105,6 +105,9 @@ def main(args: list[str] | None = None) -> int:
         # A full disk, a folder that went away: what could be known before is checked before.
         print(f'error: {clipped(str(error))}', file=sys.stderr)
         return 2
+    except MemoryError:
+        print('error: there is not enough memory for that', file=sys.stderr)
+        return 2
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith('quad_'):
             raise
