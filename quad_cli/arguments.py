@@ -39,6 +39,13 @@ class CommandParser(argparse.ArgumentParser):
         """Print usage and what is wrong, and end with code 2."""
         super().error(clipped(message))
 
+    def check_values(self, arguments: list[str]) -> None:
+        """Refuse ``--start=--``: up to Python 3.12 argparse makes an empty list of it."""
+        for text in arguments:
+            option, _, value = text.partition('=')
+            if value == '--' and option.startswith('-'):
+                self.error(f"argument {option}: '--' is no value")
+
 
 def pose_argument(text: str) -> Pose2D:
     """

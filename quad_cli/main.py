@@ -86,6 +86,7 @@ def main(args: list[str] | None = None) -> int:
             command.epilog = module.EXAMPLES
             module.add_arguments(command)
             command.set_defaults(run=module.run)
+    parser.check_values(args)
     arguments = parser.parse_args(with_negative_values(args))
     try:
         code: int = arguments.run(arguments)
@@ -103,6 +104,9 @@ def main(args: list[str] | None = None) -> int:
     except OSError as error:
         # A full disk, a folder that went away: what could be known before is checked before.
         print(f'error: {clipped(str(error))}', file=sys.stderr)
+        return 2
+    except MemoryError:
+        print('error: there is not enough memory for that', file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith('quad_'):

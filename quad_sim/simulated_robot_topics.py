@@ -14,7 +14,7 @@ from std_msgs.msg import Bool, Header, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from quad_common.errors import QuadError
+from quad_common.errors import QuadError, TrajectoryOver
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.urdf import published_urdf
 from quad_common.ros.height_map_conversions import height_map_message
@@ -26,7 +26,7 @@ from quad_common.ros.pose_conversions import (
     seconds_from_time,
     time_from_seconds,
 )
-from quad_common.ros.ros_node import QuadNode
+from quad_common.ros.ros_node import WARN, QuadNode
 from quad_common.ros.transform_publisher import TransformPublisher
 from quad_sim.batch_topics import BatchTopics
 from quad_sim.parameters import SimParameters
@@ -194,7 +194,13 @@ class RobotTopics:
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         longest = self._node.parameters.longest_trajectory
-        self._robot.simulation.accept(trajectory_from_message(message, longest))
+        try:
+            self._robot.simulation.accept(trajectory_from_message(message, longest))
+        except TrajectoryOver as error:
+            if not error.is_delayed:
+                raise
+            # Nothing is wrong with it but the machine's pace, as with one that comes late.
+            self._node.report(WARN, str(error))
 
     def _on_emergency_stop(self, message: Bool) -> None:
         simulation = self._robot.simulation

@@ -17,6 +17,7 @@ from quad_common.errors import (
     ObstacleOnRobot,
     ParameterError,
     TooManyObstacles,
+    TrajectoryOver,
 )
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
@@ -232,12 +233,18 @@ class Simulation:
             If it asks for more than the joints can do.
         EmergencyStopped
             If the emergency stop is on.
+        TrajectoryOver
+            If it has ended already; it counts as a late one, unless its sender's clock is another.
         """
         if self.is_frozen:
             raise EmergencyStopped
         self._check_limits(trajectory)
-        if not self._executor.accept(trajectory, self.time):
-            self.late_trajectories += 1
+        try:
+            is_late = not self._executor.accept(trajectory, self.time)
+        except TrajectoryOver as error:
+            self.late_trajectories += error.is_delayed
+            raise
+        self.late_trajectories += is_late
 
     def freeze(self, is_frozen: bool) -> None:
         """Hold all joints where they are commanded now, or take trajectories again."""

@@ -14,11 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import DescriptionUnusable, MeshNotFound
+from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import is_file
 from quad_common.files.package_path import is_in_package, package_candidates
 from quad_common.files.whole_file import write_text
 
 Array = NDArray[np.float64]
+
+_LARGEST = 1e3
+"""Largest coordinate of a mesh's corner [m]."""
 
 _FILE = 'file://'
 
@@ -110,6 +114,12 @@ def mesh_corners(mesh: Any, description: Path) -> Array:
     """
     corners: Array = np.array(_read(mesh_path(mesh.filename, description), description).vertices)
     scaled: Array = corners.reshape(-1, 3) * scale_of(mesh)
+    if not (np.abs(scaled) <= _LARGEST).all():
+        raise DescriptionUnusable(
+            description,
+            f'the mesh {quoted(mesh.filename)} has a corner that is no place: its numbers must be '
+            f'finite, and from {-_LARGEST:g} to {_LARGEST:g} m with its scale',
+        )
     return scaled
 
 

@@ -13,16 +13,14 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
-from quad_common.description.package_index import in_real_folders, packages_around
+from quad_common.description.xacro_expansion import expanded
 from quad_common.errors import (
     DescriptionEntryInvalid,
     DescriptionUnusable,
     FileUnusable,
     MissingOptionalDependency,
 )
-from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import read_bytes, user_path
 
 LARGEST_DESCRIPTION = 2**24
@@ -85,7 +83,7 @@ def read_description(path: str | Path, arguments: Mapping[str, str] | None = Non
             path, f'is neither URDF, xacro nor MJCF: it begins with {root.tag}'
         )
     if path.suffix == '.xacro' or 'http://www.ros.org/wiki/xacro' in root.nsmap.values():
-        root = _parsed(_expanded(path, arguments or {}), path)
+        root = _parsed(expanded(path, arguments or {}), path)
     return _robot_from_urdf(root, path)
 
 
@@ -103,40 +101,6 @@ def _parsed(content: bytes, path: Path) -> Any:
     if root.getroottree().docinfo.doctype:
         raise DescriptionUnusable(path, 'has a document type, which no robot needs')
     return root
-
-
-def _expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
-    """Run xacro; arguments that are not given keep the defaults that the file has for them."""
-    try:
-        import xacro
-    except ImportError as error:
-        raise MissingOptionalDependency('xacro', "pip install 'quadwalk[robots]'") from error
-    folders: dict[str, str] = {}
-    try:
-        with packages_around(path) as folders:
-            text: str = xacro.process_file(str(path), mappings=dict(arguments)).toxml()
-        # Folders may have any name, and this is XML, whose attributes are in double quotes.
-        text = in_real_folders(text, folders, lambda path: escape(path, {'"': '&quot;'}))
-    # xacro evaluates what the file says, and lets pass whatever that raises.
-    except (Exception, SystemExit) as error:
-        reason = _xacro_reason(error, folders)
-        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}') from error
-    return text.encode()
-
-
-def _xacro_reason(error: BaseException, folders: Mapping[str, str]) -> str:
-    """Say once why xacro gave up, with the real folders and what can be done."""
-    # xacro repeats itself, with classes and numbers of errors between.
-    reason = str(error).rpartition('> ')[2].partition(' [Errno')[0] or type(error).__name__
-    reason = in_real_folders(reason, folders)
-    if lacking := re.search(r"package '([^']*)' not found", str(error)):
-        return (
-            f'the package {quoted(lacking.group(1))} that it uses is not installed, and not around '
-            'the file'
-        )
-    if 'Undefined substitution argument' in reason:
-        reason += '; give it with --argument NAME=VALUE'
-    return reason
 
 
 def _robot_from_urdf(root: Any, path: Path) -> Any:

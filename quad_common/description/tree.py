@@ -8,7 +8,7 @@ the frame of the tree's root link with every joint at 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -135,17 +135,19 @@ class KinematicTree:
 
     def rigid_group(self, link: str) -> list[str]:
         """List a link, and the links below it that cannot move against it."""
-        group = [link]
-        for joint in self.children[link]:
-            if not joint.moves:
-                group += self.rigid_group(joint.child)
-        return group
+        return self._from(link, lambda joint: not joint.moves)
 
     def below(self, link: str) -> list[str]:
         """List a link and all links below it, whatever joints are between them."""
-        found = [link]
-        for joint in self.children[link]:
-            found += self.below(joint.child)
+        return self._from(link, lambda joint: True)
+
+    def _from(self, link: str, is_passed: Callable[[TreeJoint], bool]) -> list[str]:
+        """List a link, and those below it along some joints, a branch after the other."""
+        found, waiting = [], [link]
+        while waiting:
+            found.append(waiting.pop())
+            passed = [joint.child for joint in self.children[found[-1]] if is_passed(joint)]
+            waiting += reversed(passed)
         return found
 
     def mass_of(self, link: str) -> Mass:

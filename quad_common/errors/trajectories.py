@@ -8,6 +8,9 @@ from dataclasses import dataclass
 
 from quad_common.errors.base import QuadError
 
+_LONGEST_DELAY = 10.0
+"""Time by which a busy machine may delay a trajectory; more is another clock [s]."""
+
 
 class TrajectoryError(QuadError):
     """A joint trajectory is malformed or comes too late."""
@@ -103,6 +106,11 @@ class TrajectoryOver(TrajectoryError):
     """Time of its last point [s]."""
     now: float
     """Time at which it came [s]."""
+
+    @property
+    def is_delayed(self) -> bool:
+        """Whether a machine that is slow explains it, and not a clock that is another."""
+        return self.now - self.end < _LONGEST_DELAY
 
     def sentence(self) -> str:
         """Say since when it is over."""

@@ -49,6 +49,9 @@ class Frozen(Guard):
             if not self._is_on:
                 return 'the emergency stop was not on'
             self._is_on = False
+            # Whoever executes trajectories may have stopped by itself, before the hold that was
+            # given out: the joints are where they are measured, and all of them are sound.
+            self._joints.forget()
             return (
                 'the emergency stop is released; call stand to make the robot stand and walk again'
             )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from quad_common.errors import MissingOptionalDependency, QuadError
+from quad_common.errors.quoting import clipped
 from quad_common.files.bounded_file import is_file
 from quad_common.files.yaml_document import read_yaml
 from quad_lab.recordings.recorded_topics import CLOCK, RECORDED
@@ -39,7 +40,7 @@ class RecordingUnusable(QuadError):
 
     def sentence(self) -> str:
         """Say what is wrong."""
-        return f'{self.folder}: {self.reason}'
+        return f'{clipped(str(self.folder))}: {self.reason}'
 
 
 @contextmanager

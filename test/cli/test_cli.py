@@ -203,6 +203,8 @@ def test_what_cannot_be_done_ends_with_code_2_and_one_sentence(capsys, arguments
         ['plan', '--start', 'here', '--goal', '1,1,0'],
         [*PLAN, '--map', 'nowhere'],
         [*PLAN, '--method', 'guess'],
+        ['plan', '--start=--', '--goal', '1,1,0'],
+        ['plan', '--start', '1,1,0', '--goal=--'],
         ['parameters', 'other_node'],
         ['robot', 'paint', 'titan_viii'],
         ['robot', 'export', 'titan_viii', '--plugin', 'no plugin'],
@@ -305,3 +307,12 @@ def test_without_ros_the_demo_says_what_to_install():
 
 def test_a_pose_argument_is_a_pose():
     assert pose_argument('1,2,3') == Pose2D(1.0, 2.0, 3.0)
+
+
+def test_too_little_memory_ends_in_a_sentence(capsys, monkeypatch):
+    def plans(*arguments, **options):
+        raise MemoryError
+
+    monkeypatch.setattr('quad_cli.plan._attempt', plans)
+    assert main(PLAN) == 2
+    assert capsys.readouterr().err.endswith('error: there is not enough memory for that\n')

@@ -114,6 +114,7 @@ def test_a_trajectory_that_is_refused_leaves_the_last_one_in_force():
         simulation.step()
     with pytest.raises(TrajectoryError, match=r'ended at 0\.2'):
         simulation.accept(swaying(0.1, seconds=0.1))
+    assert simulation.late_trajectories == 1
     assert simulation.observe().joint_positions[0] - POSTURE[0] == pytest.approx(0.05, abs=1e-4)
 
 

@@ -3,7 +3,11 @@ Descriptions are read whichever format they have, and what is wrong with them is
 """
 
 import os
+import resource
+import subprocess
 import tempfile
+from functools import partial
+from itertools import pairwise
 
 import pytest
 
@@ -12,6 +16,7 @@ from quad_common.robot_files.robot_file import load_robot
 
 pytest.importorskip('yourdfpy')
 
+from quad_common.description import xacro_expansion
 from quad_common.description.meshes import mesh_path
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
@@ -177,3 +182,45 @@ def test_capsules_are_cylinders(tmp_path):
     path.write_text(urdf_from_robot(load_robot('genibo')).replace('<cylinder', '<capsule'))
     shapes = [link.collisions[0].geometry for link in read_description(path).links]
     assert sum(shape.cylinder is not None for shape in shapes) == 12
+
+
+def test_chains_of_thousands_of_links_are_read(tmp_path):
+    path = tmp_path / 'chain.urdf'
+    joint = '<joint name="{1}" type="fixed"><parent link="{0}"/><child link="{1}"/></joint>'
+    links = [f'link{number}' for number in range(3000)]
+    joints = [joint.format(*pair) for pair in pairwise(links)]
+    named = ''.join(f'<link name="{link}"/>' for link in links)
+    path.write_text(f'<robot name="chain">{named}{"".join(joints)}</robot>')
+    tree = KinematicTree(read_description(path), path)
+    assert tree.below(links[1]) == links[1:]
+    assert tree.rigid_group(links[0]) == links
+
+
+@pytest.mark.parametrize('name', ['${9**9**9}', '${[0] * 10**11}'])
+def test_expressions_that_xacro_would_compute_for_ever_are_given_up(name, tmp_path, monkeypatch):
+    pytest.importorskip('xacro')
+    # What the worker may take is passed on to it: a hard limit is never raised.
+    limits = resource.getrlimit(resource.RLIMIT_CPU)
+    monkeypatch.setattr(subprocess, 'run', partial(subprocess.run, preexec_fn=lambda: (
+        resource.setrlimit(resource.RLIMIT_CPU, (1, 1))
+    )))  # fmt: skip
+    path = tmp_path / 'robot.xacro'
+    path.write_text(
+        f'<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="{name}"/></robot>'
+    )
+    with pytest.raises(DescriptionError, match='xacro cannot expand it: '):
+        read_description(path)
+    assert resource.getrlimit(resource.RLIMIT_CPU) == limits
+
+
+def test_a_file_that_xacro_waits_for_is_given_up(tmp_path, monkeypatch):
+    pytest.importorskip('xacro')
+    monkeypatch.setattr(xacro_expansion, '_PATIENCE', 3.0)
+    os.mkfifo(tmp_path / 'pipe')
+    path = tmp_path / 'robot.xacro'
+    path.write_text(
+        '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:include filename="pipe"/><link name="a"/></robot>'
+    )
+    with pytest.raises(DescriptionError, match='it waits for more than 3 s'):
+        read_description(path)

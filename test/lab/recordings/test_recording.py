@@ -16,6 +16,7 @@ from std_msgs.msg import String
 from quad_common.errors import FileUnusable
 from quad_lab.recordings.recorded_topics import RECORDED, Delivery, RecordedTopic
 from quad_lab.recordings.recording import NoPlaceForRecording, Recording, RecordingNotWritten
+from quad_lab.recordings.recording_reader import RecordingUnusable
 
 CHATTER = RecordedTopic('chatter', 'std_msgs/msg/String', Delivery.RELIABLE)
 WORDS = serialize_message(String(data='words'))
@@ -158,3 +159,8 @@ def test_nothing_is_begun_without_room(tmp_path, most_bytes):
     with most_bytes(1_000_000), pytest.raises(FileUnusable, match='cannot be written'):
         record(tmp_path / 'bag')
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_said_of_a_recording_has_one_line_whatever_its_name(tmp_path):
+    unusable = RecordingUnusable(tmp_path / 'a\nb', 'is no recording')
+    assert str(unusable).endswith('a\\nb: is no recording')
