@@ -5,6 +5,7 @@ Where the body goes over feet that stand anywhere: level, within reach, and bala
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class BodyPose:
     yaw: float
     """[rad]"""
 
-    @property
+    @cached_property
     def rotation(self) -> Array:
         """Rotation from the body's axes to the frame's, shape (3, 3)."""
         return matrix_from_angles(np.array([self.roll, self.pitch, self.yaw]))

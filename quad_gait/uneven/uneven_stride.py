@@ -194,10 +194,13 @@ class UnevenStride:
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
         # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
-        if self.height_map is None or now.loads is None or self._catches == _MOST_CATCHES:
+        if self.height_map is None or self._catches == _MOST_CATCHES:
             return False
-        is_lifted = self._motion is not None and self._motion.done >= swing.lifted_at
-        return is_lifted and self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        if self._motion is None or self._motion.done < swing.lifted_at:
+            return False
+        slips = self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        # Loads last: to find them takes longer than all the rest of a measurement.
+        return slips and now.loads is not None
 
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
