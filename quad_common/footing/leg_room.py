@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.leg_kinematics import Leg
 from quad_common.robot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -44,7 +43,7 @@ class LegRoom:
 
     @classmethod
     def of(cls, robot: Robot) -> LegRoom:
-        """Make the table of a robot, by inverse kinematics and the joints' limits."""
+        """Make the table of a robot, by its kinematics, joints' limits and own parts."""
         scale, neutral = robot.relative_size, robot.neutral_feet
         count = round(_EXTENT / _SIDE)
         corners = scale * _SIDE * np.arange(-count, count + 1)
@@ -52,20 +51,23 @@ class LegRoom:
         x, y, z = np.meshgrid(corners, corners, heights, indexing='ij')
         grid = np.stack([x, y, z], axis=-1)
         lowest, highest = [], []
-        for leg, kinematics in enumerate(robot.legs):
+        for leg in range(len(robot.legs)):
             feet = neutral[leg] + grid
-            is_reached = _reached(kinematics, feet, robot.lower[leg], robot.upper[leg])
+            is_reached = _reached(robot, leg, feet)
             low, high = _interval(is_reached, feet[..., 2])
             lowest.append(np.maximum.reduce(_corners(low)))
             highest.append(np.minimum.reduce(_corners(high)))
         return cls(neutral, scale * _SIDE, np.array(lowest), np.array(highest))
 
 
-def _reached(leg: Leg, feet: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
-    """Tell which feet (..., 3) in the body frame [m] a leg reaches within its joints' limits."""
-    is_reached = leg.reaches(feet)
-    angles = leg.inverse(feet[is_reached])
-    is_reached[is_reached] = np.all((angles >= lower) & (angles <= upper), axis=-1)
+def _reached(robot: Robot, leg: int, feet: Array) -> NDArray[np.bool_]:
+    """Tell which feet (..., 3) in the body frame [m] a leg reaches, its thigh off the body."""
+    kinematics = robot.legs[leg]
+    is_reached = kinematics.reaches(feet)
+    angles = kinematics.inverse(feet[is_reached])
+    is_within = np.all((angles >= robot.lower[leg]) & (angles <= robot.upper[leg]), axis=-1)
+    is_within[is_within] = robot.own_parts.leg_keeps_clear(leg, angles[is_within])
+    is_reached[is_reached] = is_within
     return is_reached
 
 

@@ -120,6 +120,8 @@ class UnevenStride:
         """Time at which what was planned last is done [s]."""
         self.limit = ''
         """What kept a leg from getting as far as it was to; empty if nothing did."""
+        self.stuck: int | None = None
+        """Index of the leg for which no swing was found, so that the stride was cut short."""
 
     @property
     def leg(self) -> int:
@@ -333,6 +335,7 @@ class UnevenStride:
                 if self._next == 0:
                     raise
                 # Some feet are farther on: the body follows them as far as the others allow.
+                self.stuck = leg
                 self.limit = self.limit or f'a foot stays where it is: {error}'
                 return self._finish(now)
         self.limit = self.limit or swing.limit

@@ -100,7 +100,9 @@ def test_legs_reach_whatever_the_table_says(robot):
         z = rng.uniform(room.lowest[leg, i, j], room.highest[leg, i, j])
         feet = robot.neutral_feet.copy()
         feet[leg] = *(robot.neutral_feet[leg, :2] + (u, v)), z
-        robot.joint_angles(feet)
+        angles = robot.joint_angles(feet)
+        # Its thigh keeps off the body, too.
+        assert robot.own_parts.leg_keeps_clear(leg, angles[None, leg]).all()
 
 
 # Plans
