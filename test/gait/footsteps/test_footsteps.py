@@ -105,6 +105,16 @@ def test_legs_reach_whatever_the_table_says(robot):
         assert robot.own_parts.leg_keeps_clear(leg, angles[None, leg]).all()
 
 
+def test_where_a_leg_reaches_out_the_body_may_be_lower():
+    room = LegRoom.of(GENIBO)
+    middle = GENIBO.neutral_feet[:, 2, None, None]
+    is_known = np.isfinite(room.lowest)
+    assert (room.highest >= room.lowest)[is_known].all()
+    # Places that no foot reaches at its initial height, and a foot that is higher does.
+    only_lower = is_known & (room.lowest > middle + 1e-6)
+    assert only_lower.sum() > 0.2 * is_known.sum()
+
+
 # Plans
 
 
