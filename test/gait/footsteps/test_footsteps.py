@@ -157,6 +157,24 @@ def test_a_pit_that_is_too_wide_is_not_stepped_over():
         FootstepPlanner(TITAN, OPTIONS).plan(standing_feet(TITAN, heights), AHEAD, ground)
 
 
+def test_where_no_footsteps_have_all_the_margin_some_with_less_will_do():
+    heights = stones()
+    feet = standing_feet(TITAN, heights)
+    asked = {'margin': 0.12, 'least_margin': 0.12}
+
+    def planned(**margins):
+        options = FootstepOptions(most_expansions=800, **margins)
+        ground = FootholdMap(TITAN, UnevenOptions(), options, heights)
+        return FootstepPlanner(TITAN, options).plan(feet, AHEAD, ground)
+
+    with pytest.raises(FootstepsNotFound):
+        planned(**asked)
+    less = planned(**asked | {'least_margin': OPTIONS.margin})
+    usual = planned()
+    assert [step.leg for step in less.steps] == [step.leg for step in usual.steps]
+    assert np.array_equal(less.steps[-1].feet, usual.steps[-1].feet)
+
+
 def test_where_the_body_is_already_no_step_is_planned():
     heights = stones()
     ground = FootholdMap(TITAN, UnevenOptions(), OPTIONS, heights)
