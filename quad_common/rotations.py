@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+_Three = Array | list[float]
 
 
 def matrix_from_angles(angles: Array) -> Array:
@@ -31,13 +33,23 @@ def matrix_from_angles(angles: Array) -> Array:
     ndarray, shape (..., 3, 3)
         From the body's axes to the frame's.
     """
-    (cr, cp, cy), (sr, sp, sy) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
-    rows = [
+    if angles.ndim == 1:
+        # Of one rotation the same numbers, without arrays for each of them: ten times as fast.
+        return np.array(_rows_of(np.cos(angles).tolist(), np.sin(angles).tolist()))
+    cosines, sines = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
+    rows = _rows_of(cosines, sines)
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _rows_of(cosines: _Three, sines: _Three) -> list[list[Any]]:
+    """Return the rows of Rz Ry Rx, of cosines and sines of roll, pitch and yaw."""
+    cr, cp, cy = cosines
+    sr, sp, sy = sines
+    return [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
         [-sp, cp * sr, cp * cr],
     ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def angles_from_quaternion(quaternion: Array) -> tuple[float, float, float]:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.robot.leg_kinematics import Leg
 from quad_common.robot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -44,7 +43,7 @@ class LegRoom:
 
     @classmethod
     def of(cls, robot: Robot) -> LegRoom:
-        """Make the table of a robot, by inverse kinematics and the joints' limits."""
+        """Make the table of a robot, by its kinematics, joints' limits and own parts."""
         scale, neutral = robot.relative_size, robot.neutral_feet
         count = round(_EXTENT / _SIDE)
         corners = scale * _SIDE * np.arange(-count, count + 1)
@@ -52,34 +51,49 @@ class LegRoom:
         x, y, z = np.meshgrid(corners, corners, heights, indexing='ij')
         grid = np.stack([x, y, z], axis=-1)
         lowest, highest = [], []
-        for leg, kinematics in enumerate(robot.legs):
+        for leg in range(len(robot.legs)):
             feet = neutral[leg] + grid
-            is_reached = _reached(kinematics, feet, robot.lower[leg], robot.upper[leg])
+            is_reached = _reached(robot, leg, feet)
             low, high = _interval(is_reached, feet[..., 2])
             lowest.append(np.maximum.reduce(_corners(low)))
             highest.append(np.minimum.reduce(_corners(high)))
-        return cls(neutral, scale * _SIDE, np.array(lowest), np.array(highest))
+        low, high = np.array(lowest), np.array(highest)
+        is_none = low > high
+        low[is_none], high[is_none] = math.inf, -math.inf
+        return cls(neutral, scale * _SIDE, low, high)
 
 
-def _reached(leg: Leg, feet: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
-    """Tell which feet (..., 3) in the body frame [m] a leg reaches within its joints' limits."""
-    is_reached = leg.reaches(feet)
-    angles = leg.inverse(feet[is_reached])
-    is_reached[is_reached] = np.all((angles >= lower) & (angles <= upper), axis=-1)
+def _reached(robot: Robot, leg: int, feet: Array) -> NDArray[np.bool_]:
+    """Tell which feet (..., 3) in the body frame [m] a leg reaches, its thigh off the body."""
+    kinematics = robot.legs[leg]
+    is_reached = kinematics.reaches(feet)
+    angles = kinematics.inverse(feet[is_reached])
+    is_within = np.all((angles >= robot.lower[leg]) & (angles <= robot.upper[leg]), axis=-1)
+    is_within[is_within] = robot.own_parts.leg_keeps_clear(leg, angles[is_within])
+    is_reached[is_reached] = is_within
     return is_reached
 
 
 def _interval(is_reached: NDArray[np.bool_], heights: Array) -> tuple[Array, Array]:
-    """Return the ends of the run of reached heights around the middle; none if that is not."""
+    """
+    Return the ends of the run of reached heights that is nearest to the middle one.
+
+    Where the initial height is too low for a leg that reaches out, the body may be lower.
+    """
     count = is_reached.shape[-1]
-    middle = count // 2
-    below = np.flip(np.minimum.accumulate(np.flip(is_reached[..., :middle], -1), axis=-1), -1)
-    above = np.minimum.accumulate(is_reached[..., middle:], axis=-1)
-    low = np.where(below, heights[..., :middle], math.inf).min(axis=-1, initial=math.inf)
-    high = np.where(above, heights[..., middle:], -math.inf).max(axis=-1, initial=-math.inf)
-    is_known = np.isfinite(high)
-    low = np.where(is_known, np.minimum(low, heights[..., middle]), math.inf)
-    return low, high
+    index = np.arange(count)
+    away = np.where(is_reached, np.abs(index - count // 2), count)
+    nearest = away.argmin(axis=-1)[..., None]
+    gaps_below = np.maximum.accumulate(np.where(is_reached, -1, index), axis=-1)
+    gaps_above = np.where(is_reached, count, index)
+    gaps_above = np.flip(np.minimum.accumulate(np.flip(gaps_above, -1), axis=-1), -1)
+    first = np.take_along_axis(gaps_below, nearest, -1) + 1
+    last = np.take_along_axis(gaps_above, nearest, -1) - 1
+    is_known = is_reached.any(axis=-1)
+    low, high = (
+        np.take_along_axis(heights, np.clip(k, 0, count - 1), -1)[..., 0] for k in (first, last)
+    )
+    return np.where(is_known, low, math.inf), np.where(is_known, high, -math.inf)
 
 
 def _corners(image: Array) -> list[Array]:

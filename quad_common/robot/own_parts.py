@@ -110,6 +110,33 @@ class OwnParts:
         worst = min(self._measured(doubts, chain), key=lambda found: found.spare, default=None)
         return worst if worst is not None and worst.spare < 0.0 else None
 
+    def leg_keeps_clear(self, leg: int, joint_angles: Array) -> Mask:
+        """
+        Tell where a leg keeps clear of the body, and its parts of one another.
+
+        Parameters
+        ----------
+        leg : int
+            Index of the leg.
+        joint_angles : ndarray, shape (n, 3)
+            Of its joints [rad].
+
+        Returns
+        -------
+        ndarray of bool, shape (n,)
+            Whether they do; the other legs are not looked at.
+        """
+        angles = np.repeat(self._posture[None], len(joint_angles), axis=0)
+        angles[:, leg] = joint_angles
+        segments = self.shape.segments(self.shape.legs.chain(angles))
+        is_clear = np.ones(len(joint_angles), dtype=bool)
+        for group in self.shape.groups:
+            if group.legs == (leg,):
+                least = np.array([self._least_of(pair) for pair in group.pairs])
+                clearances = self.shape.group_clearances(group, segments)
+                is_clear &= (clearances >= least).all(axis=1)
+        return is_clear
+
     def too_low(self, chain: Chain, ground: Array) -> Approach | None:
         """
         Find the knee that comes nearest to the ground, if it comes too near.

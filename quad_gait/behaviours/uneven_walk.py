@@ -20,13 +20,19 @@ from quad_gait.behaviours.guidance import PlannedMotion
 from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
+from quad_gait.state.body_placement import strain_over
 from quad_gait.state.robot_state import RobotState
 from quad_gait.uneven.stride_goal import StrideGoal
+from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride
 
 if TYPE_CHECKING:
     from quad_gait.footsteps.footstep_route import FootstepRoute
 
+
+_STRAINED = 0.07
+"""Distance of a foot from its initial posture that is far, after a stride was cut short [m, of
+TITAN-VIII]."""
 
 _NEGLIGIBLE = 1e-9
 """Corrections of odometry that are none but for rounding [m, rad]."""
@@ -46,11 +52,14 @@ class UnevenWalk(Walk):
         uneven = shared.options.uneven
         self._route: FootstepRoute | None = None
         if uneven is not None and uneven.plans_footsteps:
-            # Imported late: compiled loops take time to load, and other walks need none.
-            from quad_gait.footsteps.footstep_options import FootstepOptions
-            from quad_gait.footsteps.footstep_route import FootstepRoute
+            self._route = self._new_route(uneven)
 
-            self._route = FootstepRoute(shared.robot, uneven, FootstepOptions())
+    def _new_route(self, uneven: UnevenOptions) -> FootstepRoute:
+        # Imported late: compiled loops take time to load, and most walks need none.
+        from quad_gait.footsteps.footstep_options import FootstepOptions
+        from quad_gait.footsteps.footstep_route import FootstepRoute
+
+        return FootstepRoute(self._robot, uneven, FootstepOptions())
 
     def take(self, wish: Wish) -> None:
         """Take a map of the ground."""
@@ -59,6 +68,7 @@ class UnevenWalk(Walk):
                 # Published again and again: what feet have met of it still counts.
                 return
             self._height_map = wish.height_map
+            self._guidance.ways_out.knows_ground = wish.height_map is not None
             self._guidance.felt.forget_map()
             if self._route is not None:
                 self._route.take_map(wish.height_map)
@@ -88,18 +98,21 @@ class UnevenWalk(Walk):
         assert step is not None
         assert options is not None
         self._note_correction(state)
-        chosen = guidance.ways_out.choose(step, self._limit)
+        chosen = guidance.ways_out.choose(step, self._limit, self._is_strained(state))
         if chosen is None:
             guidance.give_up(Activity.STOPPED, guidance.ways_out.problem)
             return GO_ON
         if chosen.is_detour:
             self._ask_for_detour(state.pose, step)
             return GO_ON
+        if chosen.is_planned and self._route is None:
+            self._route = self._new_route(options)
         step, self._limit = chosen.step, ''
         gait = guidance.gait_pair.order_of(step)
         try:
             goal = self._over_footholds(state)
         except GaitError as error:
+            guidance.ways_out.end_footsteps()
             self._report.limit = str(error)
             guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
@@ -116,15 +129,28 @@ class UnevenWalk(Walk):
         self._report.limit = chosen.remark or self._report.limit
         return self._go_on(state, self._stride)
 
+    def _is_strained(self, state: RobotState) -> bool:
+        """Tell whether a stride that was cut short has left a foot far from its initial posture."""
+        if not self._limit:
+            return False
+        robot = self._robot
+        feet = state.stance(state).feet
+        return strain_over(robot, feet) > robot.relative_size * _STRAINED
+
     def _over_footholds(self, state: RobotState) -> StrideGoal | None:
-        """Plan a stride over footholds, where the ground asks for them; None elsewhere."""
-        route, pose = self._route, state.pose
-        if route is None:
+        """Plan a stride over footholds, where ground or ways out ask for them; None elsewhere."""
+        route, pose, ways = self._route, state.pose, self._guidance.ways_out
+        options, heights = self._options.uneven, self._height_map
+        if route is None or options is None:
             return None
-        heights = self._height_map
+        if not (options.plans_footsteps or ways.is_stepping):
+            return None
         route.use_map(None if heights is None else self._guidance.felt.moved(heights))
         targets = self._guidance.poses_ahead(pose, route.horizons)
-        return route.stride_ahead(state.stance(state), pose, targets)
+        goal = route.stride_ahead(state.stance(state), pose, targets, ways.is_stepping)
+        if goal is None:
+            ways.end_footsteps()
+        return goal
 
     def _note_correction(self, state: RobotState) -> None:
         """Tell what is known of the ground that a localiser has moved the robot on the map."""
@@ -157,8 +183,7 @@ class UnevenWalk(Walk):
             trajectory = stride.update(state.stance(self._begun))
         except GaitError as error:
             self._end(stride)
-            if self._route is not None and self._goal is not None and self._goal.is_exact:
-                self._route.block(self._goal, stride.leg)
+            self._keep_out(stride.leg)
             self._report.limit = str(error)
             self._guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
@@ -167,7 +192,14 @@ class UnevenWalk(Walk):
         self._report.limit = stride.limit or self._report.limit
         if stride.is_over:
             self._end(stride)
+            if stride.stuck is not None:
+                self._keep_out(stride.stuck)
         return Command(trajectory)
+
+    def _keep_out(self, leg: int) -> None:
+        """Leave a foothold that a leg did not get to out of the next plan of footsteps."""
+        if self._route is not None and self._goal is not None and self._goal.is_exact:
+            self._route.block(self._goal, leg)
 
     def _end(self, stride: UnevenStride) -> None:
         """Let the robot stand as the stride left it: its feet are on uneven ground."""

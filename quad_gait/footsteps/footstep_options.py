@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from quad_common.footing.foothold_criterion import FootholdCriterion
+from quad_gait.uneven.uneven_options import UnevenOptions
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class FootstepOptions:
     """Distance that a foot goes in one step, at most [m]."""
     margin: float = 0.035
     """Distance of the center of mass inside the three feet that stand, at least [m]."""
+    least_margin: float = UnevenOptions.least_margin
+    """The same where no footsteps are found with that [m]."""
     separation: float = 0.5
     """Distance between feet, as a fraction of the least one in the initial posture."""
     horizon: float = 1.2

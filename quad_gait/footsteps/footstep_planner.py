@@ -110,6 +110,15 @@ class FootstepPlanner:
 
     def plan_over(self, lattice: Lattice, target: Pose2D) -> FootstepPlan:
         """Plan footsteps over a lattice, whose last four places are the feet; as :meth:`plan`."""
+        try:
+            return self._planned(lattice, target, self._body)
+        except FootstepsNotFound:
+            least = self._robot.relative_size * self._options.least_margin
+            if least >= self._body.margin:
+                raise
+            return self._planned(lattice, target, self._body._replace(margin=least))
+
+    def _planned(self, lattice: Lattice, target: Pose2D, body: Body) -> FootstepPlan:
         options, scale = self._options, self._robot.relative_size
         middle = lattice.places[-4:, :2].mean(axis=0)
         distance = math.hypot(*(middle - (target.x, target.y)))
@@ -127,12 +136,12 @@ class FootstepPlanner:
         end = -1
         while end < 0 and tree.state[2] < options.most_expansions:
             before = int(tree.state[2])
-            end = search(lattice, self._body, goal, tree, options.expansions)
+            end = search(lattice, body, goal, tree, options.expansions)
             if tree.state[2] == before:
                 break
         if end < 0:
             raise FootstepsNotFound(distance, int(tree.state[2]))
-        end = search(lattice, self._body, goal, tree, options.expansions)
+        end = search(lattice, body, goal, tree, options.expansions)
         steps: list[Footstep] = []
         node = end
         while tree.parents[node] >= 0:

@@ -17,6 +17,7 @@ from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import Footstep, FootstepPlanner, pose_over
+from quad_gait.state.body_placement import strain_over
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.stride_goal import StrideGoal
@@ -93,7 +94,7 @@ class FootstepRoute:
         self.forget()
 
     def stride_ahead(
-        self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D]
+        self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D], is_asked: bool = False
     ) -> StrideGoal | None:
         """
         Return the next stride over footholds, where the ground asks for them.
@@ -106,18 +107,22 @@ class FootstepRoute:
             Pose of its body.
         targets : sequence of Pose2D
             Where the body is to be, some strides ahead; the next where no footsteps lead to one.
+        is_asked : bool
+            Whether to plan on even ground, too.
 
         Returns
         -------
         StrideGoal or None
-            None where the ground is even, or the body is there.
+            None where the ground is even, unless asked, or the body is there.
 
         Raises
         ------
         FootstepsNotFound
             If there are none.
         """
-        if not targets or not (self._is_strained(now) or self.is_needed(pose, targets[0])):
+        if not targets or not (
+            is_asked or self._is_strained(now) or self.is_needed(pose, targets[0])
+        ):
             self.forget()
             self._has_begun = False
             return None
@@ -134,9 +139,8 @@ class FootstepRoute:
         """Tell whether footsteps have left the feet where strides could not begin."""
         if self._map is None or not self._has_begun:
             return False
-        neutral = pose_over(self._robot, now.feet).transform(self._robot.neutral_feet)
-        off = np.hypot(*(now.feet - neutral)[:, :2].T).max()
-        return bool(off > self._robot.relative_size * self._options.strained)
+        strained = self._robot.relative_size * self._options.strained
+        return strain_over(self._robot, now.feet) > strained
 
     def is_needed(self, pose: Pose2D, target: Pose2D) -> bool:
         """

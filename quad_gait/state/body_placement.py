@@ -5,6 +5,7 @@ Where the body goes over feet that stand anywhere: level, within reach, and bala
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import matrix_from_angles
 
 Array = NDArray[np.float64]
+
+_LEVEL = np.zeros(2)
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class BodyPose:
     yaw: float
     """[rad]"""
 
-    @property
+    @cached_property
     def rotation(self) -> Array:
         """Rotation from the body's axes to the frame's, shape (3, 3)."""
         return matrix_from_angles(np.array([self.roll, self.pitch, self.yaw]))
@@ -89,6 +92,27 @@ def body_over(robot: Robot, feet: Array, yaw: float, slope: Array, fraction: flo
     rotation = matrix_from_angles(np.array([roll, pitch, yaw]))
     position = (feet - robot.neutral_feet @ rotation.T).mean(axis=0)
     return BodyPose(position, roll, pitch, wrap_angle(yaw))
+
+
+def strain_over(robot: Robot, feet: Array) -> float:
+    """
+    Return how far a foot is from its initial posture at most, the body over the feet.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    feet : ndarray, shape (4, 3)
+        Their centers, in a frame with z up [m].
+
+    Returns
+    -------
+    float
+        Horizontal distance, the body level [m].
+    """
+    body = body_over(robot, feet, heading_over(robot, feet), _LEVEL, 0.0)
+    off = (feet - body.transform(robot.neutral_feet))[:, :2]
+    return float(np.hypot(*off.T).max())
 
 
 def balanced(point: Array, triangle: Array, margin: float) -> Array:

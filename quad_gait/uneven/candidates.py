@@ -44,9 +44,15 @@ fraction of the height that the foot is to be above the ground."""
 _PACES = (1.0, 0.6, 0.35)
 """Fractions of its speed at which a foot goes to a foothold that was chosen for it."""
 
-IN_PLACE = [(*kind[1:], pace) for kind in VARIANTS if kind[0] == 1.0 for pace in _PACES]
+IN_PLACE = [
+    (*kind[1:], pace, less)
+    for less in (0.0, 1.0)
+    for kind in VARIANTS
+    if kind[0] == 1.0
+    for pace in _PACES
+]
 """The same of swings that do the whole step, with the fraction of a foot's speed in place of that
-of the step."""
+of the step, and whether less margin will do."""
 
 LEANS = sorted(
     product(_FRACTIONS, TILTS, LOWER),

@@ -4,6 +4,7 @@ From paths of body and feet to the motion of the joints.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,6 +116,9 @@ def _check_speeds(robot: Robot, times: Array, joints: Array, velocities: Array) 
 def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:
     """Find the joints for feet in the body frame (n, 4, 3); beyond what is sure while reached."""
     needed = min(sure, len(feet))
+    # Mostly all are reached: at once that is several times as fast, and the same bit for bit.
+    with suppress(GaitError):
+        return robot.joint_angles(feet)
     joints = robot.joint_angles(feet[:needed])
     while needed < len(feet):
         # Beyond what is sure the foot goes only as deep as the leg reaches.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -91,6 +92,8 @@ class _Posture(NamedTuple):
     """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
     clearance: float = 1.0
     """Fraction of its usual height at which the foot passes over the ground."""
+    has_less_margin: bool = False
+    """Whether the body is no farther inside the other feet than it must be."""
 
 
 class SwingPlanner:
@@ -110,6 +113,7 @@ class SwingPlanner:
     def __init__(self, robot: Robot, options: UnevenOptions, swing_height: float) -> None:
         self._robot, self._scale = robot, robot.relative_size
         self._options, self._swing_height = options, swing_height
+        self._along = partial(motion_along, robot, options)
 
     def swing(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
@@ -162,9 +166,10 @@ class SwingPlanner:
         """Plan a swing just to a foothold that was chosen, or none; else as `swing`."""
         target = self._foot_on(ground, place)
 
-        def plan(tilt: float, lower: float, clearance: float, pace: float) -> PlannedSwing:
+        def plan(*kind: float) -> PlannedSwing:
+            tilt, lower, clearance, pace, less = kind
+            posture = _Posture(tilt, lower, clearance, less > 0.0)
             swing = _Swing(leg, target, pace, stands=True)
-            posture = _Posture(tilt, lower, clearance)
             return self._swing_to(now, commanded, ground, swing, posture)
 
         return first_possible(plan, IN_PLACE)[0]
@@ -193,7 +198,7 @@ class SwingPlanner:
             feet[:, legs, 2] -= searched(times, speed, depth)[:, None]
             still = np.zeros(len(times))
             paths = PlannedPaths(times, now.body, still, feet, sure=2, given=BIT)
-            return self._motion_along(now, commanded, paths)
+            return self._along(now, commanded, paths)
 
         return first_possible(plan, QUICK_SEARCHES if quickly else SEARCHES)[0]
 
@@ -209,7 +214,7 @@ class SwingPlanner:
         path[:, leg, 2] -= searched(times - shift, speed, depth)
         sure, progress = int(np.searchsorted(times, shift)), minimum_jerk(0.0, shift, times)[0]
         paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
-        motion = self._motion_along(now, commanded, paths)
+        motion = self._along(now, commanded, paths)
         return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
 
     def shift(
@@ -255,7 +260,7 @@ class SwingPlanner:
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
-            return self._motion_along(now, commanded, PlannedPaths(times, target, progress, feet))
+            return self._along(now, commanded, PlannedPaths(times, target, progress, feet))
 
         return first_possible(plan, LEANS)[0]
 
@@ -285,7 +290,8 @@ class SwingPlanner:
         body = _lowered(
             body_over(robot, feet, yaw, ground.slope, posture.tilt), scale * posture.lower
         )
-        body = self._balanced_over(body, now, leg)
+        margin = options.least_margin if posture.has_less_margin else options.margin
+        body = self._balanced_over(body, now, leg, margin)
 
         shift = self._shift_duration(now.body, body)
         top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
@@ -322,7 +328,7 @@ class SwingPlanner:
             given = sure if lowest == highest else int(np.searchsorted(times, low))
         begun = lifted_at if stands and now.loads is not None else given
         paths = PlannedPaths(times, body, progress, path, sure + 1, begun)
-        motion = self._motion_along(now, commanded, paths)
+        motion = self._along(now, commanded, paths)
         given = min(given, len(motion.times) - 1)
         return PlannedSwing(motion, lifted_at, feels_from, given, depth)
 
@@ -364,12 +370,12 @@ class SwingPlanner:
         above = min(scale * options.search_above + higher, top - float(target[2]))
         return top, above if feels else 0.0
 
-    def _balanced_over(self, body: BodyPose, now: Stance, leg: int) -> BodyPose:
+    def _balanced_over(self, body: BodyPose, now: Stance, leg: int, margin: float) -> BodyPose:
         """Move the body so that its center of mass is inside the other three feet."""
         offset = (body.rotation @ self._robot.center_of_mass(now.joint_positions))[:2]
         center = body.position[:2] + offset
         triangle = np.delete(now.feet[:, :2], leg, axis=0)
-        moved = balanced(center, triangle, self._scale * self._options.margin) - offset
+        moved = balanced(center, triangle, self._scale * margin) - offset
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
 
     def _lasting(self, distance: float, least: float, pace: float) -> float:
@@ -383,11 +389,6 @@ class SwingPlanner:
         ).max()
         distance = max(distance, self._robot.footprint_radius * float(turned))
         return max(self._options.shift_time, distance / (self._scale * self._options.shift_speed))
-
-    def _motion_along(
-        self, now: Stance, commanded: Array | None, paths: PlannedPaths
-    ) -> JointMotion:
-        return motion_along(self._robot, self._options, now, commanded, paths)
 
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))

@@ -120,6 +120,8 @@ class UnevenStride:
         """Time at which what was planned last is done [s]."""
         self.limit = ''
         """What kept a leg from getting as far as it was to; empty if nothing did."""
+        self.stuck: int | None = None
+        """Index of the leg for which no swing was found, so that the stride was cut short."""
 
     @property
     def leg(self) -> int:
@@ -194,10 +196,13 @@ class UnevenStride:
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
         # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
-        if self.height_map is None or now.loads is None or self._catches == _MOST_CATCHES:
+        if self.height_map is None or self._catches == _MOST_CATCHES:
             return False
-        is_lifted = self._motion is not None and self._motion.done >= swing.lifted_at
-        return is_lifted and self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        if self._motion is None or self._motion.done < swing.lifted_at:
+            return False
+        slips = self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        # Loads last: to find them takes longer than all the rest of a measurement.
+        return slips and now.loads is not None
 
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
@@ -330,6 +335,7 @@ class UnevenStride:
                 if self._next == 0:
                     raise
                 # Some feet are farther on: the body follows them as far as the others allow.
+                self.stuck = leg
                 self.limit = self.limit or f'a foot stays where it is: {error}'
                 return self._finish(now)
         self.limit = self.limit or swing.limit

@@ -3,8 +3,9 @@ What a robot tries when a stride over uneven ground cannot be made, or leads now
 
 Within a stride another foot goes first, the body is raised, and a foot that no swing is found
 for stays where it stands (`uneven_stride`). What is here changes the strides: a shorter one, a
-longer one, one back; then a detour is asked of the planner, and the robot stops. Each is tried
-once; all of them anew where the robot has got nearer to its goal than ever before.
+longer one, one back; then footsteps are planned from where the feet stand, whatever the order of
+legs; then a detour is asked of the planner, and the robot stops. Each is tried once; all of them
+anew where the robot has got nearer to its goal than ever before.
 """
 
 from __future__ import annotations
@@ -23,11 +24,12 @@ class WayOut(enum.Enum):
     SHORTER = 'a shorter stride'
     LONGER = 'a longer stride'
     BACK = 'a stride back'
+    FOOTSTEPS = 'footsteps planned one by one'
     DETOUR = 'another path'
 
 
 ORDER = tuple(WayOut)
-"""Ways out in the order in which they are tried."""
+"""Ways out in the order in which they are tried; footsteps only where there is a height map."""
 
 _SHORTER, _LONGER, _BACK = 0.5, 1.35, 0.5
 """Factors of the stride that was wanted; that back is a part of the largest one."""
@@ -37,6 +39,9 @@ _RECOVERY = 1.25
 
 _STRIDES = 5
 """Strides without any progress after which a way out is tried."""
+
+_MOST_PLANS = 8
+"""Times that footsteps are planned again, without the foothold that could not be stepped on."""
 
 _PROGRESS = 0.05
 """Fraction of the largest stride that counts as progress."""
@@ -49,6 +54,8 @@ class Chosen(NamedTuple):
     """Step that is walked."""
     remark: str = ''
     """Which way out it is, and why, as a sentence; empty if it is none."""
+    is_planned: bool = False
+    """Whether footsteps take the place of the step, until they have led to where it leads."""
     is_detour: bool = False
     """Whether no step leads on, and another path is needed."""
 
@@ -69,6 +76,8 @@ class WaysOut:
         """Distances and turns to the goal, as
         :func:`~quad_gait.following.reference_path.work_left` adds them up [m]; None where no plan
         is followed."""
+        self.knows_ground = False
+        """Whether there is a height map, over which footsteps can be planned."""
         self.reset()
 
     def reset(self) -> None:
@@ -78,8 +87,13 @@ class WaysOut:
         self._tried = 0
         self._factor = 1.0
         self._next: WayOut | None = None
+        self._plans_left = 0
         self.problem = ''
         """Reason for the way out that was tried last."""
+
+    @property
+    def _order(self) -> list[WayOut]:
+        return [way for way in ORDER if way is not WayOut.FOOTSTEPS or self.knows_ground]
 
     @property
     def next(self) -> WayOut | None:
@@ -134,13 +148,25 @@ class WaysOut:
         """
         self._strides = 0
         self.problem = problem
-        if self._tried == len(ORDER):
+        if self._plans_left > 0:
+            self._plans_left -= 1
+            return True
+        if self._tried == len(self._order):
             return False
-        self._next = ORDER[self._tried]
+        self._next = self._order[self._tried]
         self._tried += 1
         return True
 
-    def choose(self, step: Step, limit: str = '') -> Chosen | None:
+    @property
+    def is_stepping(self) -> bool:
+        """Whether footsteps that are planned one by one take the place of strides."""
+        return self._plans_left > 0
+
+    def end_footsteps(self) -> None:
+        """Go on by strides: footsteps have led to where they were to, or there are none."""
+        self._plans_left = 0
+
+    def choose(self, step: Step, limit: str = '', is_strained: bool = False) -> Chosen | None:
         """
         Look at the progress before a stride begins, and change its step where a way out is due.
 
@@ -150,6 +176,8 @@ class WaysOut:
             What is wanted.
         limit : str
             What kept the last stride from being what it was to be; empty if nothing did.
+        is_strained : bool
+            Whether that has left a foot far from its initial posture.
 
         Returns
         -------
@@ -160,6 +188,10 @@ class WaysOut:
             return None
         if self.left is not None and self._next is WayOut.DETOUR:
             return Chosen(step, is_detour=True)
+        may_step = self.left is not None and self.knows_ground and not self.is_stepping
+        if limit and is_strained and may_step and self._next is None:
+            # After more strides that are cut short no foot may find a way on any more.
+            return self._by_footsteps(step, f'{WayOut.FOOTSTEPS.value}: {limit}')
         return self.take(step)
 
     def take(self, step: Step) -> Chosen:
@@ -167,7 +199,9 @@ class WaysOut:
         way, self._next = self._next, None
         if way is None:
             return Chosen(_scaled(step, self._factor))
-        remark = f'{way.value} is tried ({self._tried} of {len(ORDER)}): {self.problem}'
+        remark = f'{way.value} is tried ({self._tried} of {len(self._order)}): {self.problem}'
+        if way is WayOut.FOOTSTEPS:
+            return self._by_footsteps(step, remark)
         if way is WayOut.BACK:
             back = BodyMotion(forward=-_BACK * self._largest)
             return Chosen(Step(is_turn=False, motion=back), remark)
@@ -175,6 +209,10 @@ class WaysOut:
             self._factor = _SHORTER
             return Chosen(_scaled(step, self._factor), remark)
         return Chosen(_scaled(step, _LONGER), remark)
+
+    def _by_footsteps(self, step: Step, remark: str) -> Chosen:
+        self._plans_left = _MOST_PLANS
+        return Chosen(step, remark, is_planned=True)
 
 
 def _scaled(step: Step, factor: float) -> Step:

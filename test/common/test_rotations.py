@@ -59,3 +59,8 @@ def test_rotations_are_those_of_scipy(seed):
     assert yaw_from_quaternion(quaternion) == yaw
     up = known.apply([0.0, 0.0, 1.0])[2]
     assert tilt_from_quaternion(quaternion) == pytest.approx(math.acos(up))
+
+
+def test_one_rotation_is_bit_for_bit_what_it_is_among_others():
+    for angles in np.random.default_rng(2).uniform(-4.0, 4.0, (200, 3)):
+        assert np.array_equal(matrix_from_angles(angles), matrix_from_angles(angles[None])[0])

@@ -179,3 +179,20 @@ def test_a_knee_near_the_ground_is_found():
         assert (found is not None) == is_found
     assert found.pair.second == 'ground'
     assert found.spare == pytest.approx(-1e-4)
+
+
+@pytest.mark.parametrize('name', ['genibo', 'titan_viii'])
+def test_a_leg_keeps_clear_just_where_none_of_its_pairs_is_too_near(name):
+    robot, rng = ROBOTS[name], np.random.default_rng(4)
+    parts, shape, leg = robot.own_parts, robot.shape, 2
+    angles = np.repeat(robot.initial_joint_angles[None], 400, axis=0)
+    angles[:, leg] = rng.uniform(robot.lower[leg], robot.upper[leg], (400, 3))
+    own = [k for k, pair in enumerate(shape.pairs) if _is_of(pair, LEGS[leg])]
+    clear = (shape.clearances(angles)[:, own] >= parts.least).all(axis=1)
+    assert np.array_equal(parts.leg_keeps_clear(leg, angles[:, leg]), clear)
+    assert 0.05 < clear.mean() < 0.95
+
+
+def _is_of(pair, leg):
+    """Tell whether both parts are the leg's, or one is the body."""
+    return all(part == BODY or part.startswith(f'{leg}_') for part in (pair.first, pair.second))

@@ -100,7 +100,19 @@ def test_legs_reach_whatever_the_table_says(robot):
         z = rng.uniform(room.lowest[leg, i, j], room.highest[leg, i, j])
         feet = robot.neutral_feet.copy()
         feet[leg] = *(robot.neutral_feet[leg, :2] + (u, v)), z
-        robot.joint_angles(feet)
+        angles = robot.joint_angles(feet)
+        # Its thigh keeps off the body, too.
+        assert robot.own_parts.leg_keeps_clear(leg, angles[None, leg]).all()
+
+
+def test_where_a_leg_reaches_out_the_body_may_be_lower():
+    room = LegRoom.of(GENIBO)
+    middle = GENIBO.neutral_feet[:, 2, None, None]
+    is_known = np.isfinite(room.lowest)
+    assert (room.highest >= room.lowest)[is_known].all()
+    # Places that no foot reaches at its initial height, and a foot that is higher does.
+    only_lower = is_known & (room.lowest > middle + 1e-6)
+    assert only_lower.sum() > 0.2 * is_known.sum()
 
 
 # Plans
@@ -143,6 +155,24 @@ def test_a_pit_that_is_too_wide_is_not_stepped_over():
     ground = FootholdMap(TITAN, UnevenOptions(), OPTIONS, heights)
     with pytest.raises(FootstepsNotFound, match=r'no footsteps lead 1\.20 m on'):
         FootstepPlanner(TITAN, OPTIONS).plan(standing_feet(TITAN, heights), AHEAD, ground)
+
+
+def test_where_no_footsteps_have_all_the_margin_some_with_less_will_do():
+    heights = stones()
+    feet = standing_feet(TITAN, heights)
+    asked = {'margin': 0.12, 'least_margin': 0.12}
+
+    def planned(**margins):
+        options = FootstepOptions(most_expansions=800, **margins)
+        ground = FootholdMap(TITAN, UnevenOptions(), options, heights)
+        return FootstepPlanner(TITAN, options).plan(feet, AHEAD, ground)
+
+    with pytest.raises(FootstepsNotFound):
+        planned(**asked)
+    less = planned(**asked | {'least_margin': OPTIONS.margin})
+    usual = planned()
+    assert [step.leg for step in less.steps] == [step.leg for step in usual.steps]
+    assert np.array_equal(less.steps[-1].feet, usual.steps[-1].feet)
 
 
 def test_where_the_body_is_already_no_step_is_planned():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import GaitError
+from quad_common.maps.height_map import HeightMap
 from quad_common.maps.map_file import load_map
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
@@ -109,10 +110,27 @@ def test_the_ways_out_are_said_in_their_order(monkeypatch):
     walk.run(0.5)
     controller.set_plan(AHEAD)
     walk.run(60.0, lambda: controller.activity.is_terminal)
-    strides = [way for way in ORDER if way is not WayOut.DETOUR]
+    strides = [way for way in ORDER if way not in (WayOut.FOOTSTEPS, WayOut.DETOUR)]
     assert [remark.split(' is tried')[0] for remark in heard if remark] == [
         way.value for way in strides
     ]
+
+
+def test_where_no_stride_gets_on_footsteps_are_planned_over_the_height_map(monkeypatch):
+    # Onto footholds that were chosen for it a foot swings by another method.
+    swings_only_if(monkeypatch, lambda *_: False)
+    controller, said, note = controller_of(TITAN)
+    walk = ClosedLoop(TITAN, controller, 'kinematic')
+    walk.on_observation.append(note)
+    walk.run(0.5)
+    controller.set_height_map(HeightMap.level((-1.0, -1.0, 1.5, 1.0), 0.05))
+    controller.set_plan(Plan.through([[0.0, 0.0], [0.3, 0.0]], 0.0))
+    walk.run(60.0, lambda: controller.activity.is_terminal)
+    planned = f'{WayOut.FOOTSTEPS.value} is tried'
+    assert any(text.startswith(planned) for text in said)
+    # Strides are to correct the pose there: they cannot, here.
+    pose = walk.simulation.observe().pose
+    assert pose.distance_to(Pose2D(0.3, 0.0, 0.0)) < 0.05
 
 
 def test_a_foot_that_cannot_swing_first_swings_later(monkeypatch):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from quad_common.errors import GaitError, JointLimitExceeded
 from quad_common.robot_files.robot_file import load_robot
@@ -88,3 +89,21 @@ def test_a_search_of_a_leg_that_reaches_one_sample_farther_is_a_motion_all_the_s
     JointLimits.of(ROBOT).check(
         motion.times, motion.positions.reshape(2, -1), motion.velocities.reshape(2, -1)
     )
+
+
+@pytest.mark.parametrize('depth', [0.02, 0.4])
+def test_beyond_what_is_sure_a_foot_goes_as_deep_as_its_leg_reaches(depth):
+    times, sure = np.linspace(0.0, 4.0, 201), 20
+    feet = np.repeat(STANCE.feet[None], len(times), axis=0)
+    feet[:, 2, 2] -= depth * times / times[-1]
+    paths = PlannedPaths(times, STANCE.body, np.zeros(len(times)), feet, sure)
+    motion = motion_along(ROBOT, UnevenOptions(), STANCE, None, paths)
+    count = len(motion.times)
+    assert sure < count
+    # Sample by sample, it is the same.
+    alone = np.concatenate([ROBOT.joint_angles(place[None]) for place in feet[:count]])
+    assert np.allclose(motion.positions, alone, rtol=0.0, atol=1e-12)
+    assert (count == len(times)) == (depth < 0.1)
+    if count < len(times):
+        with pytest.raises(GaitError):
+            ROBOT.joint_angles(feet[count])
