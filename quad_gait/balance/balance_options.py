@@ -19,6 +19,8 @@ class EstimateOptions:
     """Bias, at most [m/s^2]."""
     least_load: float = 0.06
     """Load from which on a foot counts, as a fraction of the robot's weight."""
+    touching_load: float = 0.15
+    """Load from which on a foot that comes down has met the ground, as a fraction of the weight."""
     slip_fraction: float = 0.25
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
     slope_memory: float = 3.0
@@ -82,6 +84,18 @@ class BalanceOptions:
     most: as much as the joints' speeds leave of it."""
     speed_kept: float = 0.2
     """Fraction of the joints' speeds that no swing is to need, so that feet can be elsewhere."""
+    lift_speed: float = 0.45
+    """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
+    the gait has it."""
+    rough: float = 0.3
+    """Height by which feet are off the plane of the ground where it is rough, over that to which
+    they are lifted."""
+    rough_lift: float = 1.0
+    """Height by which feet are lifted more, over that by which ground is rougher."""
+    highest_lift: float = 2.5
+    """Height to which they are lifted at most, over the usual one."""
+    touching_phase: float = 0.5
+    """Fraction of its swing from which on a foot may meet the ground before its time."""
     easing: float = 0.1
     """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""
     freeze_time: float = 0.03

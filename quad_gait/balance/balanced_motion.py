@@ -183,12 +183,12 @@ class BalancedMotion:
         self, index: int, place: int, time: float, body: BodyEstimate, pace: Pace
     ) -> list[FootPlan]:
         """Return the knot that still holds, and those after it that answer to a measurement."""
-        plan = self._knots[place]
+        plan = self._planner.met(self._knots[place], self.clock, time, body)
         roll, pitch = body.tilt_in(self._time_of(index) - time)
         slope = body.slope
         demand = Demand(
             pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
-            slope, self._trim,
+            slope, self._trim, body.roughness,
         )  # fmt: skip
         knots = [plan]
         for k in range(index, index + self._options.knots):
@@ -222,7 +222,8 @@ class BalancedMotion:
             # What stands is not to move by a trim.
             trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
             measured = Pace(ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn)
-            demand = Demand(STILL, measured, slope=slope, trim=trim)
+            rough = body.roughness
+            demand = Demand(STILL, measured, slope=slope, trim=trim, roughness=rough)
             times.append(times[-1] + options.rest_knot_time)
             plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
             knots.append(plan)

@@ -62,6 +62,10 @@ class BodyEstimate:
     """Angular velocity about the level y axis [rad/s]."""
     slope: Slope = LEVEL
     """The ground under its feet."""
+    roughness: float = 0.0
+    """Height by which its feet were off that plane lately [m]."""
+    contacts: tuple[bool, ...] | None = None
+    """Which feet bear load, whatever they are to do; None if the motors do not tell."""
 
     def tilt_in(self, time: float) -> tuple[float, float]:
         """Return roll and pitch so much later [s], turning on as it does [rad]."""
@@ -97,6 +101,7 @@ class BodyEstimator:
         self._robot = robot
         self._options = options
         self._least_load = options.least_load * robot.mass * GRAVITY
+        self._touching = options.touching_load * robot.mass * GRAVITY
         center = robot.center_of_mass(robot.initial_joint_angles)
         height = float(center[2] + robot.standing_height)
         self._slip = options.slip_fraction * math.sqrt(GRAVITY * height)
@@ -148,6 +153,7 @@ class BodyEstimator:
         return BodyEstimate(
             (float(self._velocity[0]), float(self._velocity[1])),
             float(rates[2]), roll, pitch, float(rates[0]), float(rates[1]), slope,
+            self._slope.roughness, self._contacts(),
         )  # fmt: skip
 
     def _weights(self, reading: BodyReading, rotation: Array) -> Array:
@@ -159,6 +165,10 @@ class BodyEstimator:
         self.loads = loads
         weights: Array = np.where(reading.in_stance & (loads > self._least_load), 1.0, 0.0)
         return weights
+
+    def _contacts(self) -> tuple[bool, ...] | None:
+        """Return which feet bear load; None if unknown."""
+        return None if self.loads is None else tuple((self.loads > self._touching).tolist())
 
     def _foot_loads(self, reading: BodyReading, up: Array) -> Array:
         """

@@ -34,6 +34,10 @@ class Foot(NamedTuple):
     """Whether it swings."""
     target: tuple[float, float] = (0.0, 0.0)
     """Place where it lands, or has landed [m]."""
+    lift: float = 0.0
+    """Height to which it is lifted in this swing, or was in the last one [m]."""
+    has_landed: bool = False
+    """Whether it met the ground before its time, and stands since."""
 
     @property
     def in_body(self) -> tuple[float, float, float]:
@@ -68,3 +72,5 @@ class Demand:
     """The ground."""
     trim: tuple[float, float] = (0.0, 0.0)
     """Velocity by which less is asked for than is wanted [m/s]."""
+    roughness: float = 0.0
+    """Height by which feet that stood were off the plane of the ground lately [m]."""

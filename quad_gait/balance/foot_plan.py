@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from quad_common.robot.robot import Robot
 from quad_common.rotations import matrix_from_angles
 from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import Demand, Foot, FootPlan
 from quad_gait.balance.foot_laws import (
     GRAVITY,
@@ -25,7 +26,7 @@ from quad_gait.balance.foot_laws import (
     swing_on,
 )
 from quad_gait.balance.ground_slope import LEVEL, Slope
-from quad_gait.balance.leg_rates import rolling_factors, swing_use
+from quad_gait.balance.leg_rates import lift_height, rolling_factors, swing_use
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
 
@@ -60,6 +61,8 @@ class _Law(NamedTuple):
     """The ground."""
     neutral: list[tuple[float, ...]]
     """Places of the feet under a standing body [m]."""
+    rise: float | None = None
+    """Mean height above the plane of what the feet stand on, where it is rough; else None [m]."""
 
 
 class FootPlanner:
@@ -78,7 +81,8 @@ class FootPlanner:
 
     def __init__(self, robot: Robot, gait: Gait, options: BalanceOptions) -> None:
         self._options = options
-        self._swing_height = gait.swing_height
+        self._most_lift = lift_height(robot, gait, options.easing, options.lift_speed)
+        self._lift = min(gait.swing_height, self._most_lift)
         center = robot.center_of_mass(robot.initial_joint_angles)
         self.height = float(center[2] + robot.standing_height)
         """Height of the center of mass [m]."""
@@ -89,7 +93,7 @@ class FootPlanner:
         self._radius = robot.foot_radius
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
         self._rolling = rolling_factors(robot)
-        spare = 1.0 - options.speed_kept - swing_use(robot, gait)
+        spare = 1.0 - options.speed_kept - swing_use(robot, gait, self._lift)
         self._landing = min(max(spare, 0.0), options.landing_fraction)
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
         self._largest = min(
@@ -154,19 +158,24 @@ class FootPlanner:
         pace = self._pace_after(plan.pace, demand.pace, dt)
         law = self._law(pace, demand, clock.pendulum_factor(sum(times) / 2.0, self._rate), dt)
         plan = self._on(plan, demand.slope)
+        if self._is_rough(demand.roughness):
+            rises = [foot.rise for foot in plan.feet if not foot.swings]
+            law = law._replace(rise=sum(rises) / max(len(rises), 1))
         if times[0] < clock.start and not law.slope.is_level:
             law = self._leaning(plan, law)
         before, after = clock.swing_phases(times[0]), clock.swing_phases(times[1])
         feet = []
         for k, foot in enumerate(plan.feet):
             fraction, left = after[k]
-            if fraction is None and not foot.swings:
-                feet.append(self._standing(k, foot, dt, law))
+            if foot.has_landed or (fraction is None and not foot.swings):
+                stands = self._standing(k, foot, dt, law)
+                feet.append(stands._replace(has_landed=foot.has_landed and fraction is not None))
                 continue
             # Liftoff and touchdown lie between knots: it swings for a part of the time.
             if not foot.swings:
                 swung = min(dt, (fraction or 0.0) * clock.swing_times[k])
                 foot = self._standing(k, foot, dt - swung, law)
+                foot = foot._replace(lift=self._lift_over(demand.roughness))
             else:
                 swung = dt if fraction is not None else min(dt, before[k][1] or dt)
             swing = SwingTime(swung, left, clock.swing_times[k], clock.stance_times[k], fraction)
@@ -175,6 +184,40 @@ class FootPlanner:
                 foot = self._standing(k, foot, dt - swung, law)
             feet.append(foot)
         return FootPlan(tuple(feet), pace, demand.slope)
+
+    def met(self, plan: FootPlan, clock: PhaseClock, time: float, body: BodyEstimate) -> FootPlan:
+        """
+        Return a plan in which feet stand that met rough ground before their time.
+
+        Parameters
+        ----------
+        plan : FootPlan
+            The plan of a knot.
+        clock : PhaseClock
+            When feet swing.
+        time : float
+            When the body was measured [s].
+        body : BodyEstimate
+            Which of its feet bear load, and how rough the ground is.
+
+        Returns
+        -------
+        FootPlan
+        """
+        options = self._options
+        if body.contacts is None or not self._is_rough(body.roughness):
+            return plan
+        feet = []
+        for k, (fraction, _) in enumerate(clock.swing_phases(time)):
+            foot = plan.feet[k]
+            comes_down = fraction is not None and fraction > options.touching_phase
+            if foot.swings and comes_down and body.contacts[k]:
+                rise = foot.z - self._neutral[k][2] - plan.slope.rise(foot.x, foot.y)
+                foot = foot._replace(
+                    swings=False, has_landed=True, rise=rise, target=(foot.x, foot.y)
+                )
+            feet.append(foot)
+        return plan._replace(feet=tuple(feet))
 
     def _law(self, pace: Pace, demand: Demand, factor: float, dt: float) -> _Law:
         """Return how feet move for a time [s], for a body that is to be faster than on average."""
@@ -212,6 +255,16 @@ class FootPlanner:
         )
         return [(x, y, self._neutral[k][2]) for k, (x, y) in enumerate(places.tolist())]
 
+    def _is_rough(self, roughness: float) -> bool:
+        """Return whether ground is rough on which feet are off its plane by a height [m]."""
+        return roughness > self._options.rough * self._lift
+
+    def _lift_over(self, roughness: float) -> float:
+        """Return how high a foot is lifted over ground that is rough by a height [m]."""
+        options, usual = self._options, self._lift
+        more = options.rough_lift * max(roughness - options.rough * usual, 0.0)
+        return max(usual, min(usual + more, options.highest_lift * usual, self._most_lift))
+
     def _on(self, plan: FootPlan, slope: Slope) -> FootPlan:
         """Return the plan on ground that is known better by now; no foot jumps."""
         if slope == plan.slope:
@@ -242,12 +295,14 @@ class FootPlanner:
         """Return a foot that stands for a time [s], with the part of its tilt that is kept."""
         vx, vy = self._drift(leg, foot.x, foot.y, law.given_way)
         kept = math.exp(-dt / self._options.righting_time)
-        x, y, rise, slope = foot.x + dt * vx, foot.y + dt * vy, kept * foot.rise, law.slope
+        x, y, slope = foot.x + dt * vx, foot.y + dt * vy, law.slope
+        # On level ground and slopes each foot goes over to the plane; else the body as a whole.
+        rise = foot.rise - (1.0 - kept) * (foot.rise if law.rise is None else law.rise)
         return Foot(
             x, y, self._neutral[leg][2] + slope.rise(x, y) + rise, vx, vy, rise,
             slope.roll + kept * (foot.roll - slope.roll),
             slope.pitch + kept * (foot.pitch - slope.pitch),
-            False, foot.target,
+            False, foot.target, foot.lift,
         )  # fmt: skip
 
     def _swinging(self, leg: int, foot: Foot, swing: SwingTime, law: _Law, demand: Demand) -> Foot:
@@ -272,13 +327,13 @@ class FootPlanner:
             x, y, speed = x + with_ground * vx, y + with_ground * vy, (vx, vy)
         lift = 0.0
         if swing.fraction is not None:
-            lift = self._swing_height * swing_height(swing.fraction, options.easing)
+            lift = foot.lift * swing_height(swing.fraction, options.easing)
         rise = foot.rise * swing.left / (swing.left + dt)
         return Foot(
             x, y, neutral[2] + slope.rise(x, y) + rise + lift, *speed, rise,
             slope.roll + options.leveling * demand.roll,
             slope.pitch + options.leveling * demand.pitch,
-            swing.fraction is not None, target,
+            swing.fraction is not None, target, foot.lift,
         )  # fmt: skip
 
     def _pace_after(self, last: Pace, wanted: Pace, dt: float) -> Pace:

@@ -19,6 +19,9 @@ and bounce let level ground look like the least."""
 _STEEPEST = 0.45
 """Largest gradient that is believed."""
 
+_ROUGH = 4.0
+"""Time constant with which rough ground is forgotten, over that of its gradient."""
+
 _KEPT = 1e-3
 """Weight of the last estimate, over that of what feet have told."""
 
@@ -91,6 +94,8 @@ class SlopeEstimator:
         self._matrix: Array = np.zeros((2, 2))
         self._vector: Array = np.zeros(2)
         self._gradient: Array = np.zeros(2)
+        self.roughness = 0.0
+        """Height by which feet were off the plane lately [m]."""
 
     def update(self, dt: float, turn: float, feet: Array) -> None:
         """
@@ -111,9 +116,12 @@ class SlopeEstimator:
         self._matrix = kept * turned @ self._matrix @ turned.T
         self._vector = kept * turned @ self._vector
         self._gradient = turned @ self._gradient
+        self.roughness *= math.exp(-dt / (_ROUGH * self._memory))
         if len(feet) < 2:
             return
         apart = feet - feet.mean(axis=0)
+        off = apart[:, 2] - apart[:, :2] @ self._gradient
+        self.roughness = max(self.roughness, float(np.ptp(off)))
         weight = dt / self._memory if dt > 0.0 else 1.0
         self._matrix += weight * apart[:, :2].T @ apart[:, :2]
         self._vector += weight * apart[:, :2].T @ apart[:, 2]

@@ -7,12 +7,40 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.gait import Gait
 
 
-def swing_use(robot: Robot, gait: Gait) -> float:
+def lift_height(robot: Robot, gait: Gait, easing: float, fraction: float) -> float:
+    """
+    Return how high feet are lifted at most, with as much of the joints' speeds as is for that.
+
+    Half an ellipse of the height H is at its fastest as the foot lifts and lands: pi H / T in its
+    time T, and faster by what easing takes of it.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    gait : Gait
+        Its trot.
+    easing : float
+        Fraction of a swing in which a foot gathers that speed, and again loses it.
+    fraction : float
+        Fraction of the joints' largest speeds that lifting may need; the rest is for going ahead.
+
+    Returns
+    -------
+    float
+        Height [m].
+    """
+    fastest = fraction / float(_use_per_speed(robot)[..., 2].max())
+    return fastest * (1.0 - easing) * _shortest_swing(gait) / math.pi
+
+
+def swing_use(robot: Robot, gait: Gait, height: float) -> float:
     """
     Return how much of their largest speeds the joints need for a swing.
 
@@ -25,18 +53,31 @@ def swing_use(robot: Robot, gait: Gait) -> float:
         The robot.
     gait : Gait
         Its trot.
+    height : float
+        Height H to which feet are lifted [m].
 
     Returns
     -------
     float
         Of the joint that needs most, as a fraction of its largest speed; for both together.
     """
-    duration = min(swing.touchdown - swing.liftoff for swing in gait.swings)
+    use = _use_per_speed(robot)
+    ahead = 1.5 * robot.largest_stride * use[..., 0].max()
+    up = math.pi * height * use[..., 2].max()
+    return float(ahead + up) / _shortest_swing(gait)
+
+
+def _use_per_speed(robot: Robot) -> NDArray[np.float64]:
+    """Return which fraction of its largest speed each joint needs for a foot's, (4, 3, 3) [s/m]."""
     per_speed = np.linalg.inv(robot.foot_jacobians(robot.initial_joint_angles))
-    per_speed = np.abs(per_speed / np.broadcast_to(robot.velocity, per_speed.shape[:2])[..., None])
-    ahead = 1.5 * robot.largest_stride * per_speed[..., 0].max()
-    up = math.pi * gait.swing_height * per_speed[..., 2].max()
-    return float(ahead + up) / duration
+    limits = np.broadcast_to(robot.velocity, per_speed.shape[:2])
+    use: NDArray[np.float64] = np.abs(per_speed / limits[..., None])
+    return use
+
+
+def _shortest_swing(gait: Gait) -> float:
+    """Return the duration of a gait's shortest swing [s]."""
+    return min(swing.touchdown - swing.liftoff for swing in gait.swings)
 
 
 def rolling_factors(robot: Robot) -> list[tuple[tuple[float, float], tuple[float, float]]]:

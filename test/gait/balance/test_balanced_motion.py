@@ -1,5 +1,6 @@
 """What is given out goes on with what runs, keeps the limits, and ends on four feet."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +15,15 @@ from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading, leg_velocity
 from quad_gait.balance.course import Course
 from quad_gait.balance.feet import Demand
-from quad_gait.balance.foot_laws import Pace
+from quad_gait.balance.foot_laws import GRAVITY, Pace
 from quad_gait.balance.foot_plan import FootPlanner
 from quad_gait.balance.joint_motion import monotone_speeds, smooth_speeds
-from quad_gait.balance.leg_rates import rolling_factors, swing_use
+from quad_gait.balance.leg_rates import lift_height, rolling_factors, swing_use
 from quad_gait.balance.phase_clock import PhaseClock
+from quad_gait.behaviours.gait_choice import balanced_gait
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
+from quad_gait.cycle.motion_limits import MotionLimits
 
 ROBOT = load_robot('cuhk')
 GAIT = load_gait('trot', ROBOT).with_period(0.25)
@@ -244,7 +247,40 @@ def test_feet_that_follow_the_rolling_factors_move_the_body_as_it_is_to_move():
 
 def test_joints_need_twice_as_much_of_their_speed_for_a_swing_in_half_the_time():
     faster = GAIT.with_period(GAIT.cycle_period / 2.0)
-    assert swing_use(ROBOT, faster) == pytest.approx(2.0 * swing_use(ROBOT, GAIT))
+    use = [swing_use(ROBOT, gait, GAIT.swing_height) for gait in (GAIT, faster)]
+    assert use[1] == pytest.approx(2.0 * use[0])
+
+
+def fastest_use(robot, gait, planner, speed):
+    """Fraction of their largest speeds that joints need in a steady trot at a speed [m/s]."""
+    clock, plan, joints = PhaseClock.of(gait), planner.at_rest(robot.neutral_feet), []
+    count = round(2.0 * gait.cycle_period / 0.02)
+    for k in range(2 * count):
+        factor = clock.pendulum_factor(0.02 * (k + 0.5), math.sqrt(GRAVITY / planner.height))
+        demand = Demand(Pace(speed, 0.0, 0.0), Pace(factor * speed, 0.0, 0.0))
+        plan = planner.advance(plan, clock, (0.02 * k, 0.02 * (k + 1)), demand)
+        joints.append([foot.in_body for foot in plan.feet])
+    angles = robot.stacked_legs.inverse(np.array(joints[count:]))
+    return float((np.abs(np.diff(angles, axis=0)) / (0.02 * robot.velocity)).max())
+
+
+@pytest.mark.parametrize('name', ['titan_viii', 'genibo', 'cuhk', 'pukyong'])
+def test_no_trot_at_full_speed_needs_more_of_its_joints_than_they_are_slowed_to(name):
+    # TITAN-VIII's joints needed 0.91 of their speeds, and GENIBO's 0.83, where 0.68 is the most.
+    robot, options = load_robot(name), BalanceOptions()
+    gait = balanced_gait(load_gait('trot', robot), options)
+    limits = MotionLimits(robot, gait, 0.005)
+    most = limits.largest_scale(BodyMotion(forward=1.0)) / gait.cycle_period
+    planner = FootPlanner(robot, gait, options)
+    for speed in (0.0, most):
+        assert fastest_use(robot, gait, planner, speed) < options.speed_fraction
+
+
+def test_feet_are_lifted_lower_by_joints_that_are_slower():
+    slower = replace(ROBOT, velocity=ROBOT.velocity / 3.0)
+    most = lift_height(ROBOT, GAIT, 0.1, 0.45)
+    assert lift_height(slower, GAIT, 0.1, 0.45) == pytest.approx(most / 3.0)
+    assert lift_height(ROBOT, GAIT.with_period(0.5), 0.1, 0.45) == pytest.approx(2.0 * most)
 
 
 def test_an_estimate_comes_to_what_feet_and_accelerometer_agree_on():
