@@ -1,5 +1,5 @@
 """
-Where a leg's foot is: a ball at its end, or the point that is farthest from the knee.
+Where a leg's foot is: a ball at its end, the rounding of its end, or the point farthest away.
 """
 
 from __future__ import annotations
@@ -25,6 +25,15 @@ _THIN = 0.04
 
 _TIP = 0.05
 """Fraction of the calf's length within which points are one tip."""
+
+_ROUNDING = np.radians(np.linspace(-50.0, 50.0, 21))
+"""Directions about the leg's own in which its end meets the ground [rad]."""
+
+_UNROUND = 0.06
+"""Fraction of its radius by which a round end may differ from a circle."""
+
+_THICKEST = 0.25
+"""Largest radius of a round end, as a fraction of the calf's length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +86,51 @@ def find_foot(tree: KinematicTree, leg: LegChain, knee: Array, axis: Array, note
     tip = shape.places[distances > (1.0 - _TIP) * length].mean(axis=0)
     outward = tip - knee - axis * float((tip - knee) @ axis)
     outward /= np.linalg.norm(outward)
-    radius = _THIN * length
     end = tip + outward * (length - float((tip - knee) @ outward))
+    found = _rounding(shape, end, np.array([outward, np.cross(axis, outward)]))
+    if found is not None and _THIN * length <= found[1] <= _THICKEST * length:
+        center, radius = found
+        notes.assume(
+            f"no ball is at the legs' ends: they are round, of {1e3 * radius:.0f} mm radius"
+        )
+        return Foot(center, radius, shape.link)
+    radius = _THIN * length
     notes.assume(
         f"no ball is at the legs' ends: feet of {1e3 * radius:.0f} mm radius are assumed there"
     )
     return Foot(end - radius * outward, radius, shape.link)
+
+
+def _rounding(shape: Points, end: Array, plane: Array) -> tuple[Array, float] | None:
+    """
+    Fit a circle to a leg's end where it meets the ground, in the plane in which the leg moves.
+
+    In a direction d a shape reaches as far as h(d) = max p d over its points p; a circle about c
+    with the radius r reaches c d + r. That is linear in c and r: least squares over directions.
+
+    Parameters
+    ----------
+    shape : Points
+        Shape at the leg's end.
+    end : ndarray, shape (3,)
+        A point of the end, in the root's frame [m].
+    plane : ndarray, shape (2, 3)
+        Direction of the leg, and the one across it in its plane.
+
+    Returns
+    -------
+    center, radius
+        [m]; None if the end is not round.
+    """
+    directions = np.column_stack([np.cos(_ROUNDING), np.sin(_ROUNDING)])
+    places = (shape.places - end) @ plane.T
+    reaches = (places @ directions.T).max(axis=0) + shape.radius
+    terms = np.column_stack([directions, np.ones(len(directions))])
+    solution = np.linalg.lstsq(terms, reaches, rcond=None)[0]
+    radius = float(solution[2])
+    if radius <= 0.0 or np.abs(terms @ solution - reaches).max() > _UNROUND * radius:
+        return None
+    return end + solution[:2] @ plane, radius
 
 
 def _end_of_links(

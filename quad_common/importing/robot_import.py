@@ -22,6 +22,7 @@ from quad_common.importing.feet import Foot, find_foot
 from quad_common.importing.leg_axes import LegAxes, leg_axes
 from quad_common.importing.leg_geometry import LegAtZero, leg_geometry
 from quad_common.importing.masses import Parts, exact_masses, find_parts
+from quad_common.importing.missing_meshes import leave_out_missing
 from quad_common.importing.options import ImportOptions, Notes, file_name
 from quad_common.importing.ranges import RangedLeg, with_ranges
 from quad_common.importing.sizes import Sizes, body_box, link_radii
@@ -119,6 +120,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     robot = read_description(path, dict(options.arguments))
     tree = KinematicTree(robot, path)
     chains = find_legs(tree, notes)
+    leave_out_missing(tree, chains, notes)
     axes = leg_axes(tree, chains)
     feet = _feet(tree, chains, axes, notes)
     centers = np.array([foot.center for foot in feet])
@@ -128,7 +130,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
     at_zero = _at_zero(axes, order, feet, to_base)
     ranged = partial(_ranged_leg, leg_type=leg_type, knees=options.knees, notes=notes, path=path)
     legs = [ranged(leg, chain) for leg, chain in zip(at_zero, chains)]
-    parts = find_parts(tree, chains, notes)
+    parts = find_parts(tree, chains, notes, options.mass)
     masses = exact_masses(parts, [ranged.leg for ranged in legs], to_base)
     foot_radius = float(np.mean([foot.radius for foot in feet]))
     sizes = _sizes(tree, (list(parts.body.links), chains), at_zero, feet, to_base, notes)
