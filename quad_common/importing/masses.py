@@ -15,7 +15,7 @@ from quad_common.description.poses import inverse, moved
 from quad_common.description.shapes import points_of
 from quad_common.description.tree import KinematicTree
 from quad_common.importing.chains import LegChain
-from quad_common.importing.missing_masses import fill_masses
+from quad_common.importing.gaps import fill_masses
 from quad_common.importing.options import Notes
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg

@@ -4,6 +4,7 @@ Whatever a description's names, orders, axes, zero poses and frames: the same ro
 
 import json
 from copy import deepcopy
+from itertools import product
 from xml.etree import ElementTree
 
 import numpy as np
@@ -414,12 +415,20 @@ def test_a_round_end_of_a_leg_is_found_without_a_ball(tmp_path):
     assert any('they are round' in sentence for sentence in imported.notes.assumed)
 
 
-def test_of_an_end_that_is_not_round_the_tip_is_the_foot(tmp_path):
+def test_an_end_that_is_not_round_stands_on_what_is_lowest_in_the_stance(tmp_path):
     variant = Variant(SHIPPED['genibo'])
     with_feet(variant, 'box', size='0.012 0.012 0.012')
     imported = import_robot(variant.write(tmp_path))
-    assert imported.foot_radius < 0.004
-    assert any('are assumed there' in sentence for sentence in imported.notes.assumed)
+    assert any('stands for them' in sentence for sentence in imported.notes.assumed)
+    robot = load_robot(write_robot(imported, tmp_path / 'own.yaml')[0])
+    # The lowest corners of the four boxes are as deep as the feet's circles are.
+    names = [joint.name for chain in imported.chains for joint in chain.joints]
+    angles = dict(zip(names, imported.initial.ravel().tolist()))
+    for foot, wanted in zip(imported.feet, robot.stacked_legs.forward(robot.initial_joint_angles)):
+        pose = imported.to_base @ imported.tree.pose(foot.link, angles)
+        corners = 0.006 * np.array(list(product((-1.0, 1.0), repeat=3)))
+        lowest = (corners @ pose[:3, :3].T + pose[:3, 3])[:, 2].min()
+        assert wanted[2] - imported.foot_radius == pytest.approx(lowest, abs=1e-3)
 
 
 def test_impossible_inertias_are_replaced_and_said(tmp_path):
