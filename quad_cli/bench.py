@@ -61,6 +61,7 @@ EXAMPLES = """examples:
   quadwalk bench faults --only messages kills
   quadwalk bench matrix --only pukyong wave
   quadwalk bench robots --only imports broken
+  quadwalk bench robots --robot my_robot.yaml
 """
 
 
@@ -81,6 +82,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='parts to run, of benchmarks with parts',
     )
     parser.add_argument(
+        '--robot',
+        nargs='+',
+        default=[],
+        metavar='ROBOT',
+        help='robots that walk, by name or data file, of the benchmark robots',
+    )
+    parser.add_argument(
         '--backend', choices=sorted(ENGINES), help='the simulator, in place of the usual one'
     )
     parser.add_argument('--json', action='store_true', help='print one JSON object only')
@@ -91,6 +99,10 @@ def run(arguments: argparse.Namespace) -> int:
     console = make_console(stderr=arguments.json)
     module = importlib.import_module(BENCHMARKS[arguments.benchmark])
     only = _parts(arguments.benchmark, module, arguments.only)
+    if arguments.robot:
+        if arguments.benchmark != 'robots':
+            raise ParameterError('--robot', arguments.robot[0], 'left out: robots alone takes it')
+        only['robots'] = tuple(arguments.robot)
     with preferred(arguments.backend or _usual_backend(module)):
         bars, details = module.measure(console, arguments.quick, arguments.seed, **only)
     if arguments.json:

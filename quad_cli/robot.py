@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
+_MASS = Quantity(0.01, 1e4, 'kg')
 _SPEED = Quantity(0.01, 200.0, 'rad/s')
 
 _LITTLE = 0.01
@@ -92,6 +93,12 @@ def _add_import_arguments(parser: argparse.ArgumentParser) -> None:
             help=f'largest {name} of the joints, one or three from the body outward; '
             f"the description's if left out [{quantity.unit}]",
         )
+    parser.add_argument(
+        '--mass',
+        type=quantity_argument('mass', _MASS),
+        default=0.0,
+        help='mass of the whole robot, for descriptions that state none [kg]',
+    )
     parser.add_argument(
         '--forward', choices=DIRECTIONS, default='', help="forward, along the root link's axes"
     )
@@ -207,6 +214,7 @@ def _import(arguments: argparse.Namespace) -> int:
         name=arguments.name,
         effort=tuple(arguments.effort),
         speed=tuple(arguments.speed),
+        mass=arguments.mass,
         forward=arguments.forward,
         knees=arguments.knees,
         arguments=tuple(arguments.argument),

@@ -241,11 +241,18 @@ class _Conversion:
         self._links.append(link)
 
     def _root(self) -> int:
-        """Find the body that carries the legs, below whatever moves it in the world."""
+        """
+        Find the body that carries the legs, below whatever moves it in the world.
+
+        It is the world itself if legs stand in it one by one.
+        """
         tops = [body for body in self._children[0] if self._ends(body) > 0]
         robots = [body for body in tops if self._ends(body) >= _LEGS] or tops
         if not robots:
             raise NotAQuadruped(self._path, 'no joint that moves')
+        if sum(self._ends(body) for body in tops) >= _LEGS > max(map(self._ends, tops)):
+            # MuJoCo makes a URDF's root a part of the world, where its mass is lost.
+            return 0
         if len(robots) > 1:
             names = ', '.join(f"'{self._model.body(body).name}'" for body in robots[:4])
             raise DescriptionUnusable(
@@ -306,7 +313,11 @@ class _Conversion:
 
     def _subtree(self, body: int) -> list[int]:
         """List a body and those below it, each after the one that carries it."""
-        return [body, *(b for child in self._children[body] for b in self._subtree(child))]
+        children = self._children[body]
+        if body == 0:
+            # Of what stands in the world the robot's legs alone.
+            children = [child for child in children if self._ends(child) > 0]
+        return [body, *(b for child in children for b in self._subtree(child))]
 
     def _free(self, name: str) -> str:
         """Return a name that nothing has yet, and take it."""

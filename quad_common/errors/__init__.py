@@ -22,6 +22,7 @@ from quad_common.errors.descriptions import (
 from quad_common.errors.descriptions import DescriptionUnusable as DescriptionUnusable
 from quad_common.errors.descriptions import JointFiguresMissing as JointFiguresMissing
 from quad_common.errors.descriptions import LegNotFeasible as LegNotFeasible
+from quad_common.errors.descriptions import MassesMissing as MassesMissing
 from quad_common.errors.descriptions import MeshNotFound as MeshNotFound
 from quad_common.errors.descriptions import NotAQuadruped as NotAQuadruped
 from quad_common.errors.entities import EntityNameInvalid as EntityNameInvalid

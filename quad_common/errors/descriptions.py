@@ -111,6 +111,32 @@ class JointFiguresMissing(DescriptionError):
 
 
 @dataclass(eq=False, repr=False)
+class MassesMissing(DescriptionError):
+    """A description does not say how heavy parts of the robot are."""
+
+    parts: tuple[str, ...]
+    """Names of links that have no mass, nor has what is fixed to them."""
+    stated: float
+    """Mass that the description states of other parts [kg]."""
+    given: float = 0.0
+    """Mass of the whole robot that was given, and is too little; 0 if none was [kg]."""
+
+    def sentence(self) -> str:
+        """Say which parts have no mass, and how to give the robot's."""
+        names = ', '.join(self.parts[:3]) + (' ...' if len(self.parts) > 3 else '')
+        missing = f'{self.path} has no mass of {clipped(names)}'
+        if self.given:
+            return (
+                f'{missing}; --mass {self.given:g} leaves too little for them, beside the '
+                f'{self.stated:.3g} kg that it states'
+            )
+        return (
+            f"{missing}; give the whole robot's to quadwalk robot import with --mass [kg], and it "
+            'is spread by the sizes of shapes'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class DescriptionNotCached(QuadError):
     """A description that the package ``robot_descriptions`` knows is not in its cache."""
 

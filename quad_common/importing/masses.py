@@ -14,17 +14,14 @@ from quad_common.description.mass import Mass, box_inertia, total
 from quad_common.description.poses import inverse, moved
 from quad_common.description.shapes import points_of
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import DescriptionEntryInvalid
 from quad_common.importing.chains import LegChain
+from quad_common.importing.gaps import fill_masses
 from quad_common.importing.options import Notes
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg
 from quad_common.serial_legs.serial_leg import SerialLeg
 
 Array = NDArray[np.float64]
-
-_LIGHTEST = 1e-3
-"""Least mass of a part that physics can move [kg]."""
 
 _SMALLEST = 0.01
 """Least side of the box whose inertia replaces one that no body has [m]."""
@@ -52,7 +49,7 @@ class Parts:
     """Hip, thigh and calf of each leg, the foot with the calf."""
 
 
-def find_parts(tree: KinematicTree, legs: list[LegChain], notes: Notes) -> Parts:
+def find_parts(tree: KinematicTree, legs: list[LegChain], notes: Notes, mass: float = 0.0) -> Parts:
     """
     Divide a robot's links into its moving parts.
 
@@ -64,20 +61,24 @@ def find_parts(tree: KinematicTree, legs: list[LegChain], notes: Notes) -> Parts
         The four legs; every other joint is held at 0.
     notes : Notes
         Inertias that are replaced are added to it.
+    mass : float
+        Mass of the whole robot, where the description states none of some parts; 0 if it is not
+        known [kg].
 
     Raises
     ------
-    DescriptionEntryInvalid
-        If a part has no mass.
+    DescriptionError
+        If a part has no mass, and the robot's is not given.
     """
-    heads = {joint.child for leg in legs for joint in leg.joints}
-    members: dict[str, list[str]] = {head: [] for head in (*heads, tree.root)}
+    heads = [joint.child for leg in legs for joint in leg.joints]
+    members: dict[str, list[str]] = {head: [] for head in (tree.root, *heads)}
     waiting = [(tree.root, tree.root)]
     while waiting:
         link, head = waiting.pop(0)
         head = link if link in heads else head
         members[head].append(link)
         waiting += [(joint.child, head) for joint in tree.children[link]]
+    fill_masses(tree, members, mass, notes)
     body = members[tree.root]
     # The first of the heaviest: a frame without mass at the root names nothing.
     trunk = max(body, key=lambda link: tree.mass_of(link).amount)
@@ -100,9 +101,6 @@ def find_parts(tree: KinematicTree, legs: list[LegChain], notes: Notes) -> Parts
 def _part(tree: KinematicTree, name: str, links: list[str], replaced: list[str]) -> Part:
     masses = [tree.mass_of(link) for link in links]
     mass = total(masses)
-    if mass.amount < _LIGHTEST:
-        problem = 'has no mass, nor has what is fixed to it'
-        raise DescriptionEntryInvalid(tree.path, f"link '{name}'", problem)
     # No part of a robot is as large as all of it.
     extent = max(float(np.linalg.norm(tree.pose(link)[:3, 3])) for link in tree.links)
     if not all(_is_sound(m, extent) for m in masses) or not mass.is_possible:

@@ -34,6 +34,9 @@ class ImportOptions:
     """Largest torques of a leg's three joints, or one for all; the description's if empty [N m]."""
     speed: tuple[float, ...] = ()
     """Largest speeds of a leg's joints, as the torques [rad/s]."""
+    mass: float = 0.0
+    """Mass of the whole robot, for descriptions that state none of some parts; 0 if it is not
+    known [kg]."""
     forward: str = ''
     """Direction in which the robot walks, one of :data:`DIRECTIONS`; found if empty."""
     knees: str = ''

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.util
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from quad_common.importing.options import ImportOptions
 
@@ -35,8 +36,8 @@ class KnownRobot:
         return Path(next(iter(found.submodule_search_locations))) / self.file
 
 
-def _of_pybullet(file: str, source: str = '', **options: tuple[float, ...]) -> KnownRobot:
-    return KnownRobot('pybullet_data', file, ImportOptions(**options), source)  # type: ignore[arg-type]
+def _of_pybullet(file: str, source: str = '', **options: Any) -> KnownRobot:
+    return KnownRobot('pybullet_data', file, ImportOptions(**options), source)
 
 
 KNOWN_ROBOTS = {
@@ -65,9 +66,11 @@ KNOWN_ROBOTS = {
     'vision60': _of_pybullet('quadruped/vision60.urdf'),
     'microtaur': _of_pybullet(
         'quadruped/microtaur/microtaur.urdf',
-        'chosen, as of servos of 4.1 N m: its description has 100 N m and 100 rad/s',
+        'chosen, as of servos of 4.1 N m: its description has 100 N m and 100 rad/s; with knees '
+        'forward it stands on the corners of its toes, otherwise on the flats of its calves',
         effort=(4.1,),
         speed=(4.8,),
+        knees='forward',
     ),
 }
 """Robots by the names under which they can be asked for."""

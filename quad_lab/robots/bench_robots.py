@@ -43,7 +43,11 @@ _QUICK = ('a1',)
 
 
 def measure(
-    console: Console, quick: bool, seed: int, only: tuple[str, ...] = ()
+    console: Console,
+    quick: bool,
+    seed: int,
+    only: tuple[str, ...] = (),
+    robots: tuple[str, ...] = (),
 ) -> tuple[list[Criterion], dict[str, Any]]:
     """
     Import robots, break descriptions, and walk.
@@ -57,7 +61,9 @@ def measure(
     seed : int
         Of postures and goals.
     only : tuple of str
-        Parts to run; all if empty.
+        Parts to run; all if empty, or both of walks if robots are given.
+    robots : tuple of str
+        Robots that walk; those whose descriptions are installed if empty.
 
     Returns
     -------
@@ -69,8 +75,11 @@ def measure(
     names = known_names()
     if not names:
         console.print('no description of a robot is installed: pip install pybullet')
-    chosen = tuple(name for name in _QUICK if name in names) if quick else names
-    parts = only or (('imports', 'broken', 'kinematics', 'walks') if quick else PARTS)
+    for name in robots:
+        # One that cannot be read is said before anything walks.
+        load_robot(name)
+    chosen = robots or (tuple(name for name in _QUICK if name in names) if quick else names)
+    parts = only or _parts(quick, bool(robots))
     bars: list[Criterion] = []
     details: dict[str, Any] = {}
     if 'imports' in parts:
@@ -103,6 +112,12 @@ def measure(
 
         bars += topic_bars(console, names, seed)
     return bars, details
+
+
+def _parts(quick: bool, has_robots: bool) -> tuple[str, ...]:
+    if has_robots:
+        return ('walks',) if quick else tuple(_FRACTIONS)
+    return ('imports', 'broken', 'kinematics', 'walks') if quick else PARTS
 
 
 def _import_table(checks: list[ImportCheck]) -> Table:

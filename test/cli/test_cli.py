@@ -219,6 +219,11 @@ def test_arguments_that_are_not_understood_end_with_code_2(capsys, arguments):
     assert 'usage: quadwalk' in capsys.readouterr().err
 
 
+def test_robots_are_for_the_benchmark_of_robots(capsys):
+    assert main(['bench', 'walk', '--robot', 'cuhk']) == 2
+    assert 'robots alone takes it' in capsys.readouterr().err
+
+
 def imported_by(arguments):
     """Run a command in an interpreter of its own; return the names of all its modules."""
     code = (

@@ -21,6 +21,7 @@ from quad_common.errors import (
     DescriptionUnusable,
     JointFiguresMissing,
     LegNotFeasible,
+    MassesMissing,
     NotAQuadruped,
 )
 from quad_common.importing.options import ImportOptions
@@ -403,10 +404,20 @@ def test_of_two_robots_none_is_chosen(tmp_path):
         robot_from_mjcf(path)
 
 
-def test_legs_that_hang_at_the_world_have_no_body(tmp_path):
-    path = write(tmp_path, FOUR_LEGS.format(knee='axis="0 1 0"'))
-    with pytest.raises(DescriptionUnusable, match='whose legs hang at one body; 4 bodies'):
-        robot_from_mjcf(path)
+def test_legs_that_stand_in_the_world_one_by_one_hang_at_what_is_fixed_to_it(tmp_path):
+    trunk = '<geom type="plane" size="1 1 1"/><geom name="trunk" size=".2 .1 .05" type="box"/>'
+    pillar = '<body name="pillar"><geom size=".1"/></body>'
+    path = write(tmp_path, trunk + pillar + FOUR_LEGS.format(knee='axis="0 1 0"'))
+    robot = robot_from_mjcf(path)
+    tree = KinematicTree(robot, path)
+    # MuJoCo's conversions of URDF lose the root's mass; the ground and other things are not its.
+    assert tree.mass_of(tree.root).amount == 0.0
+    assert [shape.geometry.box.size.tolist() for shape in tree.links[tree.root].collisions] == [
+        [0.4, 0.2, 0.1]
+    ]
+    assert 'pillar' not in tree.links
+    with pytest.raises(MassesMissing, match=f'no mass of {tree.root}; give .* --mass'):
+        import_robot(path, FAST)
 
 
 def test_closed_loops_are_refused_but_not_what_holds_the_robot(tmp_path):

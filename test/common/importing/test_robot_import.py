@@ -4,6 +4,7 @@ Whatever a description's names, orders, axes, zero poses and frames: the same ro
 
 import json
 from copy import deepcopy
+from itertools import product
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,7 +18,13 @@ from quad_common.robot_files.robot_file import load_robot
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.errors import DescriptionError, JointFiguresMissing, NotAQuadruped
+from quad_common.errors import (
+    DescriptionEntryInvalid,
+    DescriptionError,
+    JointFiguresMissing,
+    MassesMissing,
+    NotAQuadruped,
+)
 from quad_common.importing.options import ImportOptions
 from quad_common.importing.robot_document import write_robot
 from quad_common.importing.robot_import import import_robot
@@ -288,6 +295,55 @@ def test_figures_that_stand_for_none_are_asked_for(tmp_path):
     assert import_robot(path, ImportOptions(speed=(9.0,))).velocity.max() == 9.0
 
 
+def without_masses(variant, links):
+    for link in variant.root.iter('link'):
+        if any(link.get('name').endswith(end) for end in links):
+            link.remove(link.find('inertial'))
+
+
+def test_masses_that_are_missing_are_asked_for_and_spread_by_size(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    without_masses(variant, ('_hip', '_thigh', '_calf', '_foot', 'base_link'))
+    path = variant.write(tmp_path)
+    with pytest.raises(MassesMissing, match=r'no mass of base_link, lf_hip, lf_thigh \.\.\.; give'):
+        import_robot(path)
+    imported = import_robot(path, ImportOptions(mass=7.0))
+    masses = imported.masses
+    assert masses.body + masses.parts.sum() == pytest.approx(7.0)
+    # The body is the largest, and what is alike is as heavy.
+    assert masses.body > masses.parts.max()
+    assert masses.parts == pytest.approx(np.broadcast_to(masses.parts[0], (4, 3)))
+    assert masses.body_center == pytest.approx(imported.sizes.body_center)
+    assert any('7 kg are spread' in sentence for sentence in imported.notes.assumed)
+    assert load_robot(write_robot(imported, tmp_path / 'own.yaml')[0]).mass == pytest.approx(7.0)
+
+
+def test_a_mass_is_for_the_parts_that_have_none(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    whole = ImportOptions(mass=SHIPPED['genibo'].mass)
+    with pytest.raises(DescriptionEntryInvalid, match=r'states all masses, 1\.5 kg'):
+        import_robot(variant.write(tmp_path), whole)
+    without_masses(variant, ('base_link',))
+    path = variant.write(tmp_path)
+    body = import_robot(path, whole).masses.body
+    assert body == pytest.approx(SHIPPED['genibo'].body_mass)
+    with pytest.raises(MassesMissing, match=r'--mass 0\.1 leaves too little for them'):
+        import_robot(path, ImportOptions(mass=0.1))
+
+
+def test_a_part_without_mass_and_shape_gets_a_little_of_the_mass(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    without_masses(variant, ('_hip', 'base_link'))
+    for link in variant.root.iter('link'):
+        for shape in [e for e in link if e.tag in ('visual', 'collision')]:
+            if link.get('name').endswith('_hip'):
+                link.remove(shape)
+    path = variant.write(tmp_path)
+    masses = import_robot(path, ImportOptions(mass=3.0)).masses
+    missing = 3.0 - masses.parts[:, 1:].sum()
+    assert masses.parts[:, 0] == pytest.approx(np.full(4, missing / 104.0))
+
+
 @pytest.mark.parametrize('joints', [1, 3, 4, 7])
 def test_arms_of_any_number_of_joints_are_carried(joints, tmp_path):
     variant = Variant(SHIPPED['genibo'])
@@ -337,6 +393,44 @@ def test_wheels_are_refused(tmp_path):
         import_robot(variant.write(tmp_path))
 
 
+def with_feet(variant, shape, **sizes):
+    """Give the feet another shape, lying across the robot."""
+    for link in variant.root.iter('link'):
+        if link.get('name').endswith('_foot'):
+            for use in ('visual', 'collision'):
+                geometry = link.find(f'{use}/geometry')
+                geometry.clear()
+                ElementTree.SubElement(geometry, shape, **sizes)
+                link.find(f'{use}/origin').set('rpy', f'{np.pi / 2} 0 0')
+
+
+def test_a_round_end_of_a_leg_is_found_without_a_ball(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    with_ball = import_robot(variant.write(tmp_path))
+    with_feet(variant, 'cylinder', radius=repr(with_ball.foot_radius), length='0.01')
+    imported = import_robot(variant.write(tmp_path))
+    assert imported.foot_radius == pytest.approx(with_ball.foot_radius, rel=0.01)
+    for foot, wanted in zip(imported.feet, with_ball.feet):
+        assert foot.center == pytest.approx(wanted.center, abs=1e-4)
+    assert any('they are round' in sentence for sentence in imported.notes.assumed)
+
+
+def test_an_end_that_is_not_round_stands_on_what_is_lowest_in_the_stance(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    with_feet(variant, 'box', size='0.012 0.012 0.012')
+    imported = import_robot(variant.write(tmp_path))
+    assert any('stands for them' in sentence for sentence in imported.notes.assumed)
+    robot = load_robot(write_robot(imported, tmp_path / 'own.yaml')[0])
+    # The lowest corners of the four boxes are as deep as the feet's circles are.
+    names = [joint.name for chain in imported.chains for joint in chain.joints]
+    angles = dict(zip(names, imported.initial.ravel().tolist()))
+    for foot, wanted in zip(imported.feet, robot.stacked_legs.forward(robot.initial_joint_angles)):
+        pose = imported.to_base @ imported.tree.pose(foot.link, angles)
+        corners = 0.006 * np.array(list(product((-1.0, 1.0), repeat=3)))
+        lowest = (corners @ pose[:3, :3].T + pose[:3, 3])[:, 2].min()
+        assert wanted[2] - imported.foot_radius == pytest.approx(lowest, abs=1e-3)
+
+
 def test_impossible_inertias_are_replaced_and_said(tmp_path):
     variant = Variant(SHIPPED['genibo'])
     next(variant.root.iter('inertia')).set('ixx', '5.0')
@@ -369,6 +463,25 @@ def test_meshes_are_found_in_their_package(tmp_path):
     mesh.unlink()
     with pytest.raises(DescriptionError, match=r'trunk\.obj'):
         import_robot(path)
+
+
+def add_shape(link, use, mesh):
+    shape = ElementTree.SubElement(link, use)
+    ElementTree.SubElement(shape, 'origin', xyz='0 0 0', rpy='0 0 0')
+    ElementTree.SubElement(ElementTree.SubElement(shape, 'geometry'), 'mesh', filename=mesh)
+
+
+def test_what_the_body_carries_may_be_without_its_mesh_but_not_a_leg(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    links = {link.get('name'): link for link in variant.root.iter('link')}
+    add_shape(links['base_link'], 'collision', 'package://cameras/camera.stl')
+    imported = import_robot(variant.write(tmp_path))
+    assert imported.sizes.body_size == pytest.approx(SHIPPED['genibo'].body_size)
+    assert [s for s in imported.notes.assumed if 'package://cameras/camera.stl' in s]
+    write_robot(imported, tmp_path / 'own.yaml')
+    add_shape(links['lf_calf'], 'collision', 'package://shins/shin.stl')
+    with pytest.raises(DescriptionError, match=r'shin\.stl'):
+        import_robot(variant.write(tmp_path))
 
 
 def test_meshes_of_copied_descriptions_are_found_by_the_end_of_their_path(tmp_path):

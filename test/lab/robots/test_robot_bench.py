@@ -11,12 +11,14 @@ import pytest
 
 pytest.importorskip('yourdfpy')
 
+from quad_common.errors import QuadError
 from quad_common.importing.options import ImportOptions
 from quad_common.importing.robot_document import write_robot
 from quad_common.importing.robot_import import import_robot
 from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.motion_limits import MotionLimits
+from quad_lab.robots import bench_robots
 from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
 from quad_lab.robots.import_check import check_description, check_import
 from quad_lab.robots.imported_walks import walk_imported
@@ -143,3 +145,21 @@ def test_limits_that_allow_nothing_are_said():
         walk = walk_imported('genibo', 'crawl', 'turn', ENGINES_WITH_PHYSICS[0], 0.6)
     assert walk.problem == 'the limits allow none'
     assert math.isnan(walk.error)
+
+
+@pytest.mark.parametrize(('quick', 'parts'), [(True, [0.6]), (False, [0.6, 0.95])])
+def test_robots_that_are_given_walk_alone(quick, parts):
+    with mock.patch.object(bench_robots, '_walks', return_value=[]) as walks:
+        _, details = bench_robots.measure(mock.Mock(), quick, 0, robots=('genibo', 'cuhk'))
+    assert [call.args[1:3] for call in walks.call_args_list] == [
+        (('genibo', 'cuhk'), fraction) for fraction in parts
+    ]
+    assert set(details) == {'walks', 'fast'} if len(parts) > 1 else {'walks'}
+
+
+def test_a_robot_that_is_none_is_said_before_anything_walks():
+    with (
+        mock.patch.object(bench_robots, '_walks', side_effect=AssertionError),
+        pytest.raises(QuadError, match='nobody'),
+    ):
+        bench_robots.measure(mock.Mock(), True, 0, robots=('genibo', 'nobody'))
