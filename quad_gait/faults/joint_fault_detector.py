@@ -106,6 +106,7 @@ class JointFaultDetector:
         self._powerless.forget()
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
+        self._unfollowed_at: Array | None = None
         self._on_latest_for = self._off_latest_for = 0.0
 
     def expect(self, trajectory: JointTrajectory, time: float) -> None:
@@ -176,7 +177,7 @@ class JointFaultDetector:
             # Where it is not sure which trajectory runs, a little off says nothing.
             found = self._tracker.explain(time, positions)
         if found is None or not found.off.any():
-            self._note_following(found, step)
+            self._note_following(found, positions, step)
             self._suspect = -1
             return self._unturned(found, time, positions, step, efforts)
         return self._suspected(found, time, positions, moved / dt, step, efforts)
@@ -238,7 +239,7 @@ class JointFaultDetector:
         self._off_from = float(positions[joint])
         return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
 
-    def _note_following(self, found: Explanation | None, step: float) -> None:
+    def _note_following(self, found: Explanation | None, positions: Array, step: float) -> None:
         """Count for how long the joints have followed what should run, or have not."""
         if found is not None and found.is_latest and found.is_joined:
             self._on_latest_for += step
@@ -248,10 +249,26 @@ class JointFaultDetector:
             self._off_latest_for += step
             if self._off_latest_for > self._options.patience + 1e-9:
                 self._on_latest_for = 0.0
-        if found is not None and found.is_sure:
+        if found is None or not (found.is_latest or found.is_sure):
+            self._count_unfollowed(positions, step)
+        elif found.is_sure and self._has_moved(positions):
             self.unfollowed = 0.0
-        elif found is None or not found.is_latest:
-            self.unfollowed += step
+            self._unfollowed_at = None
+
+    def _count_unfollowed(self, positions: Array, step: float) -> None:
+        """Count for how long the joints have not followed, and note where they began to."""
+        if self._unfollowed_at is None:
+            self._unfollowed_at = positions
+        self.unfollowed += step
+
+    def _has_moved(self, positions: Array) -> bool:
+        """
+        Return whether the joints have turned since they do not follow.
+
+        A trajectory that begins where they are measured is followed at first by joints that rest.
+        """
+        at = self._unfollowed_at
+        return at is None or bool(np.abs(positions - at).max() > self._options.tight_tolerance)
 
     def _suspected(
         self,
@@ -271,7 +288,7 @@ class JointFaultDetector:
         if self._nothing_moves(joint, velocities, time):
             # Then it is not this joint: the trajectory is not executed.
             self._off_for = 0.0
-            self.unfollowed += step
+            self._count_unfollowed(positions, step)
             return None
         error = float(found.posture[joint] - positions[joint])
         is_slack = False
