@@ -139,6 +139,14 @@ class FeltGround:
             return GroundModel.through(under)
         return GroundModel.through(under, self._part(under, self.moved(height_map)), error)
 
+    def under(
+        self, now: Stance, height_map: HeightMap | None, but: int | None = None
+    ) -> GroundModel:
+        """Return the :meth:`model` by all feet, or by all but one."""
+        standing = [leg for leg in range(len(LEGS)) if leg != but]
+        below = now.feet[standing] - np.array([0.0, 0.0, self._robot.foot_radius])
+        return self.model(below, height_map)
+
     def moved(self, height_map: HeightMap) -> HeightMap:
         """Return the map where it fits what was felt."""
         if not self.map_shift.any():

@@ -318,14 +318,14 @@ class UnevenStride:
         """Bring the body to its place; feet that have not swung stay where they are."""
         self._phase = _Phase.FINISHING
         self._next = len(self._order) - 1
-        ground = self._ground(now, None)
+        ground = self._felt.under(now, self.height_map)
         self._motion = self._planner.shift(now, self._commanded, ground, self._place)
         return self._motion.trajectory(self._options.reaction_time)
 
     def _swing(self, now: Stance) -> JointTrajectory:
         """Swing the leg that is next, or take it back to where it stood."""
         leg, back_to = self._order[self._next], self._return_to
-        ground = self._ground(now, leg if back_to is not None else None)
+        ground = self._felt.under(now, self.height_map, leg if back_to is not None else None)
         if back_to is not None:
             swing = self._planner.swing_back(now, self._commanded, ground, leg, back_to)
         else:
@@ -367,9 +367,3 @@ class UnevenStride:
     @property
     def _commanded(self) -> Array | None:
         return None if self._motion is None else self._motion.commanded
-
-    def _ground(self, now: Stance, but: int | None) -> GroundModel:
-        """Find the ground under the feet that stand."""
-        standing = [leg for leg in range(len(LEGS)) if leg != but]
-        under = now.feet[standing] - np.array([0.0, 0.0, self._robot.foot_radius])
-        return self._felt.model(under, self.height_map)

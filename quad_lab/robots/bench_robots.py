@@ -73,24 +73,13 @@ def measure(
         Every import and walk.
     """
     names = known_names()
-    if not names:
-        console.print('no description of a robot is installed: pip install pybullet')
-    for name in robots:
-        # One that cannot be read is said before anything walks.
-        load_robot(name)
-    chosen = robots or (tuple(name for name in _QUICK if name in names) if quick else names)
+    chosen = _chosen(console, names, quick, robots)
     parts = only or _parts(quick, bool(robots))
     bars: list[Criterion] = []
     details: dict[str, Any] = {}
     if 'imports' in parts:
-        described = {name: KNOWN_ROBOTS[name] for name in names}
-        if 'laikago' in described:
-            described['laikago, y up'] = other_description(UPRIGHT_Y, 'laikago')
-        checks = [c for name, known in described.items() for c in check_import(name, known, seed)]
-        console.print(_import_table(checks))
-        bars += _import_bars(checks, len(described))
-        bars += _refusal_bars() if 'laikago' in described else []
-        details['imports'] = [asdict(check) for check in checks]
+        found, details['imports'] = _imports(console, names, seed)
+        bars += found
     if 'broken' in parts:
         bars += _broken_bars(console)
     if 'kinematics' in parts and chosen:
@@ -114,10 +103,36 @@ def measure(
     return bars, details
 
 
+def _chosen(
+    console: Console, names: tuple[str, ...], quick: bool, robots: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return the robots that walk; one that cannot be read is said before anything walks."""
+    if not names:
+        console.print('no description of a robot is installed: pip install pybullet')
+    for name in robots:
+        load_robot(name)
+    return robots or (tuple(name for name in _QUICK if name in names) if quick else names)
+
+
 def _parts(quick: bool, has_robots: bool) -> tuple[str, ...]:
     if has_robots:
         return ('walks',) if quick else tuple(_FRACTIONS)
     return ('imports', 'broken', 'kinematics', 'walks') if quick else PARTS
+
+
+def _imports(
+    console: Console, names: tuple[str, ...], seed: int
+) -> tuple[list[Criterion], list[dict[str, Any]]]:
+    """Import every description, and see that one that must be refused is."""
+    described = {name: KNOWN_ROBOTS[name] for name in names}
+    if 'laikago' in described:
+        described['laikago, y up'] = other_description(UPRIGHT_Y, 'laikago')
+    checks = [c for name, known in described.items() for c in check_import(name, known, seed)]
+    console.print(_import_table(checks))
+    bars = _import_bars(checks, len(described))
+    if 'laikago' in described:
+        bars += _refusal_bars()
+    return bars, [asdict(check) for check in checks]
 
 
 def _import_table(checks: list[ImportCheck]) -> Table:
