@@ -83,6 +83,7 @@ class FootPlanner:
         self._options = options
         self._most_lift = lift_height(robot, gait, options.easing, options.lift_speed)
         self._lift = min(gait.swing_height, self._most_lift)
+        self._rough = options.rough * gait.swing_height
         center = robot.center_of_mass(robot.initial_joint_angles)
         self.height = float(center[2] + robot.standing_height)
         """Height of the center of mass [m]."""
@@ -257,12 +258,12 @@ class FootPlanner:
 
     def _is_rough(self, roughness: float) -> bool:
         """Return whether ground is rough on which feet are off its plane by a height [m]."""
-        return roughness > self._options.rough * self._lift
+        return roughness > self._rough
 
     def _lift_over(self, roughness: float) -> float:
         """Return how high a foot is lifted over ground that is rough by a height [m]."""
         options, usual = self._options, self._lift
-        more = options.rough_lift * max(roughness - options.rough * usual, 0.0)
+        more = options.rough_lift * max(roughness - self._rough, 0.0)
         return max(usual, min(usual + more, options.highest_lift * usual, self._most_lift))
 
     def _on(self, plan: FootPlan, slope: Slope) -> FootPlan:

@@ -48,9 +48,12 @@ def test_pushes_from_all_sides_are_survived():
     assert survivors(case, 0.6, directions=4, phases=1) == 1.0
 
 
-@pytest.mark.parametrize('ground', ['up', 'across'])
-def test_slopes_are_walked(ground):
-    trot = trot_over(BalanceCase('cuhk', speed=0.6, is_noisy=True), ground, 1, duration=5.0)
+@pytest.mark.parametrize(
+    ('name', 'ground', 'seed'),
+    [('cuhk', 'up', 1), ('cuhk', 'across', 1), ('genibo', 'up', 0), ('genibo', 'up', 2)],
+)
+def test_slopes_are_walked(name, ground, seed):
+    trot = trot_over(BalanceCase(name, speed=0.6, is_noisy=True), ground, seed, duration=5.0)
     assert trot.succeeds
     assert math.degrees(trot.tilt) < 3.0
 
