@@ -87,9 +87,9 @@ class BalanceOptions:
     lift_speed: float = 0.45
     """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
     the gait has it."""
-    rough: float = 0.6
+    rough: float = 0.9
     """Height by which feet are off the plane of the ground where it is rough, over that to which
-    the gait lifts them; on even slopes, whose gradient is not known at once, it is up to half."""
+    the gait lifts them; on even slopes, whose gradient is not known at once, it is two thirds."""
     rough_lift: float = 1.0
     """Height by which feet are lifted more, over that by which ground is rougher."""
     highest_lift: float = 2.5
