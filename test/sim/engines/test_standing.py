@@ -78,10 +78,11 @@ def test_a_standing_robot_does_not_creep(make, name, slope, yaw):
     robot = load_robot(name)
     simulator = make(robot, slope)
     simulator.reset(Pose2D(1.0, 0.0, yaw))
-    before = stand(simulator, robot, 2.0)
-    moved = before.inverse() @ stand(simulator, robot, 5.0)
-    assert np.hypot(moved.x, moved.y) / 5.0 < 1e-5
-    assert abs(moved.yaw) / 5.0 < np.radians(0.01)
+    # MuJoCo's contacts stiffen for some seconds; while they do, feet rise out of the ground.
+    before = stand(simulator, robot, 12.0)
+    moved = before.inverse() @ stand(simulator, robot, 2.0)
+    assert np.hypot(moved.x, moved.y) / 2.0 < 1e-6
+    assert abs(moved.yaw) / 2.0 < np.radians(0.001)
 
 
 @pytest.mark.parametrize('name', available_robots())
@@ -117,7 +118,10 @@ def test_a_foot_that_is_put_down_elsewhere_stays_there(make):
     first = foot_of(simulator, robot, 0)
     for _ in range(400):
         simulator.step(down, STILL)
-    assert np.linalg.norm(foot_of(simulator, robot, 0) - first) < 2e-5
+    moved = foot_of(simulator, robot, 0) - first
+    assert np.linalg.norm(moved[:2]) < 2e-5
+    # It rises by a part of what it sank in by as it came down.
+    assert -2e-5 < moved[2] < 1e-4
 
 
 def test_a_walk_repeats_bit_for_bit(make):
