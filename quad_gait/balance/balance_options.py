@@ -84,6 +84,9 @@ class BalanceOptions:
     most: as much as the joints' speeds leave of it."""
     speed_kept: float = 0.2
     """Fraction of the joints' speeds that no swing is to need, so that feet can be elsewhere."""
+    steady_speed: float = 0.54
+    """Fraction of the joints' speeds, from knot to knot, that a steady trot may need; legs are
+    slowed from ``speed_fraction`` on, and what is between them is for corrections."""
     lift_speed: float = 0.45
     """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
     the gait has it."""

@@ -92,6 +92,8 @@ class FootPlanner:
         self._rate = 1.0 / pendulum_time(self.height)
         self._center = center
         self._radius = robot.foot_radius
+        clock = PhaseClock.of(gait)
+        self._known = clock, 0.0, clock.swing_phases(0.0)
         self._neutral = [tuple(foot) for foot in robot.neutral_feet.tolist()]
         self._rolling = rolling_factors(robot)
         spare = 1.0 - options.speed_kept - swing_use(robot, gait, self._lift)
@@ -99,7 +101,7 @@ class FootPlanner:
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
         self._largest = min(
             0.5 * options.reach_fraction * robot.largest_stride,
-            fast * PhaseClock.of(gait).longest_swing,
+            fast * clock.longest_swing,
         )
 
     def at_rest(
@@ -164,13 +166,15 @@ class FootPlanner:
             law = law._replace(rise=sum(rises) / max(len(rises), 1))
         if times[0] < clock.start and not law.slope.is_level:
             law = self._leaning(plan, law)
-        before, after = clock.swing_phases(times[0]), clock.swing_phases(times[1])
+        before, after = self._phases(clock, times[0]), self._phases(clock, times[1])
         feet = []
         for k, foot in enumerate(plan.feet):
             fraction, left = after[k]
             if foot.has_landed or (fraction is None and not foot.swings):
                 stands = self._standing(k, foot, dt, law)
-                feet.append(stands._replace(has_landed=foot.has_landed and fraction is not None))
+                if foot.has_landed and fraction is not None:
+                    stands = stands._replace(has_landed=True)
+                feet.append(stands)
                 continue
             # Liftoff and touchdown lie between knots: it swings for a part of the time.
             if not foot.swings:
@@ -219,6 +223,12 @@ class FootPlanner:
                 )
             feet.append(foot)
         return plan._replace(feet=tuple(feet))
+
+    def _phases(self, clock: PhaseClock, time: float) -> list[tuple[float | None, float]]:
+        """Return the phases of swings; those of the last knot's end are those of this one's start."""
+        if self._known[0] is not clock or self._known[1] != time:
+            self._known = clock, time, clock.swing_phases(time)
+        return self._known[2]
 
     def _law(self, pace: Pace, demand: Demand, factor: float, dt: float) -> _Law:
         """Return how feet move for a time [s], for a body that is to be faster than on average."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -103,17 +104,17 @@ class PhaseClock:
         """Return which feet are to stand at a time [s], shape (4,)."""
         return np.array([fraction is None for fraction, _ in self.swing_phases(time)])
 
-    @property
+    @cached_property
     def stance_times(self) -> tuple[float, ...]:
         """Durations of the feet's stances [s]."""
         return tuple((1.0 - swing) * self.period for swing in self.swing_fractions)
 
-    @property
+    @cached_property
     def swing_times(self) -> tuple[float, ...]:
         """Durations of the feet's swings [s]."""
         return tuple(swing * self.period for swing in self.swing_fractions)
 
-    @property
+    @cached_property
     def longest_swing(self) -> float:
         """Duration of the longest swing [s]."""
         return max(self.swing_fractions) * self.period

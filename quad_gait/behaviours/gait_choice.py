@@ -10,12 +10,13 @@ from dataclasses import replace
 from quad_common.robot.robot import Robot
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.foot_laws import GRAVITY
+from quad_gait.balance.steady_trot import SteadyTrot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.behaviours.wishes import ChangeGaits
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
-from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.cycle.motion_limits import Bound, MotionLimits
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.path_follower import PathFollower
@@ -60,10 +61,18 @@ class GaitChoice:
         if self._balance is not None and not gaits.gait.is_static:
             walking = balanced_gait(gaits.gait, self._balance)
             turning = balanced_gait(gaits.turning_gait, self._balance)
-            self._balanced = GaitPair(self._robot, walking, turning, self._least_margin)
+            self._balanced = GaitPair(
+                self._robot, walking, turning, self._least_margin, self._bound_of
+            )
         self._follower_options = gaits.follower
         if self._is_uneven:
             self._follower_options = _settling(gaits.follower, self._robot)
+
+    def _bound_of(self, gait: Gait) -> Bound | None:
+        """Return what a robot that keeps its balance in a gait needs beside what legs can do."""
+        if self._balance is None or gait.is_static:
+            return None
+        return SteadyTrot(self._robot, gait, self._balance).possible
 
     @property
     def pair(self) -> GaitPair:

@@ -60,6 +60,9 @@ _Direction = tuple[float, float, float]
 
 _Found = TypeVar('_Found')
 
+Bound = Callable[[BodyMotion], tuple[float, str]]
+"""Which fraction of a cycle's motion is possible, at most 1, and why no more; empty if all is."""
+
 
 class MotionLimits:
     """
@@ -75,16 +78,24 @@ class MotionLimits:
         Static stability margin that cycles of a static gait must keep [m].
     reserve : float
         Fraction of what is just possible that is used.
+    bound : callable, optional
+        What else forbids, of how the gait is walked.
     """
 
     def __init__(
-        self, robot: Robot, gait: Gait, least_margin: float = 0.0, reserve: float = _RESERVE
+        self,
+        robot: Robot,
+        gait: Gait,
+        least_margin: float = 0.0,
+        reserve: float = _RESERVE,
+        bound: Bound | None = None,
     ) -> None:
         self._robot = robot
         self._gait = gait
         settings = robot.gaits.get(gait.name)
         self._fractions = settings.largest_fractions if settings is not None else None
         self._reserve = reserve
+        self._bound = bound
         self._limits: dict[_Direction, _Limit] = {}
         self._orders: dict[_Direction, Gait] = {}
         center = robot.center_of_mass(robot.initial_joint_angles)[2] + robot.standing_height
@@ -207,7 +218,13 @@ class MotionLimits:
                 low = middle
             else:
                 high, reason = middle, problem
-        return _Limit(self._reserve * self._used_of(direction) * low, reason)
+        return self._bounded(direction, self._reserve * self._used_of(direction) * low, reason)
+
+    def _bounded(self, direction: BodyMotion, size: float, reason: str) -> _Limit:
+        if self._bound is not None:
+            fraction, why = self._bound(direction.scaled(size))
+            size, reason = fraction * size, why or reason
+        return _Limit(size, reason)
 
     def _used_of(self, direction: BodyMotion) -> float:
         """Return which fraction of a motion's limit is used: the mean of its parts' fractions."""

@@ -5,12 +5,13 @@ A gait for walking and one for turning on the spot: which of them does a motion.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from quad_common.planar_pose import Twist2D
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
-from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.cycle.motion_limits import Bound, MotionLimits
 from quad_gait.following.step import Step
 
 _PURE_TURN = 0.02
@@ -31,15 +32,24 @@ class GaitPair:
         For turning on the spot; may be the same.
     least_margin : float
         Stability margin that cycles of a static gait must keep [m].
+    bound_of : callable, optional
+        Returns what else forbids motions of a gait.
     """
 
-    def __init__(self, robot: Robot, gait: Gait, turning_gait: Gait, least_margin: float) -> None:
-        self.walking = MotionLimits(robot, gait, least_margin)
+    def __init__(
+        self,
+        robot: Robot,
+        gait: Gait,
+        turning_gait: Gait,
+        least_margin: float,
+        bound_of: Callable[[Gait], Bound | None] = lambda gait: None,
+    ) -> None:
+        self.walking = MotionLimits(robot, gait, least_margin, bound=bound_of(gait))
         """The gait for walking."""
         self.turning = (
             self.walking
             if turning_gait == gait
-            else MotionLimits(robot, turning_gait, least_margin)
+            else MotionLimits(robot, turning_gait, least_margin, bound=bound_of(turning_gait))
         )
         """The gait for turning on the spot; may be the same object."""
 

@@ -78,3 +78,17 @@ def test_plans_are_followed_in_cycles_that_gather_speed_gently():
     ahead = BodyMotion(forward=1.0)
     speeds = [g.largest_scale(ahead) / g.period for g in (gear, walking)]
     assert speeds[0] == pytest.approx(speeds[1])
+
+
+def test_a_robot_that_keeps_its_balance_is_slower_where_its_joints_are():
+    gaits = choice()
+    planned = gaits.pair.walking
+    gaits.look_at(state(imu=IMU))
+    kept = gaits.pair.walking
+    forward = BodyMotion(forward=1.0)
+    assert (
+        kept.largest_scale(forward) / kept.period
+        < 0.95 * planned.largest_scale(forward) / planned.period
+    )
+    assert 'for corrections' in kept.reason(forward)
+    assert 'for corrections' not in planned.reason(forward)
