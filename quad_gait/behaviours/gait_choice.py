@@ -90,7 +90,8 @@ class GaitChoice:
         pair, balance = self.pair, self._balance
         if not self._keeps_balance or balance is None:
             return pair.walking, pair.turning
-        return long_gear(pair.walking, balance), long_gear(pair.turning, balance)
+        walking = long_gear(pair.walking, balance, BodyMotion(forward=1.0))
+        return walking, long_gear(pair.turning, balance, BodyMotion(turn=1.0))
 
     def follower(self) -> PathFollower:
         """Return what follows plans by these gaits."""
@@ -136,10 +137,13 @@ def balanced_gait(gait: Gait, options: BalanceOptions) -> Gait:
     return gait.with_period(min(gait.cycle_period, options.longest_period / gait.pendulum_rate))
 
 
-def long_gear(limits: MotionLimits, options: BalanceOptions) -> Gear:
-    """Return as many cycles as it takes to gather the full speed with the plans' acceleration."""
+def long_gear(limits: MotionLimits, options: BalanceOptions, motion: BodyMotion) -> Gear:
+    """Return as many cycles as it takes to gather the full speed of a motion along plans."""
     if limits.gait.is_static:
         return limits
-    speed = limits.largest_scale(BodyMotion(forward=1.0)) / limits.period
-    time = speed / (GRAVITY * options.gathering)
+    speed = motion.scaled(limits.largest_scale(motion)).rate(limits.period)
+    time = max(
+        math.hypot(speed.forward, speed.left) / (GRAVITY * options.gathering),
+        abs(speed.turn) / options.turn_acceleration,
+    )
     return LongGear(limits, max(1, math.ceil(time / limits.period - 0.1)))

@@ -73,7 +73,7 @@ def test_a_slow_trot_steps_faster_to_keep_the_balance():
 
 def test_plans_are_followed_in_cycles_that_gather_speed_gently():
     walking = choice().pair.walking
-    gear = long_gear(walking, replace(BalanceOptions(), gathering=0.01))
+    gear = long_gear(walking, replace(BalanceOptions(), gathering=0.01), BodyMotion(forward=1.0))
     assert gear.period > 3.0 * walking.period
     ahead = BodyMotion(forward=1.0)
     speeds = [g.largest_scale(ahead) / g.period for g in (gear, walking)]
@@ -92,3 +92,12 @@ def test_a_robot_that_keeps_its_balance_is_slower_where_its_joints_are():
     )
     assert 'for corrections' in kept.reason(forward)
     assert 'for corrections' not in planned.reason(forward)
+
+
+def test_a_turn_is_gathered_no_faster_than_the_robot_turns_faster():
+    gaits, options = choice(), BalanceOptions()
+    gaits.look_at(state(imu=IMU))
+    _, turning = gaits.gears
+    speed = turning.largest_scale(BodyMotion(turn=1.0)) / turning.period
+    # It gains speed for half of the gear's cycles, as it loses it.
+    assert turning.period > 0.9 * speed / options.turn_acceleration
