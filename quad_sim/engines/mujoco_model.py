@@ -26,7 +26,7 @@ _AROUND = 100.0
 _DEEP = 1.0
 """Depth to which the ground around a field, and blocks, reach down [m]."""
 
-_CONTACT_TIME, _CONTACT_DAMPING = 2.5, 0.8
+_CONTACT_TIME, _CONTACT_DAMPING = 2.4, 0.9
 """Time constant of contacts, in time steps, and their damping ratio. What rebounds rocks a trotting
 body about the diagonal it stands on: at (2.75, 0.7) genibo, forward, by 0.54 degrees, not 0.45. At
 (2.2, 1.0) cuhk, which keeps its balance, falls on a slope of 15 degrees. What feet sink in by as
