@@ -225,7 +225,7 @@ class FootPlanner:
         return plan._replace(feet=tuple(feet))
 
     def _phases(self, clock: PhaseClock, time: float) -> list[tuple[float | None, float]]:
-        """Return the phases of swings; those of the last knot's end are those of this one's start."""
+        """Return the phases of swings; a knot begins with those the last one ended with."""
         if self._known[0] is not clock or self._known[1] != time:
             self._known = clock, time, clock.swing_phases(time)
         return self._known[2]

@@ -28,9 +28,9 @@ _DEEP = 1.0
 
 _CONTACT_TIME, _CONTACT_DAMPING = 2.4, 0.9
 """Time constant of contacts, in time steps, and their damping ratio. What rebounds rocks a trotting
-body about the diagonal it stands on: at (2.75, 0.7) genibo, forward, by 0.54 degrees, not 0.45. At
-(2.2, 1.0) cuhk, which keeps its balance, falls on a slope of 15 degrees. What feet sink in by as
-they stand longer is taken back by `MujocoDrives`."""
+body about the diagonal it stands on: at (2.75, 0.7) genibo, forward, by 0.57 degrees, not 0.39. At
+(2.2, 1.0) cuhk, which keeps its balance, falls on a slope of 15 degrees, and at (2.5, 0.8) it rocks
+there. What feet sink in by as they stand longer is taken back by `MujocoDrives`."""
 
 _CONTACT_IMPEDANCE = (0.945, 0.945, 0.001, 0.5, 2.0)
 """The same at any depth. MuJoCo means it for feet whose joints are loose: while motors hold them,

@@ -123,7 +123,8 @@ def test_it_stops_and_starts_again_at_once(loop):
     loop.run(0.6)
     assert controller.activity is Activity.BALANCING
     controller.set_twist(Twist2D())
-    assert loop.run(4.0, until=lambda: controller.activity is Activity.STANDING)
+    # Feet that were put down elsewhere are lifted once more.
+    assert loop.run(8.0, until=lambda: controller.activity is Activity.STANDING)
     assert not loop.record.has_fallen
 
 

@@ -115,13 +115,15 @@ def test_a_foot_that_is_put_down_elsewhere_stays_there(make):
     up, down = lifted(robot, 0, 0.03, 0.03), lifted(robot, 0, 0.0, 0.03)
     go(simulator, initial, up)
     go(simulator, up, down)
-    first = foot_of(simulator, robot, 0)
-    for _ in range(400):
-        simulator.step(down, STILL)
-    moved = foot_of(simulator, robot, 0) - first
-    assert np.linalg.norm(moved[:2]) < 2e-5
-    # It rises by a part of what it sank in by as it came down.
-    assert -2e-5 < moved[2] < 1e-4
+    places = [foot_of(simulator, robot, 0)]
+    for steps in (1200, 400):
+        for _ in range(steps):
+            simulator.step(down, STILL)
+        places.append(foot_of(simulator, robot, 0))
+    # MuJoCo's contacts stiffen for some seconds: a foot gives a little meanwhile, and then no more.
+    first, settled, last = places
+    assert np.linalg.norm(settled - first) < 1e-4
+    assert np.linalg.norm(last - settled) < 1e-5
 
 
 def test_a_walk_repeats_bit_for_bit(make):
