@@ -121,8 +121,7 @@ class BalancedTrot(Walk):
             self._pushed_at = state.time
         if motion.is_pushed(body) or motion.is_leaning(state.time):
             # It is caught where it is; what it was pushed off is taken back by the next steps.
-            self._course = course = course.through(state.time, state.motion_pose)
-            self._guidance.steering.lose_course()
+            self._course = course = self._steered_from_here(state, course)
         pace = course.pace(
             state.time,
             state.motion_pose,
@@ -172,8 +171,8 @@ class BalancedTrot(Walk):
         if not is_over and not is_other:
             return course
         if is_other:
-            # The course was one to the end of this step.
-            guidance.steering.lose_course()
+            # What was steered led to the end of this step.
+            self._steered_from_here(state, course)
         entry = course.at(state.time)[1]
         try:
             start = Departure(
@@ -191,6 +190,12 @@ class BalancedTrot(Walk):
         is_next = is_over and not math.isfinite(self._stops_since)
         overrun = state.time - course.start - course.period if is_next else 0.0
         return self._take_step(state, step, entry, overrun)
+
+    def _steered_from_here(self, state: RobotState, course: Course) -> Course:
+        """Let the course go through where the robot is; its heading stays as it was planned."""
+        here = course.through(state.time, state.motion_pose)
+        self._guidance.steering.take_course(here.at(state.time)[0])
+        return here
 
     def _take_step(
         self, state: RobotState, step: Step | None, entry: Twist2D, overrun: float = 0.0

@@ -37,7 +37,7 @@ class Steering:
     timeout : float
         A velocity older than this is over [s].
     largest_correction : float
-        A robot farther than this from its course has lost it [m]; 0: none is kept.
+        A robot farther than this from its course goes on beside it [m]; 0: none is kept.
     steps_in_place : bool
         Whether no velocity is walked in place, and not a reason to stand.
     """
@@ -66,6 +66,11 @@ class Steering:
     def lose_course(self) -> None:
         """Go on from wherever the robot will be."""
         self._course = None
+
+    def take_course(self, place: Pose2D) -> None:
+        """Go on from a place, by odometry, and with its heading."""
+        if self._course is not None:
+            self._course = place
 
     def expire(self) -> None:
         """Let what is wanted time out at once, unless it is wished for again."""
@@ -127,13 +132,19 @@ class Steering:
         return Steered(step, limit)
 
     def _on_course(self, pose: Pose2D) -> Pose2D:
-        """Return where the steering would have brought the robot; or where it is, if lost."""
+        """
+        Return where the steering would have brought the robot; or where it is, if lost.
+
+        A robot too far from its course goes on beside it.
+        """
         course = self._course
-        if course is None:
+        if course is None or not self._largest_correction:
             return pose
         apart = pose.inverse() @ course
-        near = math.hypot(apart.x, apart.y) <= self._largest_correction
-        return course if near and abs(apart.yaw) < _LARGEST_TURN_BACK else pose
+        if abs(apart.yaw) >= _LARGEST_TURN_BACK:
+            return pose
+        is_near = math.hypot(apart.x, apart.y) <= self._largest_correction
+        return course if is_near else Pose2D(pose.x, pose.y, course.yaw)
 
 
 def _described(twist: Twist2D) -> str:
