@@ -13,12 +13,14 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
 from quad_common.errors import InvalidMessage, QuadError
 from quad_common.errors.quoting import clipped, quoted
 from quad_common.ros.callback_net import CallbackNet
+from quad_common.ros.lateness import Lateness, StreamCallback
 from quad_common.ros.pose_conversions import check_clock
 
 _LONGEST_WAIT = 0.1
@@ -82,6 +84,7 @@ class GuardedNode(Node):
     def __init__(self, name: str, **kwargs: Any) -> None:
         # rclpy's own constructor makes subscriptions and services already.
         self._net = CallbackNet(self)
+        self._lateness = Lateness()
         super().__init__(name, **kwargs)
         for service in self.services:
             # rclpy adds the one for descriptions of types behind `create_service`.
@@ -124,6 +127,7 @@ class GuardedNode(Node):
             Called with the node first; returns how long it has nothing to do [s].
         """
         wait = _LONGEST_WAIT
+        self._lateness.look(self.call_soon)
         if drive is not None:
             wait = self._net.call('a step', partial(drive, self), lambda _: _AFTER_FAILURE)
         # Callbacks are guarded; this is for what rclpy itself raises around them.
@@ -138,6 +142,7 @@ class GuardedNode(Node):
         msg_type: Any,
         topic: str,
         callback: Callable[[Any], None],
+        qos_profile: QoSProfile | int,
         *args: Any,
         most_bytes: int | None = None,
         **kwargs: Any,
@@ -145,9 +150,11 @@ class GuardedNode(Node):
         """
         Subscribe; see rclpy's Node. The callback is guarded.
 
+        Of what is best effort only the newest counts while the node is late.
+
         Parameters
         ----------
-        msg_type, topic, callback, *args, **kwargs
+        msg_type, topic, callback, qos_profile, *args, **kwargs
             As rclpy's.
         most_bytes : int, optional
             Larger messages are refused before they are taken apart, which for a sequence of
@@ -164,9 +171,17 @@ class GuardedNode(Node):
             callback = partial(_checked_first, check_clock, callback)
         if most_bytes is not None:
             callback = partial(taken_apart, msg_type, what, most_bytes, callback)
+        stream = None
+        if is_stream(qos_profile):
+            callback = stream = StreamCallback(callback, self._lateness)
         guarded = Guarded(self._net, f'a {what}', callback)
         raw = {} if most_bytes is None else {'raw': True}
-        return super().create_subscription(msg_type, topic, guarded, *args, **raw, **kwargs)
+        subscription = super().create_subscription(
+            msg_type, topic, guarded, qos_profile, *args, **raw, **kwargs
+        )
+        if stream is not None:
+            stream.subscription = subscription
+        return subscription
 
     def create_timer(
         self, timer_period_sec: float, callback: Callable[[], None], *args: Any, **kwargs: Any
@@ -207,6 +222,15 @@ class GuardedNode(Node):
             lambda sentence: SetParametersResult(successful=False, reason=sentence),
         )
         super().add_on_set_parameters_callback(guarded)
+
+
+def is_stream(qos: QoSProfile | int) -> bool:
+    """Return whether a subscription's messages may be lost, and the newest ones are kept."""
+    return (
+        isinstance(qos, QoSProfile)
+        and qos.reliability == ReliabilityPolicy.BEST_EFFORT
+        and qos.history == HistoryPolicy.KEEP_LAST
+    )
 
 
 def _checked_first(
