@@ -61,7 +61,9 @@ class Course:
         x, y = start.x + pose.x - planned.x, start.y + pose.y - planned.y
         return replace(self, pose=Pose2D(x, y, start.yaw))
 
-    def pace(self, time: float, pose: Pose2D, gain: float, largest: float) -> Pace:
+    def pace(
+        self, time: float, pose: Pose2D, gain: float, largest: float, turns_back: bool = True
+    ) -> Pace:
         """
         Return how fast the robot is to be.
 
@@ -75,6 +77,8 @@ class Course:
             Gain with which it is drawn to its course [1/s].
         largest : float
             Velocity of that at most [m/s].
+        turns_back : bool
+            Whether it is turned to its course, too.
 
         Returns
         -------
@@ -86,5 +90,6 @@ class Course:
         size = math.hypot(x, y)
         if size > largest:
             x, y = x * largest / size, y * largest / size
-        turn = min(max(gain * wrap_angle(apart.yaw), -1.0 / _TURN_TIME), 1.0 / _TURN_TIME)
+        turn = gain * wrap_angle(apart.yaw) if turns_back else 0.0
+        turn = min(max(turn, -1.0 / _TURN_TIME), 1.0 / _TURN_TIME)
         return Pace(twist.forward + x, twist.left + y, twist.turn + turn)

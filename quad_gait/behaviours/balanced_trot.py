@@ -127,6 +127,7 @@ class BalancedTrot(Walk):
             state.motion_pose,
             self._balance.course_gain,
             self._balance.largest_correction * motion.unit,
+            turns_back=not self._is_caught(state.time),
         )
         self._stop_when_calm(state, motion, body, pace)
         trajectory = motion.update(state.time, body, pace)
