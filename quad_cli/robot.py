@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from quad_cli.arguments import folder_argument, output_argument, quantity_argument
-from quad_common.errors import GaitError, JointLimitExceeded, ParameterError
+from quad_cli.motor_advice import motor_advice
+from quad_common.errors import ParameterError
 from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import check_target, is_file, user_path
 from quad_common.importing.options import DIRECTIONS, KNEES, ImportOptions
@@ -44,9 +44,6 @@ if TYPE_CHECKING:
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
 _MASS = Quantity(0.01, 1e4, 'kg')
 _SPEED = Quantity(0.01, 200.0, 'rad/s')
-
-_LITTLE = 0.01
-"""Motion of a trot of which is asked whether joints are fast enough, over the hips' height."""
 
 _PLUGIN = re.compile(r'[A-Za-z]\w*/\w+(::\w+)*|\w+(::\w+)+')
 """Names of pluginlib: ``package/Class``, or a class with its namespace."""
@@ -185,8 +182,10 @@ def _list(as_json: bool) -> int:
 def _check(robot: Robot, as_json: bool) -> int:
     figures = derived_figures(robot)
     overlapping = [str(pair) for pair in robot.own_parts.ignored]
+    advice = motor_advice(robot)
     if as_json:
-        print(json.dumps({**figures, 'parts_not_watched': overlapping}))
+        said = {'parts_not_watched': overlapping, **advice.figures()}
+        print(json.dumps({**figures, **said}))
         return 0
     print(f'{robot.name}: {len(robot.sources)} numbers, each with its source')
     for name, value in figures.items():
@@ -196,6 +195,8 @@ def _check(robot: Robot, as_json: bool) -> int:
             f'  nearer than {1e3 * robot.own_parts.least:.1f} mm in the initial posture, and so '
             f'not kept apart: {", ".join(overlapping)}'
         )
+    for sentence in advice.sentences():
+        print(f'  {sentence}')
     return 0
 
 
@@ -231,12 +232,11 @@ def _import(arguments: argparse.Namespace) -> int:
 
         written.append(draw_robot(robot, data_file.with_suffix('.png')))
     figures = derived_figures(robot)
-    wanted = speed_to_trot(robot)
+    advice = motor_advice(robot)
     if arguments.json:
         said = {'found': imported.notes.found, 'assumed': imported.notes.assumed}
-        speed = {'speed_to_trot': wanted}
         files = {'written': [str(file) for file in written]}
-        print(json.dumps({'name': robot.name, **said, **speed, **files, **figures}))
+        print(json.dumps({'name': robot.name, **said, **advice.figures(), **files, **figures}))
         return 0
     console = Console()
     console.print(_legs_table(robot))
@@ -252,49 +252,10 @@ def _import(arguments: argparse.Namespace) -> int:
         highlight=False,
     )
     print(f'written: {", ".join(str(file) for file in written)}')
-    if wanted is not None:
-        print(
-            f'too slow to trot: knees of {float(robot.velocity.min()):g} rad/s; if the motors are '
-            f'faster than that, import it again with --speed {_rounded_up(wanted):g}'
-        )
+    for sentence in advice.sentences():
+        print(sentence)
     print(f'next: quadwalk demo --robot {data_file}')
     return 0
-
-
-def speed_to_trot(robot: Robot) -> float | None:
-    """
-    Say which speed of the joints gives a trot, if a robot's own joints are too slow for any.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-
-    Returns
-    -------
-    float or None
-        Twice what the least of a trot takes [rad/s]; None if joints are fast enough, or something
-        else forbids it.
-    """
-    # Imported late: what else is said of robots needs no gaits.
-    from quad_gait.cycle.body_motion import BodyMotion
-    from quad_gait.cycle.gait import load_gait
-    from quad_gait.cycle.gait_generator import generate_steady_cycle
-
-    trot = load_gait('trot', robot)
-    try:
-        generate_steady_cycle(robot, trot, BodyMotion(forward=_LITTLE * robot.hip_height))
-    except JointLimitExceeded as error:
-        return 2.0 * abs(error.value) if error.unit == 'rad/s' else None
-    except GaitError:
-        pass
-    return None
-
-
-def _rounded_up(value: float) -> float:
-    """Return a number with two digits that is no smaller."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return round(math.ceil(value / step) * step, 9)
 
 
 def _legs_table(robot: Robot) -> Table:

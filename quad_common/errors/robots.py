@@ -46,7 +46,32 @@ class RobotUnknown(RobotModelError):
         """Say which robots there are."""
         return (
             f'there is no robot {quoted(self.robot)}; available: {", ".join(self.available)}, '
-            'or the path of a robot data file'
+            'or the path of a robot data file or a description (URDF, xacro, MJCF)'
+        )
+
+
+@dataclass(eq=False, repr=False)
+class RobotFileMissing(RobotUnknown):
+    """There is no such file, by a name that can be nothing else."""
+
+    package: str = ''
+    """ROS package that the file is to be in; empty if none is named."""
+    is_installed: bool = False
+    """Whether that package was found."""
+
+    def sentence(self) -> str:
+        """Say what is missing, and what a robot may be."""
+        if self.package and not self.is_installed:
+            return (
+                f'there is no robot {quoted(self.robot)}: the package {quoted(self.package)} is '
+                f"neither in AMENT_PREFIX_PATH nor in ROS_PACKAGE_PATH; source its workspace's "
+                f'setup.bash first'
+            )
+        where = f' in the package {quoted(self.package)}' if self.package else ''
+        return (
+            f'there is no robot {quoted(self.robot)}: no such file{where}; it may be a robot data '
+            f'file (.yaml), a description (.urdf, .xacro, .xml), or one of the names '
+            f'{", ".join(self.available)}'
         )
 
 

@@ -70,6 +70,13 @@ def is_in_package(name: str) -> bool:
     return name.startswith(SCHEMES)
 
 
+def is_package_found(name: str) -> bool:
+    """Return whether the package that a name says its file is in is there, with the file or not."""
+    rest = name.partition('://')[2].partition('/')[2]
+    candidates = package_candidates(f'{name[: len(name) - len(rest)]}package.xml')
+    return any(package_name(manifest.parent) for manifest in candidates)
+
+
 def package_candidates(name: str, around: Path | None = None) -> list[Path]:
     """
     List where a file of a package may be.

@@ -1,5 +1,5 @@
 """
-The moments that moving legs exert on a robot: their weight and their inertia, link by link.
+The moments that legs exert on a robot and its joints: their weight and inertia, link by link.
 """
 
 from __future__ import annotations
@@ -11,11 +11,15 @@ from numpy.typing import NDArray
 
 from quad_common.robot.exact_masses import ExactMasses
 from quad_common.robot.leg_kinematics import Leg
+from quad_common.robot.robot import Robot
 
 Array = NDArray[np.float64]
 
-_GRAVITY = 9.80665
+GRAVITY = 9.80665
 """[m/s^2]"""
+
+_STEP = 1e-5
+"""Step of joint angles, for a difference quotient [rad]."""
 
 
 class LegCycle(NamedTuple):
@@ -72,11 +76,41 @@ def leg_moments(legs: Leg, masses: ExactMasses, cycle: LegCycle) -> Array:
         acceleration = _rate(_rate(place, cycle.period), cycle.period)
         turning = _rate(momentum, cycle.period)
         along, height = place[..., :2], place[..., 2, None]
-        pull = (_GRAVITY + acceleration[..., 2, None]) * along - height * acceleration[..., :2]
+        pull = (GRAVITY + acceleration[..., 2, None]) * along - height * acceleration[..., :2]
         pull *= masses.parts[:, part, None]
         pull += np.stack([-turning[..., 1], turning[..., 0]], axis=-1)
         moments += pull.sum(axis=-2)
     return moments
+
+
+def weight_torques(robot: Robot, joint_angles: Array, up: Array) -> Array:
+    """
+    Find the torques that hold the weight of the legs themselves, feet in the air.
+
+    They are the slope of the potential energy: m g times that of the center of mass.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    joint_angles : ndarray, shape (..., 4, 3)
+        [rad].
+    up : ndarray, shape (3,)
+        The vertical, upward, in the body's axes.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 3)
+        [N m].
+    """
+    shape = joint_angles.shape[-2:]
+    joints = shape[0] * shape[1]
+    change = _STEP * np.eye(joints).reshape(joints, *shape)
+    angles = joint_angles[..., None, :, :]
+    height = robot.center_of_mass(np.stack([angles + change, angles - change])) @ up
+    slope = (height[0] - height[1]) / (2.0 * _STEP)
+    torques: Array = robot.mass * GRAVITY * slope.reshape(joint_angles.shape)
+    return torques
 
 
 def _angular_momentum(frame: Array, inertia: Array, period: float) -> Array:

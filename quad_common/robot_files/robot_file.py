@@ -21,6 +21,7 @@ from quad_common.errors import (
     LegTypeUnknown,
     OutOfRange,
     RobotEntryInvalid,
+    RobotFileMissing,
     RobotFileUnusable,
     RobotNameInvalid,
     RobotUnknown,
@@ -28,6 +29,7 @@ from quad_common.errors import (
     UnknownKey,
 )
 from quad_common.files.bounded_file import is_file, user_path
+from quad_common.files.package_path import is_in_package, is_package_found
 from quad_common.files.yaml_document import check_keys, in_file, read_yaml
 from quad_common.named_robots.known_robots import known_names
 from quad_common.named_robots.robot_cache import DESCRIPTIONS, imported_file, known_robot_file
@@ -107,8 +109,19 @@ def robot_file(robot: str | Path) -> Path:
     except FileUnusable as error:
         raise error.of_kind(RobotFileUnusable) from error
     if known is None:
-        raise RobotUnknown(str(robot), (*available_robots(), *known_names()))
+        raise _unknown(str(robot))
     return known
+
+
+def _unknown(robot: str) -> RobotUnknown:
+    """Say that there is no such robot: no such name, or no such file."""
+    available = (*available_robots(), *known_names())
+    if is_in_package(robot):
+        package = robot.partition('://')[2].partition('/')[0]
+        return RobotFileMissing(robot, available, package, is_package_found(robot))
+    if '/' in robot or robot.endswith(('.yaml', *DESCRIPTIONS)):
+        return RobotFileMissing(robot, available)
+    return RobotUnknown(robot, available)
 
 
 def load_robot(robot: str | Path) -> Robot:

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.robot.leg_moments import weight_torques
 from quad_common.robot.robot import Robot
 from quad_common.rotations import angles_from_quaternion, matrix_from_angles
 from quad_gait.balance.balance_options import EstimateOptions
 from quad_gait.balance.foot_laws import GRAVITY, pendulum_time
 from quad_gait.balance.ground_slope import LEVEL, Slope, SlopeEstimator
-from quad_gait.state.foot_forces import weight_torques
 
 Array = NDArray[np.float64]
 

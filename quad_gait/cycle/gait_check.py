@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from quad_common.errors import GaitError
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.gait_generator import generate_steady_cycle
+from quad_gait.cycle.joint_torques import torque_demand
 from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.cycle.part_check import crossing_feet
 
 DIRECTIONS = {
     'forward': BodyMotion(forward=1.0),
@@ -131,7 +132,8 @@ def _standstill_problem(robot: Robot, gait: Gait, least_margin: float) -> str:
             f'it must be at least {1e3 * least_margin:.1f} mm: '
             f'the body must sway more, or the swings come in another order'
         )
-    return ''
+    demand = torque_demand(robot, cycle)
+    return f'stepping on the spot: {demand.sentence()}' if demand.is_too_much else ''
 
 
 def _amount(motion: BodyMotion) -> str:

@@ -1,5 +1,5 @@
 """
-How much of a motion one cycle of a gait can do: derived from legs, joints and margin.
+How much of a motion one cycle of a gait can do: derived from legs, joints, margin and torques.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
-from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import Gait
 from quad_gait.cycle.gait_generator import (
     CycleOptions,
@@ -27,6 +26,8 @@ from quad_gait.cycle.gait_generator import (
     generate_steady_cycle,
     margins_of_orders,
 )
+from quad_gait.cycle.joint_torques import torque_demand
+from quad_gait.cycle.part_check import crossing_feet
 
 _SAMPLES = 80
 """Per trial cycle: limits are met between samples to a fraction of a percent."""
@@ -203,28 +204,47 @@ class MotionLimits:
     def _search(self, towards: _Direction) -> _Limit:
         """Bisect between what is possible and what is not, up to four lengths of a leg."""
         gait, direction = self._order(towards), BodyMotion(*towards)
-        low, high = 0.0, 4.0 * max(float(leg.reach()[1]) for leg in self._robot.legs)
-        reason = ''
+        high = 4.0 * max(float(leg.reach()[1]) for leg in self._robot.legs)
         if gait.footholds == 'initial_posture' and not gait.is_steady:
             # S0's S_max and phi_max keep a reserve for ground that is lower than expected.
             bound, reason = self._bound_of_s0(direction)
             if self._problem(gait, direction.scaled(bound)) is None:
-                return _Limit(bound, reason)
+                return self._weaker(gait, direction, _Limit(bound, reason))
             high = min(high, bound)
-        for _ in range(_BISECTIONS):
-            middle = (low + high) / 2.0
-            problem = self._problem(gait, direction.scaled(middle))
-            if problem is None:
-                low = middle
-            else:
-                high, reason = middle, problem
-        return self._bounded(direction, self._reserve * self._used_of(direction) * low, reason)
+        low, reason = _bisected(high, lambda size: self._problem(gait, direction.scaled(size)))
+        limit = _Limit(self._reserve * self._used_of(direction) * low, reason)
+        return self._bounded(direction, self._weaker(gait, direction, limit))
 
-    def _bounded(self, direction: BodyMotion, size: float, reason: str) -> _Limit:
-        if self._bound is not None:
-            fraction, why = self._bound(direction.scaled(size))
-            size, reason = fraction * size, why or reason
-        return _Limit(size, reason)
+    def _bounded(self, direction: BodyMotion, limit: _Limit) -> _Limit:
+        """Take less of a motion if how the gait is walked forbids so much."""
+        if self._bound is None:
+            return limit
+        fraction, reason = self._bound(direction.scaled(limit.size))
+        return _Limit(fraction * limit.size, reason or limit.reason)
+
+    def _weaker(self, gait: Gait, direction: BodyMotion, limit: _Limit) -> _Limit:
+        """
+        Take less of a motion if the joints' torques do not suffice for its limit.
+
+        What legs and margin allow comes first: most robots are strong enough for that, and are
+        asked once.
+        """
+        if self._weakness(gait, direction.scaled(limit.size)) is None:
+            return limit
+        low, reason = _bisected(
+            limit.size, lambda size: self._weakness(gait, direction.scaled(size))
+        )
+        return _Limit(self._reserve * low, reason)
+
+    def _weakness(self, gait: Gait, motion: BodyMotion) -> str | None:
+        """Say which joint's torque does not suffice for a motion, if nothing else forbids it."""
+        options = CycleOptions(gait.cycle_period / _SAMPLES)
+        try:
+            cycle = generate_steady_cycle(self._robot, gait, motion, options)
+        except GaitError:
+            return None
+        demand = torque_demand(self._robot, cycle)
+        return demand.sentence() if demand.is_too_much else None
 
     def _used_of(self, direction: BodyMotion) -> float:
         """Return which fraction of a motion's limit is used: the mean of its parts' fractions."""
@@ -324,6 +344,19 @@ class _Limit:
     """Distance by which the outermost foot may be carried [m]."""
     reason: str
     """Reason why more is not possible."""
+
+
+def _bisected(high: float, problem: Callable[[float], str | None]) -> tuple[float, str]:
+    """Return the largest size up to which there is no problem, and what the problem is beyond."""
+    low, reason = 0.0, ''
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2.0
+        found = problem(middle)
+        if found is None:
+            low = middle
+        else:
+            high, reason = middle, found
+    return low, reason
 
 
 def _remembered(

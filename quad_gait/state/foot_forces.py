@@ -11,15 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.robot.leg_moments import weight_torques
 from quad_common.robot.robot import Robot
 
 Array = NDArray[np.float64]
-
-GRAVITY = 9.80665
-"""[m/s^2]"""
-
-_STEP = 1e-5
-"""Step of joint angles, for a difference quotient [rad]."""
 
 _SINGULAR = 1e-6
 """A leg whose Jacobian has a smaller determinant tells nothing [m^3]; relative to its length."""
@@ -58,31 +53,3 @@ def foot_forces(robot: Robot, joint_angles: Array, joint_efforts: Array, up: Arr
     transposed = np.swapaxes(jacobians[tells], -1, -2)
     forces[tells] = np.linalg.solve(transposed, missing[tells][..., None])[..., 0]
     return forces
-
-
-def weight_torques(robot: Robot, joint_angles: Array, up: Array) -> Array:
-    """
-    Find the torques that hold the weight of the legs themselves, feet in the air.
-
-    They are the slope of the potential energy: m g times that of the center of mass.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    joint_angles : ndarray, shape (4, 3)
-        [rad].
-    up : ndarray, shape (3,)
-        The vertical, upward, in the body's axes.
-
-    Returns
-    -------
-    ndarray, shape (4, 3)
-        [N m].
-    """
-    joints = joint_angles.size
-    change = _STEP * np.eye(joints).reshape(joints, *joint_angles.shape)
-    height = robot.center_of_mass(np.stack([joint_angles + change, joint_angles - change])) @ up
-    slope = (height[0] - height[1]) / (2.0 * _STEP)
-    torques: Array = robot.mass * GRAVITY * slope.reshape(joint_angles.shape)
-    return torques

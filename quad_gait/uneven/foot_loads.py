@@ -4,9 +4,9 @@ Which feet bear load, as fractions of a robot's weight.
 
 from __future__ import annotations
 
+from quad_common.robot.leg_moments import GRAVITY
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
-from quad_gait.state.foot_forces import GRAVITY
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.uneven_options import UnevenOptions
 

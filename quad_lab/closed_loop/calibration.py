@@ -16,10 +16,9 @@ from quad_common.robot.robot import Robot
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
-from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.following.slip_compensation import Calibration
 from quad_lab.closed_loop.closed_loop import ClosedLoop, DoesNotWalk
-from quad_lab.closed_loop.controllers import controller_for
+from quad_lab.closed_loop.controllers import controller_for, largest_speed
 from quad_sim.engines.registry import AUTO
 
 Array = NDArray[np.float64]
@@ -148,10 +147,10 @@ def calibrate_motion(
 
 
 def default_motions(robot: Robot, gait: Gait) -> list[BodyMotion]:
-    """Return the six directions at two speeds that the gait is capable of."""
-    limits = MotionLimits(robot, gait)
+    """Return the six directions at two speeds that the gait, or its turn, is capable of."""
+    period = gait.cycle_period
     return [
-        _rounded(direction.scaled(fraction * limits.largest_scale(direction)))
+        _rounded(direction.scaled(fraction * period * largest_speed(robot, gait, direction).scale))
         for direction in DIRECTIONS
         for fraction in FRACTIONS
     ]

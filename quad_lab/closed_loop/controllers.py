@@ -5,15 +5,29 @@ Controllers for walks without topics, put together as gait_node does it.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.options import SupervisorOptions
+from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait, turning_gait_for
 from quad_gait.following.follower_options import FollowerOptions
+from quad_gait.following.gait_pair import GaitPair
 from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation
 from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.uneven_options import UnevenOptions
+
+
+@dataclass(frozen=True)
+class LargestSpeed:
+    """The most that a gait does in one direction."""
+
+    scale: float
+    """How many times the direction fits into a second [1/s]; 0 if the gait does none of it."""
+    period: float
+    """Duration of a cycle of the gait that does it [s]."""
+    reason: str
+    """Reason why more is not possible."""
 
 
 def controller_for(
@@ -40,6 +54,27 @@ def controller_for(
     """
     turning = turning_gait_for(gait, robot)
     return Supervisor(robot, gait, turning, options or SupervisorOptions(), compensation)
+
+
+def largest_speed(
+    robot: Robot, gait: Gait, direction: BodyMotion, least_margin: float = 0.0
+) -> LargestSpeed:
+    """
+    Find how fast a robot goes at most with a gait, and with the one that turns on the spot with it.
+
+    Parameters
+    ----------
+    robot, gait
+        The robot, and a gait fitted to it.
+    direction : BodyMotion
+        Direction of the motion; its size does not matter.
+    least_margin : float
+        That cycles must keep [m].
+    """
+    pair = GaitPair(robot, gait, turning_gait_for(gait, robot), least_margin)
+    limits = pair.of_twist(direction.rate(1.0))
+    scale = limits.largest_scale(direction)
+    return LargestSpeed(scale / limits.period, limits.period, limits.reason(direction))
 
 
 def for_uneven_ground(options: SupervisorOptions, footsteps: bool = False) -> SupervisorOptions:

@@ -11,7 +11,7 @@ from quad_common.errors import QuadError
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import load_gait
-from quad_gait.cycle.motion_limits import MotionLimits
+from quad_lab.closed_loop.controllers import largest_speed
 from quad_lab.closed_loop.gait_measures import steady_walk
 from quad_sim.engines.registry import preferred
 
@@ -92,17 +92,14 @@ def walk_imported(
     """
     loaded = load_robot(robot)
     fitted = load_gait(gait, loaded)
-    limits = MotionLimits(loaded, fitted, _LEAST_MARGIN)
     motion = DIRECTIONS[direction]
-    scale = limits.largest_scale(motion)
+    most = largest_speed(loaded, fitted, motion, _LEAST_MARGIN)
     found = ImportedWalk(
-        robot, gait, direction, backend, fraction,
-        most=scale / fitted.cycle_period,
-        reason=limits.reason(motion),
-    )  # fmt: skip
-    if scale == 0.0:
+        robot, gait, direction, backend, fraction, most=most.scale, reason=most.reason
+    )
+    if most.scale == 0.0:
         return _with(found, problem='the limits allow none')
-    asked = motion.scaled(fraction * scale)
+    asked = motion.scaled(fraction * most.scale * most.period)
     try:
         with preferred(backend):
             duration = _DURATIONS.get(gait, _OTHERWISE)

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from quad_common.errors import GaitError
 from quad_common.planar_pose import Pose2D
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.motion_limits import MotionLimits
 from quad_lab.closed_loop.closed_loop import ClosedLoop
+from quad_lab.closed_loop.controllers import largest_speed
 from quad_lab.closed_loop.gait_measures import SteadyWalk, steered_walk
 from quad_lab.seeded_walks.ready_robot import ReadyRobot
 from quad_lab.seeded_walks.scene import ground_seed
@@ -97,11 +97,10 @@ def walk_steered(
 
 def _most(ready: ReadyRobot, direction: BodyMotion) -> float:
     """Return the largest speed of the gait with none of its numbers changed [m/s or rad/s]."""
-    limits = MotionLimits(ready.robot, ready.derived, ready.least_margin)
-    scale = limits.largest_scale(direction)
-    if scale == 0.0:
-        raise GaitStandsStill(ready.robot.name, ready.derived.name, limits.reason(direction))
-    return scale / ready.derived.cycle_period
+    most = largest_speed(ready.robot, ready.derived, direction, ready.least_margin)
+    if most.scale == 0.0:
+        raise GaitStandsStill(ready.robot.name, ready.derived.name, most.reason)
+    return most.scale
 
 
 def _world(walk: Walk, speed: float, seed: int) -> World:

@@ -89,3 +89,21 @@ def test_of_joints_that_are_too_slow_to_trot_the_speed_is_said_that_gives_one(tm
     # The speed as it was printed, and it is not said again.
     assert main([*importing, *re.search(r'--speed \S+$', said[0])[0].split()]) == 0
     assert 'too slow to trot' not in capsys.readouterr().out
+
+
+def test_of_joints_that_are_too_weak_to_crawl_the_efforts_are_said_that_suffice(tmp_path, capsys):
+    pytest.importorskip('yourdfpy')
+    description = tmp_path / 'weak robot.urdf'
+    description.write_text(urdf_from_robot(load_robot('genibo')))
+    importing = ['robot', 'import', str(description), '--no-picture']
+    importing += ['--output', str(tmp_path / 'weak.yaml')]
+    assert main([*importing, '--effort', '0.3']) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if 'too weak to crawl' in line]
+    assert 'of its 0.3 N m' in said[0]
+    # The efforts as they were printed, and it is not said again.
+    efforts = re.search(r'--effort (\S+ \S+ \S+)$', said[0])[1].split()
+    assert main([*importing, '--effort', *efforts]) == 0
+    assert 'too weak' not in capsys.readouterr().out
+    assert main(['robot', 'check', str(tmp_path / 'weak.yaml'), '--json']) == 0
+    torques = json.loads(capsys.readouterr().out)['torques_on_the_spot']
+    assert torques['crawl']['torque'] <= 0.9 * torques['crawl']['effort']

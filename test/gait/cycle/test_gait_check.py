@@ -7,10 +7,10 @@ import pytest
 
 from quad_common.errors import ParameterError
 from quad_common.robot_files.robot_file import load_robot
-from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import Swing, available_gaits, load_gait
 from quad_gait.cycle.gait_check import DIRECTIONS, check_gait
 from quad_gait.cycle.gait_generator import generate_steady_cycle
+from quad_gait.cycle.part_check import crossing_feet
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
 TITAN, CUHK = ROBOTS['titan_viii'], ROBOTS['cuhk']

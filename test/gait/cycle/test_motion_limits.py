@@ -11,10 +11,10 @@ from quad_common.planar_pose import STILL, Twist2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.cycle import CycleEnds
-from quad_gait.cycle.foot_spacing import crossing_feet
 from quad_gait.cycle.gait import available_gaits, load_gait
 from quad_gait.cycle.gait_generator import CycleOptions, generate_cycle, generate_steady_cycle
 from quad_gait.cycle.motion_limits import MotionLimits
+from quad_gait.cycle.part_check import crossing_feet
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'pukyong', 'cuhk', 'genibo')}
 LIMITS = {

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from quad_common.planar_pose import Pose2D
+from quad_common.robot.leg_moments import weight_torques
 from quad_common.robot_files.robot_file import available_robots, load_robot
-from quad_gait.state.foot_forces import foot_forces, weight_torques
+from quad_gait.state.foot_forces import foot_forces
 from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
 from quad_sim.simulation import Simulation
 

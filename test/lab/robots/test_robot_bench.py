@@ -17,7 +17,10 @@ from quad_common.importing.robot_document import write_robot
 from quad_common.importing.robot_import import import_robot
 from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 from quad_common.robot_files.robot_file import load_robot
+from quad_gait.cycle.body_motion import BodyMotion
+from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.motion_limits import MotionLimits
+from quad_lab.closed_loop.controllers import largest_speed
 from quad_lab.robots import bench_robots
 from quad_lab.robots.broken_descriptions import BROKEN_DESCRIPTIONS, import_broken
 from quad_lab.robots.import_check import check_description, check_import
@@ -163,3 +166,13 @@ def test_a_robot_that_is_none_is_said_before_anything_walks():
         pytest.raises(QuadError, match='nobody'),
     ):
         bench_robots.measure(mock.Mock(), True, 0, robots=('genibo', 'nobody'))
+
+
+def test_a_turn_on_the_spot_is_asked_for_as_far_as_the_gait_goes_that_turns():
+    robot = load_robot('titan_viii')
+    crawl = load_gait('crawl', robot)
+    turn = BodyMotion(turn=1.0)
+    most = largest_speed(robot, crawl, turn)
+    turning = MotionLimits(robot, turning_gait_for(crawl, robot))
+    assert most.scale * most.period == pytest.approx(turning.largest_scale(turn))
+    assert most.scale * most.period > 1.01 * MotionLimits(robot, crawl).largest_scale(turn)
