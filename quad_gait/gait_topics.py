@@ -27,6 +27,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.behaviours.activity import Activity
 from quad_gait.parameters import GaitParameters
 from quad_gait.ros_conversions import (
     foothold_markers,
@@ -43,8 +44,8 @@ from quad_gait.trajectory_actions import TrajectoryGoals
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _HEARTBEAT = 0.1
-"""Time between two heartbeats, in the time of the measurements [s]."""
-
+"""Time between two heartbeats, in the time of the measurements [s]; 0 while the robot keeps its
+balance, and each measurement is to be answered at once."""
 
 _POLYGON_PERIOD = 0.1
 """Time between two support polygons of the same feet [s]: they stand, and to find their polygon
@@ -169,7 +170,9 @@ class GaitTopics:
 
     def _publish_heartbeat(self, time: float, stamp: Time) -> None:
         """Publish up to when measurements are answered, after all that answers them."""
-        if not 0.0 <= time - self._last_heartbeat < _HEARTBEAT:
+        is_balancing = self._supervisor.activity is Activity.BALANCING
+        period = 0.0 if is_balancing else _HEARTBEAT
+        if not 0.0 <= time - self._last_heartbeat < period:
             self._last_heartbeat = time
             self._heartbeats.publish(Header(stamp=stamp))
 

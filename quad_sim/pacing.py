@@ -63,6 +63,12 @@ class Pacing:
 _AHEAD = 0.2
 """Simulated time by which the gait may be left behind: less than its lead before a cycle [s]."""
 
+_OFTEN = 0.05
+"""Time between two answers of a gait that decides at every measurement, at most [s]."""
+
+_MEASUREMENTS_AHEAD = 1.5
+"""Number of measurements by which such a gait may be left behind, before the next one."""
+
 _PATIENCE = 0.25
 """Time on the wall clock without an answer after which it is not waited for [s]."""
 
@@ -71,12 +77,14 @@ class Answers:
     """
     How far the gait has answered a simulation that goes as fast as possible.
 
-    Such a simulation would leave a gait behind that computes, or is not given the processor.
+    Such a simulation would leave a gait behind that computes, or is not given the processor. A gait
+    that keeps the robot's balance answers every measurement, and is to answer it before the next.
     """
 
     def __init__(self) -> None:
         self._up_to = -math.inf
         self._received_at = -math.inf
+        self._ahead = _AHEAD
 
     def take(self, stamp: float, simulated: float, wall: float) -> None:
         """
@@ -90,6 +98,8 @@ class Answers:
             Simulated time, and the wall clock's [s].
         """
         if self._up_to < stamp <= simulated:
+            since = stamp - self._up_to
+            self._ahead = _MEASUREMENTS_AHEAD * since if since <= _OFTEN else _AHEAD
             self._up_to, self._received_at = stamp, wall
 
     def wait(self, simulated: float, wall: float) -> float:
@@ -106,6 +116,6 @@ class Answers:
         float
             Real time to wait at most, until an answer comes; 0 to go on [s].
         """
-        if simulated - self._up_to <= _AHEAD:
+        if simulated - self._up_to <= self._ahead:
             return 0.0
         return max(0.0, self._received_at + _PATIENCE - wall)

@@ -55,6 +55,17 @@ def test_a_gait_that_is_silent_is_not_waited_for_any_more():
     assert answers.wait(1.7, wall=9.1) > 0.0
 
 
+def test_a_gait_that_answers_each_measurement_is_to_answer_it_before_the_next():
+    answers = Answers()
+    for time in (1.0, 1.01, 1.02):
+        answers.take(time, time, wall=5.0)
+    assert answers.wait(1.03, wall=5.0) == 0.0
+    assert answers.wait(1.04, wall=5.0) > 0.0
+    # Once it answers seldom again it has its lead.
+    answers.take(1.12, 1.12, wall=5.0)
+    assert answers.wait(1.3, wall=5.0) == 0.0
+
+
 @pytest.mark.parametrize('stamp', [0.5, 1.0, 7.0, float('nan'), float('inf')])
 def test_an_answer_that_is_old_or_of_the_future_holds_nobody_up(stamp):
     answers = Answers()
