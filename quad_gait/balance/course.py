@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from quad_common.planar_pose import Pose2D, Twist2D, wrap_angle
 from quad_gait.balance.foot_laws import Pace
@@ -13,6 +14,19 @@ from quad_gait.cycle.body_motion import BodyMotion
 
 _TURN_TIME = 0.5
 """Time in which the largest correction of a turn turns by a radian [s]."""
+
+
+class Guide(NamedTuple):
+    """How a robot is guided along its course."""
+
+    gain: float
+    """Gain with which it is drawn to it [1/s]."""
+    largest: float
+    """Velocity of that, at most [m/s]."""
+    lead: float
+    """Time by which the velocity that is wanted is ahead [s]: a body has it so long after."""
+    turns_back: bool
+    """Whether it is turned to the course, too."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +75,7 @@ class Course:
         x, y = start.x + pose.x - planned.x, start.y + pose.y - planned.y
         return replace(self, pose=Pose2D(x, y, start.yaw))
 
-    def pace(
-        self, time: float, pose: Pose2D, gain: float, largest: float, turns_back: bool = True
-    ) -> Pace:
+    def pace(self, time: float, pose: Pose2D, guide: Guide) -> Pace:
         """
         Return how fast the robot is to be.
 
@@ -73,23 +85,19 @@ class Course:
             [s]
         pose : Pose2D
             Where it is by odometry.
-        gain : float
-            Gain with which it is drawn to its course [1/s].
-        largest : float
-            Velocity of that at most [m/s].
-        turns_back : bool
-            Whether it is turned to its course, too.
+        guide : Guide
+            How it is guided.
 
         Returns
         -------
         Pace
         """
-        place, twist = self.at(time)
-        apart = pose.inverse() @ place
-        x, y = gain * apart.x, gain * apart.y
+        apart = pose.inverse() @ self.at(time)[0]
+        twist = self.at(time + guide.lead)[1]
+        x, y = guide.gain * apart.x, guide.gain * apart.y
         size = math.hypot(x, y)
-        if size > largest:
-            x, y = x * largest / size, y * largest / size
-        turn = gain * wrap_angle(apart.yaw) if turns_back else 0.0
+        if size > guide.largest:
+            x, y = x * guide.largest / size, y * guide.largest / size
+        turn = guide.gain * wrap_angle(apart.yaw) if guide.turns_back else 0.0
         turn = min(max(turn, -1.0 / _TURN_TIME), 1.0 / _TURN_TIME)
         return Pace(twist.forward + x, twist.left + y, twist.turn + turn)

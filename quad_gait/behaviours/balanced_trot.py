@@ -14,7 +14,7 @@ from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
-from quad_gait.balance.course import Course
+from quad_gait.balance.course import Course, Guide
 from quad_gait.balance.foot_laws import Pace
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
@@ -122,13 +122,14 @@ class BalancedTrot(Walk):
         if motion.is_pushed(body) or motion.is_leaning(state.time):
             # It is caught where it is; what it was pushed off is taken back by the next steps.
             self._course = course = self._steered_from_here(state, course)
-        pace = course.pace(
-            state.time,
-            state.motion_pose,
+        guide = Guide(
             self._balance.course_gain,
             self._balance.largest_correction * motion.unit,
+            # What is planned now moves the body, in the mean, in the middle of the next stance.
+            self._balance.reaction_time + motion.clock.stance_times[0] / 2.0,
             turns_back=not self._is_caught(state.time),
         )
+        pace = course.pace(state.time, state.motion_pose, guide)
         self._stop_when_calm(state, motion, body, pace)
         trajectory = motion.update(state.time, body, pace)
         if trajectory is not None:
