@@ -46,6 +46,9 @@ from quad_gait.supervisor import Supervisor
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
+_DOUBT = 'it is not known where in the map the robot is'
+"""Reason for a plan to wait while corrections of odometry leap again and again."""
+
 
 class GaitNode(QuadNode[GaitParameters]):
     """
@@ -131,7 +134,8 @@ class GaitNode(QuadNode[GaitParameters]):
         self._odom_frame = message.header.frame_id
         pose, odometry = self._map.locate(message)
         state = state.placed(pose, odometry)
-        self._supervisor.hold_plan(self._planner.problem)
+        doubt = _DOUBT if frame.doubt else ''
+        self._supervisor.hold_plan(self._planner.problem or doubt)
         trajectory = self._supervisor.update(state)
         # What is computed from the pose on the map is in its frame.
         name = self._odom_frame if frame.correction is None else frame.name

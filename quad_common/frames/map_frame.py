@@ -19,6 +19,7 @@ from collections.abc import Sequence
 
 from quad_common.errors import InvalidTransform, WrongFrame
 from quad_common.frames.frame_tree import IDENTITY, MOST_FRAMES, FrameTransform, FrameTree
+from quad_common.frames.leap_watch import LeapWatch
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 
@@ -56,6 +57,7 @@ class MapFrame:
         self._correction: Pose2D | None = None
         self._corrected_at = -math.inf
         self._time = self._leapt_at = -math.inf
+        self._leaps = LeapWatch()
         self._remarks: list[str] = []
 
     @property
@@ -92,6 +94,16 @@ class MapFrame:
         if self._correction is None or self._is_static:
             return 0.0
         return max(0.0, self._time - self._corrected_at)
+
+    @property
+    def doubt(self) -> str:
+        """That corrections do not end to leap, as a sentence; empty while they do not leap."""
+        if not self._leaps.is_doubtful(self._time):
+            return ''
+        return (
+            f"'{self._name}' -> '{self._odom_frame}' leaps again and again: "
+            'do two publishers disagree?'
+        )
 
     def rename(self, name: str) -> None:
         """Go on with another frame of the map."""
@@ -154,6 +166,7 @@ class MapFrame:
         if time < self._corrected_at - 1.0:
             # The clock was set back.
             self._corrected_at = self._leapt_at = time
+            self._leaps.forget()
         self._time = time
         self._take_published(time, odometry)
         return self._placed(odometry)
@@ -215,6 +228,7 @@ class MapFrame:
         self._is_static = False
         self._count = self._seen = 0
         self._corrected_at = -math.inf
+        self._leaps.forget()
 
     def _may_matter(self, frame: str) -> bool:
         """Return whether a frame lies between map and odometry, as far as is known."""
@@ -249,6 +263,7 @@ class MapFrame:
         distance = math.hypot(error.x, error.y)
         if distance > _LEAP or abs(error.yaw) > _LEAP_TURN:
             self._count = 0
+            self._leaps.take(time)
             if time > self._leapt_at + _QUIET:
                 self._leapt_at = time
                 there = here @ error

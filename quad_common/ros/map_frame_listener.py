@@ -93,11 +93,13 @@ class MapFrameListener:
 
     def problem(self) -> str:
         """
-        Say whether corrections have grown old; empty if not.
+        Say whether corrections contradict one another or have grown old; empty if not.
 
         That none is published is logged once: then the frames coincide.
         """
         frame = self.frame
+        if frame.doubt:
+            return frame.doubt
         if frame.age > self._timeout:
             return (
                 f"the last correction '{frame.name}' -> '{frame.odom_frame}' is {frame.age:.0f} s "

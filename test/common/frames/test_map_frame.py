@@ -193,3 +193,41 @@ def test_another_frame_of_odometry_or_map_begins_anew():
     assert apart(frame.locate(0.2, 'odom', ORIGIN), CORRECTION) < 1e-12
     frame.rename('floor')
     assert frame.locate(0.3, 'odom', HERE) is HERE
+
+
+def leaping(frame, leaps, apart=0.5, since=0.0):
+    """Leap once every so many seconds of odometry; return the time of the last leap."""
+    for step in range(leaps + 1):
+        frame.add([transform(Pose2D(float(step % 2), 0.0, 0.0))])
+        frame.locate(since + apart * step, 'odom', ORIGIN)
+    return since + apart * leaps
+
+
+def test_a_robot_that_was_carried_is_believed_at_once():
+    frame = MapFrame()
+    leaping(frame, 3)
+    assert frame.doubt == ''
+
+
+def test_leaps_that_do_not_end_are_doubted_until_they_do():
+    frame = MapFrame()
+    last = leaping(frame, 4)
+    assert frame.doubt == "'map' -> 'odom' leaps again and again: do two publishers disagree?"
+    frame.locate(last + 4.9, 'odom', ORIGIN)
+    assert frame.doubt == ''
+    leaping(frame, 40, since=last + 5.0)
+    assert frame.doubt
+
+
+def test_leaps_that_are_far_between_are_not_doubted():
+    frame = MapFrame()
+    leaping(frame, 20, apart=2.0)
+    assert frame.doubt == ''
+
+
+def test_leaps_before_the_clock_was_set_back_do_not_count():
+    frame = MapFrame()
+    leaping(frame, 4, since=100.0)
+    assert frame.doubt
+    frame.locate(3.0, 'odom', ORIGIN)
+    assert frame.doubt == ''
