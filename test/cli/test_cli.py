@@ -240,8 +240,9 @@ def test_a_command_imports_what_it_needs_and_no_more():
     assert 'quad_planner.search.jump_points' in plan
     slow = {'quad_gait', 'quad_sim', 'scipy.interpolate', 'matplotlib', 'cv2', 'rich.console'}
     assert plan & slow == set()
+    # It asks which torques a step on the spot takes, and plans nothing.
     check = imported_by(['robot', 'check', 'titan_viii', '--json'])
-    assert check & {*slow, 'quad_planner', 'numba'} == set()
+    assert check & {*slow - {'quad_gait'}, 'quad_planner', 'numba'} == set()
 
 
 @pytest.mark.parametrize('command', COMMANDS)
