@@ -38,6 +38,8 @@ class Lateness:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.clock = clock
         """Returns the time [s]."""
+        self.left_out = 0
+        """Number of readings that were left out."""
         self._asked_at: float | None = None
         self._answered_at = -_PERIOD
 
@@ -90,6 +92,7 @@ class StreamCallback:
             return
         began = self._lateness.clock()
         if began < self._rests_until:
+            self._lateness.left_out += 1
             return
         try:
             self._callback(self._newest(message))
@@ -107,5 +110,6 @@ class StreamCallback:
                 taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
                 if taken is None:
                     break
+                self._lateness.left_out += 1
                 message = taken[0]
         return message

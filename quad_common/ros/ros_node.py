@@ -202,6 +202,8 @@ class QuadNode(GuardedNode, Generic[Table]):
             self.get_logger().warning(message)
 
     def _publish_status(self, level: bytes, message: str) -> None:
+        left_out = self._lateness.left_out
+        late = {'readings_left_out': left_out} if left_out else {}
         status = DiagnosticStatus(
             level=level,
             name=self.get_fully_qualified_name().lstrip('/'),
@@ -209,7 +211,7 @@ class QuadNode(GuardedNode, Generic[Table]):
             hardware_id=str(getattr(self.parameters, 'robot', '')),
             values=[
                 KeyValue(key=key, value=clipped(str(value)))
-                for key, value in {**self._values, **self._last_refusal}.items()
+                for key, value in {**self._values, **self._last_refusal, **late}.items()
             ],
         )
         array = DiagnosticArray(status=[status])

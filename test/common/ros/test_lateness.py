@@ -95,6 +95,7 @@ def test_of_a_stream_the_newest_message_counts_once_the_node_is_late_and_else_ea
     subscription = Subscription(2, 3, 4)
     assert received_of(subscription, queue.lateness, 1) == ([4] if is_late else [1])
     assert subscription.waiting == ([] if is_late else [2, 3, 4])
+    assert queue.lateness.left_out == (3 if is_late else 0)
 
 
 def test_a_stream_that_never_ends_keeps_nobody_longer_than_its_queue_is_long():
