@@ -21,6 +21,7 @@ within a trot's stance hardly notices it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -50,6 +51,9 @@ that stays a foot sinks in by two sevenths of what it would without."""
 _STIFFENING_TIME = 2.0
 """Time constant with which contacts stiffen [s], longer than the stances of trots: with 1 s cuhk,
 turning on the spot by trotting, rocks by half a degree."""
+
+_STEPS_PER_STIFFENING = 4
+"""Number of steps in which contacts stiffen once: it is a fifth of what anchors cost."""
 
 _FAR = 10.0
 """Position error beyond which a motor does not pull more [rad]."""
@@ -89,7 +93,7 @@ class MujocoMotors:
         self._ordinary = (self._ahead * float(self._fastest.min())) ** 2
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
-        self._damping = 0.0
+        self._gain = 0.0
         self._rows = slice(0, _COUNT)
         self.references: Array = np.zeros(_COUNT)
         """What is added to the references of the motors' constraints in the next step."""
@@ -115,7 +119,8 @@ class MujocoMotors:
         # It shows MuJoCo's own numbers, whatever they become.
         self._angles = data.qpos[angles]
         time_constant, _ = model.dof_solref[speeds.start]
-        self._damping = 2.0 / (model.dof_solimp[speeds.start, 1] * time_constant)
+        damping = 2.0 / (model.dof_solimp[speeds.start, 1] * time_constant)
+        self._gain = damping / self._ahead
         self._set_frictions()
 
     def reset(self) -> None:
@@ -163,7 +168,7 @@ class MujocoMotors:
             wanted[joint] = angle - float(self._angles[joint])
         if self._free:
             wanted[self._free] = 0.0
-        wanted *= self._damping / ahead
+        wanted *= self._gain
 
     def efforts(self) -> Array:
         """Return the torques of the motors in the last step, shape (12,) [N m]."""
@@ -197,8 +202,9 @@ class MujocoDrives:
         self._count = _COUNT * len(self._robots)
         self._time_step = time_step
         self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
+        self._slip_squared = self._slip**2
         self._stiffest = 0.0
-        self._stiffening_rate = time_step / _STIFFENING_TIME
+        self._keeps = math.exp(-_STEPS_PER_STIFFENING * time_step / _STIFFENING_TIME)
         self._differences: dict[int, Array] = {}
         self._motors: Array = np.zeros(self._count)
         self._standing: list[str] = []
@@ -240,19 +246,22 @@ class MujocoDrives:
         if not is_as_before:
             # How a foot came down is no creep.
             creep[self._new] = 0.0
-        if creep.dot(creep) > self._slip**2:
+        if creep.dot(creep) > self._slip_squared:
             np.clip(creep, -self._slip, self._slip, creep)
         stiffening, pulls = self._stiffening, self._pulls
-        stiffening += self._stiffening_rate * (self._stiffest - stiffening)
-        # Distances, which are negative within the ground.
-        np.minimum(data.efc_pos[self._count :], 0.0, pulls)
-        pulls *= stiffening
+        self._steps += 1
+        if self._steps % _STEPS_PER_STIFFENING == 0:
+            stiffening *= self._keeps
+            stiffening += (1.0 - self._keeps) * self._stiffest
+        # Distances, which are negative: geometries without a margin touch within one another only.
+        np.multiply(data.efc_pos[self._count :], stiffening, pulls)
         pulls += creep
         references = data.efc_aref
         references += self._references
 
     def let_go(self) -> None:
         """Forget all anchors."""
+        self._steps = 0
         self._anchors = {}
         self._anchor(b'')
 
