@@ -29,6 +29,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
+from quad_sim.engines.mujoco_references import (
+    CREEP,
+    IS_NEW,
+    aim_motors,
+    pull_contacts,
+    warm_up,
+)
 from quad_sim.engines.simulator import FRICTION_FRACTION, check_commands
 
 Array = NDArray[np.float64]
@@ -51,9 +58,6 @@ that stays a foot sinks in by two sevenths of what it would without."""
 _STIFFENING_TIME = 2.0
 """Time constant with which contacts stiffen [s], longer than the stances of trots: with 1 s cuhk,
 turning on the spot by trotting, rocks by half a degree."""
-
-_STEPS_PER_STIFFENING = 4
-"""Number of steps in which contacts stiffen once: it is a fifth of what anchors cost."""
 
 _FAR = 10.0
 """Position error beyond which a motor does not pull more [rad]."""
@@ -150,12 +154,11 @@ class MujocoMotors:
         ParameterError
             If one of them is not finite.
         """
-        # What is missing [rad], as if velocities were to be reached by position errors alone.
         wanted, ahead = self.references, self._ahead
-        np.multiply(joint_velocities, ahead, wanted)
-        wanted += joint_positions
-        wanted -= self._angles
-        if not wanted.dot(wanted) < self._ordinary:
+        joint_positions = np.ascontiguousarray(joint_positions, np.float64)
+        joint_velocities = np.ascontiguousarray(joint_velocities, np.float64)
+        missing = aim_motors(joint_positions, joint_velocities, self._angles, wanted, ahead)
+        if not missing < self._ordinary:
             check_commands(joint_positions, joint_velocities)
             # No motor is commanded more than it could ever give: a command that is far off must
             # not make MuJoCo unstable, which would put the robot back to where it began.
@@ -201,12 +204,18 @@ class MujocoDrives:
         self._robots = tuple(motors)
         self._count = _COUNT * len(self._robots)
         self._time_step = time_step
-        self._slip = _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2
-        self._slip_squared = self._slip**2
-        self._stiffest = 0.0
-        self._keeps = math.exp(-_STEPS_PER_STIFFENING * time_step / _STIFFENING_TIME)
-        self._differences: dict[int, Array] = {}
+        warm_up()
+        self._laws = np.array(
+            [
+                -_ANCHOR_GAIN / (2.0 * time_step),
+                _ANCHOR_GAIN * _LONGEST_CREEP / time_step**2,
+                -math.expm1(-time_step / _STIFFENING_TIME),
+                0.0,
+            ]
+        )
         self._motors: Array = np.zeros(self._count)
+        for number, robot in enumerate(self._robots):
+            robot.references = self._motors[_COUNT * number : _COUNT * (number + 1)]
         self._standing: list[str] = []
         self._touching: bytes | None = None
         self._anchors: dict[tuple[bytes, int], Array] = {}
@@ -226,42 +235,25 @@ class MujocoDrives:
         # All that stands fast is equally stiff, at any depth.
         time_constant, damping_ratio = model.geom_solref[0]
         stiffness = 1.0 / (model.geom_solimp[0, 1] * (time_constant * damping_ratio) ** 2)
-        self._stiffest = -_STIFFENING * stiffness
+        self._laws[-1] = -_STIFFENING * stiffness
 
     def pull(self) -> None:
         """Set the references of the step's constraints, between the halves of a step."""
         data = self._data
         touching = data.contact.geom.tobytes()
-        is_as_before = touching == self._touching
-        if not is_as_before:
+        if touching != self._touching:
             self._anchor(touching)
-        if data.nefc != self._references.size:
+        if data.nefc != self._size:
             # A contact that is no pyramid of friction: nothing is anchored in this step.
             self.let_go()
             data.efc_aref[: self._count] += self._motors
             return
-        creep, change = self._creep, self._change
-        self._difference.dot(data.efc_vel, change)
-        creep += change
-        if not is_as_before:
-            # How a foot came down is no creep.
-            creep[self._new] = 0.0
-        if creep.dot(creep) > self._slip_squared:
-            np.clip(creep, -self._slip, self._slip, creep)
-        stiffening, pulls = self._stiffening, self._pulls
-        self._steps += 1
-        if self._steps % _STEPS_PER_STIFFENING == 0:
-            stiffening *= self._keeps
-            stiffening += (1.0 - self._keeps) * self._stiffest
-        # Distances, which are negative: geometries without a margin touch within one another only.
-        np.multiply(data.efc_pos[self._count :], stiffening, pulls)
-        pulls += creep
-        references = data.efc_aref
-        references += self._references
+        pull_contacts(
+            data.efc_vel, data.efc_pos, data.efc_aref, self._motors, self._contacts, self._laws
+        )
 
     def let_go(self) -> None:
         """Forget all anchors."""
-        self._steps = 0
         self._anchors = {}
         self._anchor(b'')
 
@@ -275,7 +267,7 @@ class MujocoDrives:
         [m].
         """
         scale = -(self._time_step**2) / _ANCHOR_GAIN
-        return {key: scale * creep[::2] for key, (creep, _) in self._anchors.items()}
+        return {key: scale * known[CREEP, ::2] for key, known in self._anchors.items()}
 
     def _renumber(self, model: Any) -> None:
         """Find the anchored geometries again: those that stand fast come first, and have names."""
@@ -310,36 +302,14 @@ class MujocoDrives:
         pairs = [touching[i : i + _PAIR] for i in range(0, len(touching), _PAIR)]
         # Two geometries may touch at several points.
         keys = [(pair, pairs[:index].count(pair)) for index, pair in enumerate(pairs)]
-        size = _EDGES * len(keys)
-        before, motors = self._anchors, self._motors
-        count = self._count
-        self._references = np.zeros(count + size)
-        self._motors, self._pulls = self._references[:count], self._references[count:]
-        self._motors[:] = motors
-        # Of each constraint what takes creep back, and by how much it has stiffened.
-        kept = np.zeros((2, size))
-        self._creep, self._stiffening = kept
-        for number, robot in enumerate(self._robots):
-            robot.references = self._motors[_COUNT * number : _COUNT * (number + 1)]
-        self._anchors = {}
-        self._new: list[int] = []
+        before, self._anchors = self._anchors, {}
+        self._contacts = np.zeros((3, _EDGES * len(keys)))
         for index, key in enumerate(keys):
-            rows = slice(_EDGES * index, _EDGES * (index + 1))
-            self._anchors[key] = kept[:, rows]
+            known = self._contacts[:, _EDGES * index : _EDGES * (index + 1)]
             if key in before:
-                kept[:, rows] = before[key]
+                known[:] = before[key]
             else:
-                self._new += range(rows.start, rows.stop)
+                known[IS_NEW] = 1.0
+            self._anchors[key] = known
+        self._size = self._count + self._contacts.shape[1]
         self._touching = touching
-        self._change = np.empty(size)
-        self._difference = self._difference_of(size)
-
-    def _difference_of(self, size: int) -> Array:
-        """Return what makes of constraints' velocities what the creep's references change by."""
-        if size not in self._differences:
-            opposite = np.arange(size) ^ 1
-            matrix = np.zeros((size, self._count + size))
-            matrix[np.arange(size), self._count + np.arange(size)] = 1.0
-            matrix[np.arange(size), self._count + opposite] = -1.0
-            self._differences[size] = -_ANCHOR_GAIN / (2.0 * self._time_step) * matrix
-        return self._differences[size]

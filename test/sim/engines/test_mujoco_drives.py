@@ -10,6 +10,7 @@ from quad_sim.world.world import Obstacle, world_from_map
 
 pytest.importorskip('mujoco')
 
+from quad_sim.engines import mujoco_references
 from quad_sim.engines.mujoco_simulator import MujocoSimulator
 
 ROBOT = load_robot('titan_viii')
@@ -161,3 +162,38 @@ def test_the_motors_are_the_first_constraints(make):
     efforts = simulator.observe().joint_efforts
     assert simulator.motors.efforts() == pytest.approx(efforts)
     assert efforts.shape == (12,)
+
+
+def test_a_simulator_compiles_its_loops_before_the_first_step_and_none_later(make):
+    simulator = make()
+    loops = (mujoco_references.aim_motors, mujoco_references.pull_contacts)
+    ready = [len(loop.signatures) for loop in loops]
+    assert min(ready) > 0
+    rock(simulator)
+    simulator.put_obstacle('box', Obstacle('box', Pose2D(2.0, 0.0, 0.0), 0.2, 0.2, 0.2))
+    rock(simulator)
+    assert [len(loop.signatures) for loop in loops] == ready
+
+
+def test_edges_of_contacts_are_pulled_back_by_how_they_crept_and_out_of_the_ground():
+    gain, slip, part, stiffest = laws = np.array([-50.0, 9.0, 0.01, -400.0])
+    velocities = np.array([7.0, 0.1, 0.04, 5.0, -5.0])
+    distances = np.array([7.0, -0.002, -0.002, -0.001, -0.001])
+    contacts = np.array([[1.0, -1.0, 0.0, 0.0], [-100.0, -100.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+    references, before = np.ones(5), contacts.copy()
+    mujoco_references.pull_contacts(
+        velocities, distances, references, np.array([3.0]), contacts, laws
+    )
+    creep = before[0, 0] + gain * (velocities[1] - velocities[2])
+    # The two that are new were not there while their feet came down.
+    assert contacts[0] == pytest.approx([creep, -creep, 0.0, 0.0])
+    stiffened = before[1] + part * (stiffest - before[1])
+    assert contacts[1] == pytest.approx(stiffened)
+    assert not contacts[2].any()
+    pulls = contacts[0] + stiffened * distances[1:]
+    assert references == pytest.approx([4.0, *(1.0 + pulls)])
+    mujoco_references.pull_contacts(
+        velocities, distances, references, np.array([3.0]), contacts, laws
+    )
+    # By then they creep, and no anchor pulls by more than it may.
+    assert contacts[0, 2:].tolist() == [-slip, slip]
