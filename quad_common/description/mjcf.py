@@ -48,6 +48,9 @@ _BETWEEN = 0.02
 _NO_NAME = 'MuJoCo Model'
 """Name that MuJoCo gives to models without one."""
 
+_UNNAMED = 'Caught an unknown exception!'
+"""What MuJoCo says for want of memory."""
+
 _SCENE = re.compile(r'[\s_-]+scene$', re.IGNORECASE)
 """End of the names of files that put a robot on a floor."""
 
@@ -94,6 +97,10 @@ def robot_from_mjcf(path: Path) -> Any:
     # MuJoCo's readers raise ValueError; its plugins and decoders of meshes whatever they like.
     except Exception as error:
         reason = ' '.join(str(error).split()) or type(error).__name__
+        if reason == _UNNAMED:
+            reason = (
+                'it needs more memory than may be used, or has a fault that MuJoCo does not name'
+            )
         raise DescriptionUnusable(path, f'MuJoCo cannot read it: {reason}') from error
     return _Conversion(path, model, LinkShapes(path, spec, model)).robot(str(spec.modelname))
 

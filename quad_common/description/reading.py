@@ -14,6 +14,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from quad_common.description.bounded_call import (
+    BeyondBounds,
+    Bounds,
+    CallFailed,
+    call_in_bounds,
+)
 from quad_common.description.xacro_expansion import expanded
 from quad_common.errors import (
     DescriptionEntryInvalid,
@@ -27,6 +33,9 @@ LARGEST_DESCRIPTION = 2**24
 """Bytes of the largest description that is read."""
 
 _WHAT = "robot's description"
+
+_BOUNDS_OF_MJCF = Bounds(seconds=40, memory=2**33)
+"""Robots whose meshes have a million corners take some seconds."""
 
 _SHAPES = {
     'box': ('size',),
@@ -75,9 +84,7 @@ def read_description(path: str | Path, arguments: Mapping[str, str] | None = Non
         raise DescriptionUnusable(error.path, f'the {_WHAT} {error.reason}') from error
     root = _parsed(content, path)
     if root.tag == 'mujoco':
-        from quad_common.description.mjcf import robot_from_mjcf
-
-        return robot_from_mjcf(path)
+        return _robot_from_mjcf(path)
     if root.tag != 'robot':
         raise DescriptionUnusable(
             path, f'is neither URDF, xacro nor MJCF: it begins with {root.tag}'
@@ -85,6 +92,16 @@ def read_description(path: str | Path, arguments: Mapping[str, str] | None = Non
     if path.suffix == '.xacro' or 'http://www.ros.org/wiki/xacro' in root.nsmap.values():
         root = _parsed(expanded(path, arguments or {}), path)
     return _robot_from_urdf(root, path)
+
+
+def _robot_from_mjcf(path: Path) -> Any:
+    """Have MuJoCo read a file that may ask for a billion bodies, or a mesh that is a pipe."""
+    from quad_common.description.mjcf import robot_from_mjcf
+
+    try:
+        return call_in_bounds(robot_from_mjcf, path.absolute(), bounds=_BOUNDS_OF_MJCF)
+    except (BeyondBounds, CallFailed) as error:
+        raise DescriptionUnusable(path, f'MuJoCo cannot read it: {error}') from None
 
 
 def _parsed(content: bytes, path: Path) -> Any:

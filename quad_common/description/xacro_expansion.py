@@ -5,23 +5,23 @@ Expands xacro files, by ROS's own package.
 from __future__ import annotations
 
 import importlib.util
-import json
 import re
-import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from xml.sax.saxutils import escape
 
+from quad_common.description.bounded_call import (
+    BeyondBounds,
+    Bounds,
+    CallFailed,
+    call_in_bounds,
+)
 from quad_common.description.package_index import in_real_folders, packages_around
-from quad_common.description.xacro_worker import LONGEST
 from quad_common.errors import DescriptionUnusable, MissingOptionalDependency
 from quad_common.errors.quoting import quoted
 
-_WORKER = 'quad_common.description.xacro_worker'
-
-_PATIENCE = 60.0
-"""Time on the wall clock for a file, which may wait for what it includes [s]."""
+_BOUNDS = Bounds(seconds=20, memory=2**32)
+"""Large descriptions of robots take a tenth of a second."""
 
 
 def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
@@ -50,37 +50,25 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
     if importlib.util.find_spec('xacro') is None:
         raise MissingOptionalDependency('xacro', "pip install 'quadwalk[robots]'")
     with packages_around(path) as folders:
-        result = _work(path, arguments)
-    if 'error' in result:
-        reason = _reason(result['error'], result['kind'], folders)
-        raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}')
+        try:
+            text = call_in_bounds(_expand, str(path.absolute()), dict(arguments), bounds=_BOUNDS)
+        except BeyondBounds as error:
+            raise DescriptionUnusable(path, f'xacro cannot expand it: {error}') from None
+        except CallFailed as error:
+            reason = _reason(error.message, error.kind, folders)
+            raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}') from None
     # Folders may have any name, and this is XML, whose attributes are in double quotes.
-    return in_real_folders(
-        result['text'], folders, lambda path: escape(path, {'"': '&quot;'})
-    ).encode(errors='surrogatepass')
+    return in_real_folders(text, folders, lambda path: escape(path, {'"': '&quot;'})).encode(
+        errors='surrogatepass'
+    )
 
 
-def _work(path: Path, arguments: Mapping[str, str]) -> dict[str, str]:
-    """Have the file expanded; return the text, or the error and its kind."""
-    order = json.dumps([str(path.absolute()), dict(arguments)])
-    try:
-        done = subprocess.run(
-            [sys.executable, '-m', _WORKER, order],
-            # Where this package is found, whatever lies in the user's folder.
-            cwd=Path(__file__).parents[2],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=_PATIENCE,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        return {'error': '', 'kind': f'it waits for more than {_PATIENCE:.0f} s'}
-    try:
-        result: dict[str, str] = json.loads(done.stdout)
-    except ValueError:
-        # Ended by its limit, or for want of memory.
-        return {'error': '', 'kind': f'it takes more than {LONGEST} s, or too much memory'}
-    return result
+def _expand(path: str, arguments: dict[str, str]) -> str:
+    """Expand a file; what it says is evaluated."""
+    import xacro
+
+    text: str = xacro.process_file(path, mappings=arguments).toxml()
+    return text
 
 
 def _reason(error: str, kind: str, folders: Mapping[str, str]) -> str:

@@ -4,7 +4,9 @@ Descriptions are read whichever format they have, and what is wrong with them is
 
 import os
 import resource
+import signal
 import subprocess
+import sys
 import tempfile
 from functools import partial
 from itertools import pairwise
@@ -16,7 +18,8 @@ from quad_common.robot_files.robot_file import load_robot
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.description import xacro_expansion
+from quad_common.description import bounded_call, reading
+from quad_common.description.bounded_call import Bounds
 from quad_common.description.meshes import mesh_path
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
@@ -215,12 +218,56 @@ def test_expressions_that_xacro_would_compute_for_ever_are_given_up(name, tmp_pa
 
 def test_a_file_that_xacro_waits_for_is_given_up(tmp_path, monkeypatch):
     pytest.importorskip('xacro')
-    monkeypatch.setattr(xacro_expansion, '_PATIENCE', 3.0)
+    monkeypatch.setattr(bounded_call, '_PATIENCE', 1.5)
     os.mkfifo(tmp_path / 'pipe')
     path = tmp_path / 'robot.xacro'
     path.write_text(
         '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         '<xacro:include filename="pipe"/><link name="a"/></robot>'
     )
-    with pytest.raises(DescriptionError, match='it waits for more than 3 s'):
+    with pytest.raises(DescriptionError, match='it waits for more than 2 s'):
         read_description(path)
+
+
+MUJOCO = '<mujoco><asset>{}</asset><worldbody>{}</worldbody></mujoco>'
+BODY = '<body><freejoint/><geom size=".1"/></body>'
+
+
+@pytest.mark.parametrize(
+    ('asset', 'world'),
+    [
+        ('', 4 * '<replicate count="1000">' + BODY + 4 * '</replicate>'),
+        ('<hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/>', BODY),
+    ],
+)
+def test_what_mujoco_would_compute_for_ever_is_given_up(asset, world, tmp_path, monkeypatch):
+    pytest.importorskip('mujoco')
+    monkeypatch.setattr(reading, '_BOUNDS_OF_MJCF', Bounds(seconds=2, memory=2**32))
+    path = tmp_path / 'robot.xml'
+    path.write_text(MUJOCO.format(asset, world))
+    with pytest.raises(DescriptionError, match=r'MuJoCo cannot read it: .*(memory|must match)'):
+        read_description(path)
+
+
+def test_a_mesh_that_mujoco_waits_for_is_given_up(tmp_path, monkeypatch):
+    pytest.importorskip('mujoco')
+    monkeypatch.setattr(bounded_call, '_PATIENCE', 1.5)
+    os.mkfifo(tmp_path / 'pipe.stl')
+    path = tmp_path / 'robot.xml'
+    path.write_text(MUJOCO.format('<mesh name="a" file="pipe.stl"/>', BODY))
+    with pytest.raises(DescriptionError, match='MuJoCo cannot read it: it waits for more than 2 s'):
+        read_description(path)
+
+
+def test_a_call_in_bounds_ends_nothing_but_its_own_process():
+    call = partial(bounded_call.call_in_bounds, bounds=Bounds(seconds=10, memory=2**32))
+    # What is printed is no answer.
+    assert call(os.write, 1, b'noise') == 5
+    with pytest.raises(DescriptionError, match='is no XML'):
+        call(reading.read_description, __file__)
+    with pytest.raises(bounded_call.CallFailed, match='SystemExit: enough'):
+        call(sys.exit, 'enough')
+    with pytest.raises(bounded_call.BeyondBounds, match='by SIGSEGV'):
+        call(signal.raise_signal, signal.SIGSEGV)
+    with pytest.raises(bounded_call.BeyondBounds, match='more than 10 s, or too much memory'):
+        call(os.abort)

@@ -10,7 +10,7 @@ from quad_sim.world.world import Obstacle, world_from_map
 
 pytest.importorskip('mujoco')
 
-from quad_sim.engines import mujoco_references
+from quad_sim.engines import mujoco_drives
 from quad_sim.engines.mujoco_simulator import MujocoSimulator
 
 ROBOT = load_robot('titan_viii')
@@ -166,7 +166,7 @@ def test_the_motors_are_the_first_constraints(make):
 
 def test_a_simulator_compiles_its_loops_before_the_first_step_and_none_later(make):
     simulator = make()
-    loops = (mujoco_references.aim_motors, mujoco_references.pull_contacts)
+    loops = (mujoco_drives.aim_motors, mujoco_drives.pull_contacts)
     ready = [len(loop.signatures) for loop in loops]
     assert min(ready) > 0
     rock(simulator)
@@ -181,9 +181,7 @@ def test_edges_of_contacts_are_pulled_back_by_how_they_crept_and_out_of_the_grou
     distances = np.array([7.0, -0.002, -0.002, -0.001, -0.001])
     contacts = np.array([[1.0, -1.0, 0.0, 0.0], [-100.0, -100.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
     references, before = np.ones(5), contacts.copy()
-    mujoco_references.pull_contacts(
-        velocities, distances, references, np.array([3.0]), contacts, laws
-    )
+    mujoco_drives.pull_contacts(velocities, distances, references, np.array([3.0]), contacts, laws)
     creep = before[0, 0] + gain * (velocities[1] - velocities[2])
     # The two that are new were not there while their feet came down.
     assert contacts[0] == pytest.approx([creep, -creep, 0.0, 0.0])
@@ -192,8 +190,6 @@ def test_edges_of_contacts_are_pulled_back_by_how_they_crept_and_out_of_the_grou
     assert not contacts[2].any()
     pulls = contacts[0] + stiffened * distances[1:]
     assert references == pytest.approx([4.0, *(1.0 + pulls)])
-    mujoco_references.pull_contacts(
-        velocities, distances, references, np.array([3.0]), contacts, laws
-    )
+    mujoco_drives.pull_contacts(velocities, distances, references, np.array([3.0]), contacts, laws)
     # By then they creep, and no anchor pulls by more than it may.
     assert contacts[0, 2:].tolist() == [-slip, slip]
