@@ -12,7 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.plan import Plan
-from quad_common.planar_pose import Pose2D, Twist2D, distance_aside, distance_to_polyline
+from quad_common.planar_pose import (
+    Pose2D,
+    Twist2D,
+    distance_aside,
+    distance_to_polyline,
+    distances_to_polyline,
+)
 from quad_common.robot.robot import Robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.cycle.body_motion import BodyMotion
@@ -332,12 +338,10 @@ def plan_walk(
             walk.run(1.0, until=lambda: controller.cycle_at(walk.time) is not None)
             if controller.activity.is_terminal:
                 break
-        corners = plan.corners
+        track = np.array([(pose.x, pose.y) for pose in walk.record.poses])
         return PlanWalk(
             arrived=controller.activity is Activity.ARRIVED,
-            largest_distance=max(
-                distance_to_polyline((pose.x, pose.y), corners) for pose in walk.record.poses
-            ),
+            largest_distance=float(distances_to_polyline(track, plan.corners).max()),
             largest_distance_at_ends=max(at_ends, default=math.nan),
             cycles=len(at_ends),
             record=walk.record,
