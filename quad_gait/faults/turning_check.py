@@ -12,8 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.compiled import compiled_loop
-
 Array = NDArray[np.float64]
 
 
@@ -49,21 +47,8 @@ class TurningCheck:
     """
 
     def __init__(self, largest: Array, options: TurningOptions | None = None) -> None:
-        self._largest = np.ascontiguousarray(largest, np.float64).copy()
-        options = TurningOptions() if options is None else options
-        self._others = options.others
-        self._laws = np.array(
-            [
-                options.still,
-                options.distance,
-                options.compliance,
-                options.patience,
-                options.recent,
-            ]
-        )
-        # Compiled, or read, before the first measurement has to be answered in time.
-        self.forget()
-        self.update(largest, largest, largest, 0.0)
+        self._largest = largest
+        self._options = TurningOptions() if options is None else options
         self.forget()
 
     def forget(self) -> None:
@@ -72,9 +57,8 @@ class TurningCheck:
         self._now: Array = np.zeros((3, count))
         # Positions, commands and torques when a joint was seen to move last.
         self._anchors: Array = np.full((3, count), np.nan)
-        # For how long each has been asked to turn, and has rested.
-        self._times: Array = np.zeros((2, count))
-        self._times[1] = np.inf
+        self._asked_for: Array = np.zeros(count)
+        self._rested_for: Array = np.full(count, np.inf)
 
     def update(self, commanded: Array, positions: Array, efforts: Array, step: float) -> int:
         """
@@ -94,63 +78,28 @@ class TurningCheck:
         int
             The joint that does not turn; -1 for none.
         """
-        self._now[0], self._now[1], self._now[2] = positions, commanded, efforts
-        return _unturned(
-            self._now, self._anchors, self._times, self._largest, self._laws, step, self._others
-        )
-
-
-@compiled_loop
-def _unturned(
-    now: Array,
-    anchors: Array,
-    times: Array,
-    largest: Array,
-    laws: Array,
-    step: float,
-    others: int,
-) -> int:
-    """
-    Bring up to date what is known of joints; return the one that does not turn, -1 for none.
-
-    Parameters
-    ----------
-    now, anchors : ndarray, shape (3, n)
-        Positions, commands [rad] and torques [N m]: now, and when each was seen to move last.
-    times : ndarray, shape (2, n)
-        For how long each has been asked to turn, and has rested [s].
-    largest : ndarray, shape (n,)
-        Largest torques [N m].
-    laws : ndarray, shape (5,)
-        Fields of :class:`TurningOptions` in their order, but for the number of others.
-    step : float
-        Time since the last measurement [s].
-    others : int
-        Number of joints that must have moved lately.
-    """
-    still, distance, compliance, patience, recent = laws[0], laws[1], laws[2], laws[3], laws[4]
-    asked, moving, joint = 0, 0, -1
-    for k in range(now.shape[1]):
+        options = self._options
+        now, anchors = self._now, self._anchors
+        now[0], now[1], now[2] = positions, commanded, efforts
         # What was never seen counts as moved.
-        if not abs(now[0, k] - anchors[0, k]) <= still:
-            for row in range(3):
-                anchors[row, k] = now[row, k]
-            times[0, k] = times[1, k] = 0.0
-        else:
-            times[1, k] += step
-            moved = now[0, k] - anchors[0, k]
-            behind = now[1, k] - anchors[1, k] - moved
-            # A load that has come on bends a drive back; one that jams pulls as well.
-            loaded = now[2, k] - anchors[2, k]
-            pull = loaded if behind > 0.0 else -loaded
-            bent = compliance * max(pull, 0.0) / largest[k]
-            if abs(behind) > distance + bent:
-                asked += 1
-                joint = k
-        if times[1, k] < recent:
-            moving += 1
-    # Joints that rest together wait for their trajectory.
-    if asked != 1 or moving < others:
-        return -1
-    times[0, joint] += step
-    return joint if times[0, joint] >= patience - 1e-9 else -1
+        has_moved = ~(np.abs(now[0] - anchors[0]) <= options.still)
+        np.copyto(anchors, now, where=has_moved)
+        self._rested_for += step
+        self._rested_for[has_moved] = self._asked_for[has_moved] = 0.0
+        moved, turned, loaded = now - anchors
+        behind = turned - moved
+        far = np.abs(behind)
+        # Nearly always no joint is so far behind.
+        if far.max() <= options.distance:
+            return -1
+        # A load that has come on bends a drive back; one that jams pulls as well.
+        bent = options.compliance * np.maximum(loaded * np.sign(behind), 0.0) / self._largest
+        is_asked = far > options.distance + bent
+        if np.count_nonzero(is_asked) != 1:
+            # Joints that rest together wait for their trajectory.
+            return -1
+        joint = int(is_asked.argmax())
+        if np.count_nonzero(self._rested_for < options.recent) < options.others:
+            return -1
+        self._asked_for[joint] += step
+        return joint if self._asked_for[joint] >= options.patience - 1e-9 else -1
