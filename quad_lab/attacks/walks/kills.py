@@ -294,3 +294,5 @@ def _say(console: Console, walk: KilledWalk) -> None:
         f'{walk.number + 1} {walk.way} of {walk.node} after {walk.moment:.1f} s: {outcome}{extra}',
         highlight=False,
     )
+    for said in walk.without_effect:
+        console.print(f'   without effect: {said}', highlight=False)
