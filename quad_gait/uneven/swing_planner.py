@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +30,8 @@ from quad_gait.uneven.candidates import (
     VARIANTS,
     first_possible,
 )
-from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
+from quad_gait.uneven.foot_aims import FootAim, FootAims
+from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
 from quad_gait.uneven.search_down import ramp, searched
@@ -75,8 +76,8 @@ class _Swing(NamedTuple):
 
     leg: int
     """Index of the leg."""
-    target: Array
-    """Place where the foot is to stand, its center, shape (3,) [m]."""
+    aim: FootAim
+    """Where the foot goes, and what it passes."""
     pace: float
     """Fraction of its speed at which the foot goes there."""
     stands: bool
@@ -90,8 +91,6 @@ class _Posture(NamedTuple):
     """Fraction of the ground's tilt that the body takes."""
     lower: float
     """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
-    clearance: float = 1.0
-    """Fraction of its usual height at which the foot passes over the ground."""
     has_less_margin: bool = False
     """Whether the body is no farther inside the other feet than it must be."""
 
@@ -112,7 +111,7 @@ class SwingPlanner:
 
     def __init__(self, robot: Robot, options: UnevenOptions, swing_height: float) -> None:
         self._robot, self._scale = robot, robot.relative_size
-        self._options, self._swing_height = options, swing_height
+        self._options, self._aims = options, FootAims(robot, options, swing_height)
         self._along = partial(motion_along, robot, options)
 
     def swing(
@@ -144,15 +143,19 @@ class SwingPlanner:
         GaitError
             If they can do none.
         """
-        start = now.feet[leg]
+        start, feels, aims = now.feet[leg], now.loads is not None, self._aims
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
+
+        @cache
+        def aim(fraction: float, clearance: float) -> FootAim:
+            target = aims.target(ground, start, place, fraction, shin)
+            return aims.aim(ground, start, target, feels, clearance)
 
         def plan(
             fraction: float, tilt: float, lower: float, clearance: float
         ) -> tuple[float, PlannedSwing]:
-            target = self._target(ground, start, place, fraction, shin)
-            swing = _Swing(leg, target, 1.0, stands=True)
-            posture = _Posture(tilt, lower, clearance)
+            swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=True)
+            posture = _Posture(tilt, lower)
             return fraction, self._swing_to(now, commanded, ground, swing, posture)
 
         (fraction, swing), problem = first_possible(plan, VARIANTS)
@@ -164,12 +167,17 @@ class SwingPlanner:
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
     ) -> PlannedSwing:
         """Plan a swing just to a foothold that was chosen, or none; else as `swing`."""
-        target = self._foot_on(ground, place)
+        start, feels, aims = now.feet[leg], now.loads is not None, self._aims
+        target = aims.foot_on(ground, place)
+
+        @cache
+        def aim(clearance: float) -> FootAim:
+            return aims.aim(ground, start, target, feels, clearance)
 
         def plan(*kind: float) -> PlannedSwing:
             tilt, lower, clearance, pace, less = kind
-            posture = _Posture(tilt, lower, clearance, less > 0.0)
-            swing = _Swing(leg, target, pace, stands=True)
+            posture = _Posture(tilt, lower, less > 0.0)
+            swing = _Swing(leg, aim(clearance), pace, stands=True)
             return self._swing_to(now, commanded, ground, swing, posture)
 
         return first_possible(plan, IN_PLACE)[0]
@@ -178,9 +186,10 @@ class SwingPlanner:
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
     ) -> PlannedSwing:
         """Plan the return to where a foot stood, its center, shape (3,) [m]; as `swing`."""
+        aim = self._aims.aim(ground, now.feet[leg], target, now.loads is not None, 1.0)
+        swing = _Swing(leg, aim, _STRETCHED, stands=False)
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
-            swing = _Swing(leg, target, _STRETCHED, stands=False)
             return self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
 
         return first_possible(plan, POSTURES)[0]
@@ -281,7 +290,7 @@ class SwingPlanner:
         posture: _Posture,
     ) -> PlannedSwing:
         options, robot, scale = self._options, self._robot, self._scale
-        leg, target, pace, stands = swing
+        leg, (target, top, above, depth, is_certain), pace, stands = swing
         start = now.feet[leg]
         feet = now.feet.copy()
         feet[leg] = 0.5 * (start + target)
@@ -294,11 +303,6 @@ class SwingPlanner:
         body = self._balanced_over(body, now, leg, margin)
 
         shift = self._shift_duration(now.body, body)
-        top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
-        depth = 0.0
-        if now.loads is not None:
-            lower = float(ground.height(target[:2])) - ground.range_at(target[:2])[0]
-            depth = min(0.5 * robot.roughness + lower, 1.1 * robot.step_height)
         # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
@@ -324,51 +328,12 @@ class SwingPlanner:
         given = len(times) - 1
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
-            lowest, highest = ground.range_at(target[:2])
-            given = sure if lowest == highest else int(np.searchsorted(times, low))
+            given = sure if is_certain else int(np.searchsorted(times, low))
         begun = lifted_at if stands and now.loads is not None else given
         paths = PlannedPaths(times, body, progress, path, sure + 1, begun)
         motion = self._along(now, commanded, paths)
         given = min(given, len(motion.times) - 1)
         return PlannedSwing(motion, lifted_at, feels_from, given, depth)
-
-    def _target(
-        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: Array
-    ) -> Array:
-        """Choose where a foot goes: its center, shape (3,) [m]."""
-        options, scale = self._options, self._scale
-        wanted = start[:2] + fraction * (place - start[:2])
-        if fraction > 0.0:
-            choice = FootholdChoice(
-                scale * options.foothold_reach,
-                max(scale * options.foothold_radius, self._robot.foot_radius),
-                scale * options.largest_step,
-                self._robot.roughness + scale * self._swing_height,
-                shin,
-                self._robot.foot_radius + scale * options.shin_clearance,
-            )
-            wanted = ground.best_foothold(wanted, choice)
-        return self._foot_on(ground, wanted)
-
-    def _foot_on(self, ground: GroundModel, place: Array) -> Array:
-        """Return the center of a foot on the ground, shape (3,) [m]."""
-        return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
-
-    def _heights(
-        self, ground: GroundModel, start: Array, target: Array, feels: bool, clearance: float
-    ) -> tuple[float, float]:
-        """Return how high a foot is lifted, and how far above its place it begins to feel."""
-        options, robot, scale = self._options, self._robot, self._scale
-        radius = robot.foot_radius
-        highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
-        highest = max(highest, float(start[2]), float(target[2]))
-        # Where no map shows the ground it may be anywhere on the way down: all of it is slow.
-        top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
-        if ground.is_known_between(start[:2], target[:2]):
-            top = highest + scale * clearance * options.clearance
-        higher = ground.range_at(target[:2])[1] - float(ground.height(target[:2]))
-        above = min(scale * options.search_above + higher, top - float(target[2]))
-        return top, above if feels else 0.0
 
     def _balanced_over(self, body: BodyPose, now: Stance, leg: int, margin: float) -> BodyPose:
         """Move the body so that its center of mass is inside the other three feet."""
