@@ -166,11 +166,7 @@ class HeightMap:
         -------
         ndarray of bool, shape (...)
         """
-        cells = self._cells(points)
-        inside: NDArray[np.bool_] = np.all(
-            (cells >= 0.0) & (cells <= (self.columns, self.rows)), axis=-1
-        )
-        return inside
+        return self._holds(self._cells(points))
 
     def height_at(self, points: ArrayLike, beyond: float = math.nan) -> Array:
         """
@@ -259,17 +255,23 @@ class HeightMap:
         cells: Array = (np.asarray(points, dtype=float) - self.origin) / self.resolution
         return cells
 
+    def _holds(self, cells: Array) -> NDArray[np.bool_]:
+        """Tell which columns and rows, with fractions, are on the map."""
+        inside: NDArray[np.bool_] = np.all(
+            (cells >= 0.0) & (cells <= (self.columns, self.rows)), axis=-1
+        )
+        return inside
+
     def _look_up(self, image: Array, points: ArrayLike) -> Array:
         """Return the values of an image in the cells that hold the points."""
-        column, row, inside = self._indices(points)
+        column, row, inside = self._indices(self._cells(points))
         return np.where(inside, image[row, column], math.nan)
 
     def _indices(
-        self, points: ArrayLike
+        self, cells: Array
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-        """Column and row of the cells that hold the points, and whether there is one."""
-        cells = self._cells(points)
-        inside = self.contains(points)
+        """Whole columns and rows of places in cells, and whether there is such a cell."""
+        inside = self._holds(cells)
         floor = np.floor(np.where(inside[..., None], cells, 0.0)).astype(np.int64)
         column = np.minimum(floor[..., 0], self.columns - 1)
         row = np.minimum(floor[..., 1], self.rows - 1)
@@ -277,9 +279,10 @@ class HeightMap:
 
     def _sample(self, image: Array, points: ArrayLike) -> Array:
         """Interpolate an image; NaN off the map and in cells where the image is NaN."""
-        own_column, own_row, inside = self._indices(points)
+        cells = self._cells(points)
+        own_column, own_row, inside = self._indices(cells)
         last = np.array([self.columns - 1, self.rows - 1])
-        at = np.where(inside[..., None], self._cells(points), 0.5) - 0.5
+        at = np.where(inside[..., None], cells, 0.5) - 0.5
         at = np.clip(at, 0.0, last)
         low = np.minimum(np.floor(at).astype(np.int64), np.maximum(last - 1, 0))
         high = np.minimum(low + 1, last)

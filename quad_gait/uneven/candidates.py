@@ -69,11 +69,39 @@ POSTURES = tuple(product(TILTS, LOWERINGS))
 
 
 def first_possible(
-    plan: Callable[..., Planned], candidates: Iterable[tuple[float, ...]]
+    plan: Callable[..., Planned],
+    candidates: Iterable[tuple[float, ...]],
+    may_do: Callable[..., bool] | None = None,
 ) -> tuple[Planned, GaitError | None]:
-    """Plan by one candidate after the other; return the first that works, and what was wrong."""
+    """
+    Plan by one candidate after the other.
+
+    Parameters
+    ----------
+    plan : callable
+        Plans by a candidate, or raises GaitError.
+    candidates : iterable of tuple of float
+        In the order in which they are tried.
+    may_do : callable, optional
+        Looks at a candidate quickly: where it returns False, `plan` would raise.
+
+    Returns
+    -------
+    planned
+        By the first candidate that works.
+    problem : GaitError or None
+        What was wrong with the first one.
+
+    Raises
+    ------
+    GaitError
+        What was wrong with the first one, if none works.
+    """
     problem: GaitError | None = None
     for candidate in candidates:
+        # Of the first one that does not work it is said why, so that is planned in any case.
+        if problem is not None and may_do is not None and not may_do(*candidate):
+            continue
         try:
             return plan(*candidate), problem
         except GaitError as error:

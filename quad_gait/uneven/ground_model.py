@@ -100,36 +100,39 @@ class GroundModel:
         known = self.height_map.height_at(points) + self.shift
         return np.where(np.isnan(known), plane, known)
 
-    def highest_between(self, start: Array, end: Array, radius: float) -> float:
+    def passage(self, start: Array, end: Array, radius: float) -> tuple[float, bool]:
         """
-        Return the largest height that a foot passes.
+        Look along the straight path of a foot.
 
         Parameters
         ----------
         start, end : ndarray, shape (2,)
-            From where to where it goes, straight [m].
+            From where to where it goes [m].
         radius : float
             Distance from the path within which the ground counts [m].
 
         Returns
         -------
-        float
-            [m]
+        highest : float
+            The largest height that the foot passes [m].
+        is_known : bool
+            Whether a map shows all of the path.
         """
-        path = self._path(start, end)
-        highest = float(np.max(self.height(path)))
-        if self.height_map is not None:
-            reach = radius + self.map_error + self.height_map.resolution / 2.0
-            near = self.height_map.highest_within(path, reach) + self.shift
-            highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
-        return highest
-
-    def is_known_between(self, start: Array, end: Array) -> bool:
-        """Tell whether a map shows all of a straight path, from (2,) to (2,) [m]."""
-        heights = self.height_map
+        path, heights = self._path(start, end), self.height_map
+        plane: Array = self.center[2] + (path - self.center[:2]) @ self.slope
         if heights is None:
-            return False
-        return bool(np.isfinite(heights.height_at(self._path(start, end))).all())
+            return float(np.max(plane)), False
+        known = heights.height_at(path)
+        is_unknown = np.isnan(known)
+        highest = float(np.max(np.where(is_unknown, plane, known + self.shift)))
+        reach = radius + self.map_error + heights.resolution / 2.0
+        near = heights.highest_within(path, reach) + self.shift
+        highest = max(highest, float(np.nanmax(near, initial=-np.inf)))
+        return highest, not is_unknown.any()
+
+    def highest_between(self, start: Array, end: Array, radius: float) -> float:
+        """Return the largest height that a foot passes [m]; see :meth:`passage`."""
+        return self.passage(start, end, radius)[0]
 
     def _path(self, start: Array, end: Array) -> Array:
         """Return points along a path, shape (n, 2) [m]."""
@@ -153,14 +156,14 @@ class GroundModel:
         lowest, highest : float
             Its height twice where the map is not off; infinite where no map shows it [m].
         """
-        if not self.is_known_between(place, place):
+        heights = self.height_map
+        height = np.nan if heights is None else float(heights.height_at(place)) + self.shift
+        if heights is None or np.isnan(height):
             return -np.inf, np.inf
-        assert self.height_map is not None
-        height = float(self.height(place))
         if self.map_error == 0.0:
             return height, height
-        lowest = float(self.height_map.lowest_within(place, self.map_error)) + self.shift
-        highest = float(self.height_map.highest_within(place, self.map_error)) + self.shift
+        lowest = float(heights.lowest_within(place, self.map_error)) + self.shift
+        highest = float(heights.highest_within(place, self.map_error)) + self.shift
         return float(np.fmin(height, lowest)), float(np.fmax(height, highest))
 
     def best_foothold(self, wanted: Array, choice: FootholdChoice) -> Array:
@@ -182,7 +185,8 @@ class GroundModel:
         heights = self.height_map
         if heights is None:
             return wanted
-        places = wanted + choice.offsets
+        offsets = choice.offsets
+        places = wanted + offsets
         height = self.height(places)
         rough = heights.step_at(places, choice.radius + self.map_error)
         # What is not known is no good place, but for want of a better one.
@@ -192,8 +196,7 @@ class GroundModel:
             off - choice.largest_offset, 0.0
         )
         bad += _lack_of_room(heights, places, choice)
-        away = np.hypot(*choice.offsets.T)
-        order = np.lexsort((away, np.round(bad, 4)))
+        order = np.lexsort((np.hypot(*offsets.T), np.round(bad, 4)))
         best: Array = places[order[0]]
         return best
 

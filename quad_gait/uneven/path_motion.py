@@ -75,12 +75,7 @@ def motion_along(
     GaitError
         If a leg does not reach, a joint is too slow or parts come too near to one another.
     """
-    start, end, progress = now.body, paths.end, paths.progress
-    times, feet = paths.times, paths.feet
-    position = start.position + progress[:, None] * (end.position - start.position)
-    turns = np.array([end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)])
-    angles = np.array([start.roll, start.pitch, start.yaw]) + progress[:, None] * turns
-    arms = np.einsum('nji,nkj->nki', matrix_from_angles(angles), feet - position[:, None])
+    times, arms = paths.times, _arms(now, paths)
     joints = _reached_joints(robot, arms, len(times) if paths.sure is None else paths.sure)
     times = times[: len(joints)]
     commanded = now.joint_positions if commanded is None else commanded
@@ -102,6 +97,26 @@ def motion_along(
     )
 
 
+def may_reach(robot: Robot, now: Stance, paths: PlannedPaths) -> bool:
+    """Tell whether all legs reach at the samples of some paths, which may be a few of a motion."""
+    try:
+        robot.joint_angles(_arms(now, paths))
+    except GaitError:
+        return False
+    return True
+
+
+def _arms(now: Stance, paths: PlannedPaths) -> Array:
+    """Return where the feet are in the body frame, shape (n, 4, 3) [m]."""
+    start, end, progress = now.body, paths.end, paths.progress
+    position = start.position + progress[:, None] * (end.position - start.position)
+    turns = np.array([end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)])
+    angles = np.array([start.roll, start.pitch, start.yaw]) + progress[:, None] * turns
+    offsets = paths.feet - position[:, None]
+    arms: Array = np.einsum('nji,nkj->nki', matrix_from_angles(angles), offsets)
+    return arms
+
+
 def _check_speeds(robot: Robot, times: Array, joints: Array, velocities: Array) -> None:
     """Raise if a joint is too slow for its samples, or for what the drives make between them."""
     robot.check_joint_speeds(velocities)
@@ -120,13 +135,15 @@ def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:
     with suppress(GaitError):
         return robot.joint_angles(feet)
     joints = robot.joint_angles(feet[:needed])
-    while needed < len(feet):
-        # Beyond what is sure the foot goes only as deep as the leg reaches.
+    # Beyond what is sure the foot goes only as deep as the leg reaches: that is found by halving.
+    missed = len(feet)
+    while missed - needed > 1:
+        middle = (needed + missed) // 2
         try:
-            joints = np.concatenate([joints, robot.joint_angles(feet[needed : needed + 1])])
+            joints = robot.joint_angles(feet[:middle])
+            needed = middle
         except GaitError:
-            break
-        needed += 1
+            missed = middle
     return joints
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -30,10 +30,12 @@ from quad_gait.uneven.candidates import (
     VARIANTS,
     first_possible,
 )
-from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
+from quad_gait.uneven.foot_aims import FootAim, FootAims
+from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.path_motion import PlannedPaths, motion_along, turned_by
+from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along, turned_by
 from quad_gait.uneven.search_down import ramp, searched
+from quad_gait.uneven.swing_course import SwingCourse, SwingTimes
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -75,8 +77,8 @@ class _Swing(NamedTuple):
 
     leg: int
     """Index of the leg."""
-    target: Array
-    """Place where the foot is to stand, its center, shape (3,) [m]."""
+    aim: FootAim
+    """Where the foot goes, and what it passes."""
     pace: float
     """Fraction of its speed at which the foot goes there."""
     stands: bool
@@ -90,8 +92,6 @@ class _Posture(NamedTuple):
     """Fraction of the ground's tilt that the body takes."""
     lower: float
     """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
-    clearance: float = 1.0
-    """Fraction of its usual height at which the foot passes over the ground."""
     has_less_margin: bool = False
     """Whether the body is no farther inside the other feet than it must be."""
 
@@ -112,8 +112,9 @@ class SwingPlanner:
 
     def __init__(self, robot: Robot, options: UnevenOptions, swing_height: float) -> None:
         self._robot, self._scale = robot, robot.relative_size
-        self._options, self._swing_height = options, swing_height
+        self._options, self._aims = options, FootAims(robot, options, swing_height)
         self._along = partial(motion_along, robot, options)
+        self._center: tuple[Stance | None, Array] = (None, np.zeros(3))
 
     def swing(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
@@ -144,18 +145,26 @@ class SwingPlanner:
         GaitError
             If they can do none.
         """
-        start = now.feet[leg]
+        start, feels, aims = now.feet[leg], now.loads is not None, self._aims
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
-        def plan(
-            fraction: float, tilt: float, lower: float, clearance: float
-        ) -> tuple[float, PlannedSwing]:
-            target = self._target(ground, start, place, fraction, shin)
-            swing = _Swing(leg, target, 1.0, stands=True)
-            posture = _Posture(tilt, lower, clearance)
-            return fraction, self._swing_to(now, commanded, ground, swing, posture)
+        @cache
+        def aim(fraction: float, clearance: float) -> FootAim:
+            target = aims.target(ground, start, place, fraction, shin)
+            return aims.aim(ground, start, target, feels, clearance)
 
-        (fraction, swing), problem = first_possible(plan, VARIANTS)
+        @cache
+        def course(fraction: float, tilt: float, lower: float, clearance: float) -> SwingCourse:
+            swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=True)
+            return self._course(now, ground, swing, _Posture(tilt, lower))
+
+        def plan(*kind: float) -> tuple[float, PlannedSwing]:
+            return kind[0], self._swing_along(now, commanded, course(*kind))
+
+        def may_do(*kind: float) -> bool:
+            return self._may_reach(now, course(*kind))
+
+        (fraction, swing), problem = first_possible(plan, VARIANTS, may_do)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )
@@ -164,24 +173,37 @@ class SwingPlanner:
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
     ) -> PlannedSwing:
         """Plan a swing just to a foothold that was chosen, or none; else as `swing`."""
-        target = self._foot_on(ground, place)
+        start, feels, aims = now.feet[leg], now.loads is not None, self._aims
+        target = aims.foot_on(ground, place)
+
+        @cache
+        def aim(clearance: float) -> FootAim:
+            return aims.aim(ground, start, target, feels, clearance)
+
+        @cache
+        def course(*kind: float) -> SwingCourse:
+            tilt, lower, clearance, pace, less = kind
+            swing = _Swing(leg, aim(clearance), pace, stands=True)
+            return self._course(now, ground, swing, _Posture(tilt, lower, less > 0.0))
 
         def plan(*kind: float) -> PlannedSwing:
-            tilt, lower, clearance, pace, less = kind
-            posture = _Posture(tilt, lower, clearance, less > 0.0)
-            swing = _Swing(leg, target, pace, stands=True)
-            return self._swing_to(now, commanded, ground, swing, posture)
+            return self._swing_along(now, commanded, course(*kind))
 
-        return first_possible(plan, IN_PLACE)[0]
+        def may_do(*kind: float) -> bool:
+            return self._may_reach(now, course(*kind))
+
+        return first_possible(plan, IN_PLACE, may_do)[0]
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
     ) -> PlannedSwing:
         """Plan the return to where a foot stood, its center, shape (3,) [m]; as `swing`."""
+        aim = self._aims.aim(ground, now.feet[leg], target, now.loads is not None, 1.0)
+        swing = _Swing(leg, aim, _STRETCHED, stands=False)
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
-            swing = _Swing(leg, target, _STRETCHED, stands=False)
-            return self._swing_to(now, commanded, ground, swing, _Posture(tilt, lower))
+            course = self._course(now, ground, swing, _Posture(tilt, lower))
+            return self._swing_along(now, commanded, course)
 
         return first_possible(plan, POSTURES)[0]
 
@@ -272,16 +294,12 @@ class SwingPlanner:
         position = body.position + np.array([*(fraction * offset), 0.0])
         return BodyPose(position, body.roll, body.pitch, body.yaw)
 
-    def _swing_to(
-        self,
-        now: Stance,
-        commanded: Array | None,
-        ground: GroundModel,
-        swing: _Swing,
-        posture: _Posture,
-    ) -> PlannedSwing:
+    def _course(
+        self, now: Stance, ground: GroundModel, swing: _Swing, posture: _Posture
+    ) -> SwingCourse:
+        """Lay the course of a swing, whether legs reach or not."""
         options, robot, scale = self._options, self._robot, self._scale
-        leg, target, pace, stands = swing
+        leg, (target, top, above, depth, _), pace, stands = swing
         start = now.feet[leg]
         feet = now.feet.copy()
         feet[leg] = 0.5 * (start + target)
@@ -294,11 +312,6 @@ class SwingPlanner:
         body = self._balanced_over(body, now, leg, margin)
 
         shift = self._shift_duration(now.body, body)
-        top, above = self._heights(ground, start, target, now.loads is not None, posture.clearance)
-        depth = 0.0
-        if now.loads is not None:
-            lower = float(ground.height(target[:2])) - ground.range_at(target[:2])[0]
-            depth = min(0.5 * robot.roughness + lower, 1.1 * robot.step_height)
         # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
@@ -307,76 +320,51 @@ class SwingPlanner:
         fall = over_end - 0.2 * options.transfer_time
         to_feel = top - target[2] - above
         low = fall + (self._lasting(to_feel, options.lower_time, pace) if to_feel > 0.0 else 0.0)
-        search = (above + depth) / (scale * options.search_speed)
+        speed = scale * options.search_speed
+        search = (above + depth) / speed
         times = self._times(low + search + ramp(search))
-        over = minimum_jerk((lift + lift_end) / 2.0, over_end, times)[0]
-        height = start[2] + (top - start[2]) * minimum_jerk(lift, lift_end, times)[0]
-        if low > fall:
-            height += (target[2] + above - top) * minimum_jerk(fall, low, times)[0]
-        height -= searched(times - low, scale * options.search_speed, above + depth)
-        path = np.repeat(now.feet[None], len(times), axis=0)
-        path[:, leg, :2] += over[:, None] * (target - start)[:2]
-        path[:, leg, 2] = height
-        progress = minimum_jerk(0.0, shift, times)[0]
-        # What is below the ground only matters where it is missing: as deep as legs reach.
-        sure = int(np.searchsorted(times, low + above / (scale * options.search_speed)))
-        lifted_at, feels_from = (int(np.searchsorted(times, t)) for t in (lift, lift_end))
+        at = SwingTimes(shift, lift, lift_end, over_end, fall, low)
+        return SwingCourse(leg, now.feet, swing.aim, body, at, speed, times, stands)
+
+    def _swing_along(
+        self, now: Stance, commanded: Array | None, course: SwingCourse
+    ) -> PlannedSwing:
+        times, sure = course.times, course.sure
+        lifted_at, feels_from = (course.sample_at(t) for t in (course.at.lift, course.at.lift_end))
         given = len(times) - 1
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
-            lowest, highest = ground.range_at(target[:2])
-            given = sure if lowest == highest else int(np.searchsorted(times, low))
-        begun = lifted_at if stands and now.loads is not None else given
-        paths = PlannedPaths(times, body, progress, path, sure + 1, begun)
+            given = sure if course.aim.is_certain else course.sample_at(course.at.low)
+        begun = lifted_at if course.stands and now.loads is not None else given
+        # What is below the ground only matters where it is missing: as deep as legs reach.
+        paths = PlannedPaths(
+            times, course.body, course.progress(times), course.feet(times), sure + 1, begun
+        )
         motion = self._along(now, commanded, paths)
         given = min(given, len(motion.times) - 1)
-        return PlannedSwing(motion, lifted_at, feels_from, given, depth)
+        return PlannedSwing(motion, lifted_at, feels_from, given, course.aim.depth)
 
-    def _target(
-        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: Array
-    ) -> Array:
-        """Choose where a foot goes: its center, shape (3,) [m]."""
-        options, scale = self._options, self._scale
-        wanted = start[:2] + fraction * (place - start[:2])
-        if fraction > 0.0:
-            choice = FootholdChoice(
-                scale * options.foothold_reach,
-                max(scale * options.foothold_radius, self._robot.foot_radius),
-                scale * options.largest_step,
-                self._robot.roughness + scale * self._swing_height,
-                shin,
-                self._robot.foot_radius + scale * options.shin_clearance,
-            )
-            wanted = ground.best_foothold(wanted, choice)
-        return self._foot_on(ground, wanted)
-
-    def _foot_on(self, ground: GroundModel, place: Array) -> Array:
-        """Return the center of a foot on the ground, shape (3,) [m]."""
-        return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
-
-    def _heights(
-        self, ground: GroundModel, start: Array, target: Array, feels: bool, clearance: float
-    ) -> tuple[float, float]:
-        """Return how high a foot is lifted, and how far above its place it begins to feel."""
-        options, robot, scale = self._options, self._robot, self._scale
-        radius = robot.foot_radius
-        highest = ground.highest_between(start[:2], target[:2], radius + scale * 0.01) + radius
-        highest = max(highest, float(start[2]), float(target[2]))
-        # Where no map shows the ground it may be anywhere on the way down: all of it is slow.
-        top = highest + max(1.2 * self._swing_height, 1.5 * robot.roughness)
-        if ground.is_known_between(start[:2], target[:2]):
-            top = highest + scale * clearance * options.clearance
-        higher = ground.range_at(target[:2])[1] - float(ground.height(target[:2]))
-        above = min(scale * options.search_above + higher, top - float(target[2]))
-        return top, above if feels else 0.0
+    def _may_reach(self, now: Stance, course: SwingCourse) -> bool:
+        """Tell whether legs reach at a few samples: most courses that they do not, show it."""
+        times = course.telling
+        paths = PlannedPaths(times, course.body, course.progress(times), course.feet(times))
+        return may_reach(self._robot, now, paths)
 
     def _balanced_over(self, body: BodyPose, now: Stance, leg: int, margin: float) -> BodyPose:
         """Move the body so that its center of mass is inside the other three feet."""
-        offset = (body.rotation @ self._robot.center_of_mass(now.joint_positions))[:2]
+        offset = (body.rotation @ self._center_of_mass(now))[:2]
         center = body.position[:2] + offset
         triangle = np.delete(now.feet[:, :2], leg, axis=0)
         moved = balanced(center, triangle, self._scale * margin) - offset
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
+
+    def _center_of_mass(self, now: Stance) -> Array:
+        """Find the center of mass in the body frame, shape (3,) [m]; of a stance once."""
+        stance, center = self._center
+        if stance is not now:
+            center = self._robot.center_of_mass(now.joint_positions)
+            self._center = now, center
+        return center
 
     def _lasting(self, distance: float, least: float, pace: float) -> float:
         """Return how long a foot takes for a distance [m] at a pace [s]."""

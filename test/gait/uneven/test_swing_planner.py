@@ -1,0 +1,58 @@
+"""Swings are chosen of many kinds: the same ones, however quickly the others are passed over."""
+
+import numpy as np
+import pytest
+
+from quad_common.errors import GaitError
+from quad_common.maps.height_map import HeightMap
+from quad_common.robot_files.robot_file import load_robot
+from quad_gait.state.body_placement import BodyPose
+from quad_gait.state.stance import Stance
+from quad_gait.uneven.ground_model import GroundModel
+from quad_gait.uneven.swing_planner import SwingPlanner
+from quad_gait.uneven.uneven_options import UnevenOptions
+
+ROBOT = load_robot('titan_viii')
+JOINTS = ROBOT.initial_joint_angles
+FEET = ROBOT.foot_positions(JOINTS)
+STANCE = Stance(0.0, BodyPose(np.zeros(3), 0.0, 0.0, 0.0), FEET, JOINTS, lambda: np.ones(4))
+UNDER = FEET - [0.0, 0.0, ROBOT.foot_radius]
+
+
+def hole(depth):
+    """Ground with a hole where the left fore foot is to go."""
+    level = HeightMap.level((-2.0, -2.0, 2.0, 2.0), 0.02)
+    off = np.hypot(*np.moveaxis(level.centers - FEET[0, :2] - [0.3, 0.0], -1, 0))
+    return GroundModel.through(UNDER, level.with_heights(np.where(off < 0.2, -depth, 0.0)))
+
+
+def planned(ground, stride, kind):
+    """What is planned of a stride: its joints and what is said, or why there is none."""
+    planner = SwingPlanner(ROBOT, UnevenOptions(), 0.06)
+    try:
+        swing = getattr(planner, kind)(STANCE, None, ground, 0, FEET[0, :2] + [stride, 0.0])
+    except GaitError as error:
+        return str(error)
+    return swing.limit, swing.motion.positions.tobytes()
+
+
+@pytest.mark.parametrize('kind', ['swing', 'swing_onto'])
+@pytest.mark.parametrize('depth', [0.06, 0.4])
+def test_a_quick_look_passes_over_no_swing_that_is_possible(monkeypatch, kind, depth):
+    strides = (0.15, 0.3, 0.5)
+    quick = [planned(hole(depth), stride, kind) for stride in strides]
+    monkeypatch.setattr(SwingPlanner, '_may_reach', lambda *_: True)
+    assert quick == [planned(hole(depth), stride, kind) for stride in strides]
+
+
+def test_a_foothold_is_looked_for_once_for_each_length_of_a_step(monkeypatch):
+    looked, best = [], GroundModel.best_foothold
+
+    def counted(self, wanted, choice):
+        looked.append(tuple(wanted))
+        return best(self, wanted, choice)
+
+    monkeypatch.setattr(GroundModel, 'best_foothold', counted)
+    # The leg gets to none of them but that where the foot stands.
+    planned(hole(0.4), 0.5, 'swing')
+    assert len(looked) == len(set(looked)) > 2
