@@ -90,11 +90,12 @@ class BalanceOptions:
     lift_speed: float = 0.45
     """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
     the gait has it."""
-    rough: float = 0.9
-    """Height by which feet are off the plane of the ground where it is rough, over that to which
-    the gait lifts them; on even slopes, whose gradient is not known at once, it is two thirds."""
-    rough_lift: float = 1.0
-    """Height by which feet are lifted more, over that by which ground is rougher."""
+    rough: float = 0.3
+    """Height by which feet are off the plane of the ground from which on they are lifted higher,
+    over that to which the gait lifts them; on level ground it is a fifth."""
+    rough_lift: float = 4.0
+    """Height by which feet are lifted more, over that by which ground is rougher: where feet stand
+    2 cm apart, there are bumps that are higher than that."""
     highest_lift: float = 2.5
     """Height to which they are lifted at most, over the usual one."""
     touching_phase: float = 0.5

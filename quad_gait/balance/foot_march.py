@@ -46,7 +46,7 @@ class Manner(NamedTuple):
     most_lift: float
     """The same on any ground, at most [m]."""
     rough_from: float
-    """Height by which feet are off the plane of the ground where it is rough [m]."""
+    """Height by which feet are off the plane of the ground from which on it is rough [m]."""
     # The rest is as BalanceOptions has it.
     rough_lift: float
     giving_way: float

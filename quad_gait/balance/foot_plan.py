@@ -163,7 +163,7 @@ class FootPlanner:
 
     def met(self, plan: FootPlan, clock: PhaseClock, time: float, body: BodyEstimate) -> FootPlan:
         """
-        Return a plan in which feet stand that met rough ground before their time.
+        Return a plan in which feet stand that met the ground before their time.
 
         Parameters
         ----------
@@ -174,13 +174,13 @@ class FootPlanner:
         time : float
             When the body was measured [s].
         body : BodyEstimate
-            Which of its feet bear load, and how rough the ground is.
+            Which of its feet bear load.
 
         Returns
         -------
         FootPlan
         """
-        if body.contacts is None or body.roughness <= self._manner.rough_from:
+        if body.contacts is None:
             return plan
         feet = list(plan.feet)
         for k, (fraction, _) in enumerate(clock.swing_phases(time)):
