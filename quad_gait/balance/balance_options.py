@@ -19,8 +19,9 @@ class EstimateOptions:
     """Bias, at most [m/s^2]."""
     least_load: float = 0.06
     """Load from which on a foot counts, as a fraction of the robot's weight."""
-    touching_load: float = 0.15
-    """Load from which on a foot that comes down has met the ground, as a fraction of the weight."""
+    touching_load: float = 0.3
+    """Load from which on a foot that swings has met the ground, as a fraction of the weight: a leg
+    that is lifted high and fast feels like a sixth of it."""
     slip_fraction: float = 0.25
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
     slope_memory: float = 3.0
@@ -98,7 +99,7 @@ class BalanceOptions:
     2 cm apart, there are bumps that are higher than that."""
     highest_lift: float = 2.5
     """Height to which they are lifted at most, over the usual one."""
-    touching_phase: float = 0.5
+    touching_phase: float = 0.35
     """Fraction of its swing from which on a foot may meet the ground before its time."""
     easing: float = 0.1
     """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""
