@@ -19,8 +19,9 @@ class EstimateOptions:
     """Bias, at most [m/s^2]."""
     least_load: float = 0.06
     """Load from which on a foot counts, as a fraction of the robot's weight."""
-    touching_load: float = 0.15
-    """Load from which on a foot that comes down has met the ground, as a fraction of the weight."""
+    touching_load: float = 0.3
+    """Load from which on a foot that swings has met the ground, as a fraction of the weight: a leg
+    that is lifted high and fast feels like a sixth of it."""
     slip_fraction: float = 0.25
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
     slope_memory: float = 3.0
@@ -90,14 +91,15 @@ class BalanceOptions:
     lift_speed: float = 0.45
     """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
     the gait has it."""
-    rough: float = 0.9
-    """Height by which feet are off the plane of the ground where it is rough, over that to which
-    the gait lifts them; on even slopes, whose gradient is not known at once, it is two thirds."""
-    rough_lift: float = 1.0
-    """Height by which feet are lifted more, over that by which ground is rougher."""
+    rough: float = 0.3
+    """Height by which feet are off the plane of the ground from which on they are lifted higher,
+    over that to which the gait lifts them; on level ground it is a fifth."""
+    rough_lift: float = 4.0
+    """Height by which feet are lifted more, over that by which ground is rougher: where feet stand
+    2 cm apart, there are bumps that are higher than that."""
     highest_lift: float = 2.5
     """Height to which they are lifted at most, over the usual one."""
-    touching_phase: float = 0.5
+    touching_phase: float = 0.35
     """Fraction of its swing from which on a foot may meet the ground before its time."""
     easing: float = 0.1
     """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""

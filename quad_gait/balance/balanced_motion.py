@@ -5,7 +5,6 @@ The motion of a robot that keeps its balance, replaced at every measurement.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import Demand, FootPlan
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
-from quad_gait.balance.foot_plan import FootPlanner
+from quad_gait.balance.foot_plan import FootPlanner, March
 from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.phase_clock import PhaseClock
@@ -103,7 +102,7 @@ class BalancedMotion:
 
     def footholds(self) -> Array:
         """Return where the feet land next, or have landed, beside the body, (4, 3) [m]."""
-        return np.array([(*foot.target, 0.0) for foot in self._knots[-1].feet])
+        return np.array([(foot.target_x, foot.target_y, 0.0) for foot in self._knots[-1].feet])
 
     def is_over(self, time: float) -> bool:
         """Return whether nothing can follow any more what was given out by a time [s]."""
@@ -125,7 +124,7 @@ class BalancedMotion:
 
     def rest(self, time: float) -> None:
         """Let no foot lift any more after what holds at a time [s]."""
-        self.clock = replace(self.clock, end=self._time_of(self._index_at(time)))
+        self.clock = self.clock._replace(end=self._time_of(self._index_at(time)))
 
     def update(self, time: float, body: BodyEstimate, pace: Pace) -> JointTrajectory | None:
         """
@@ -154,16 +153,17 @@ class BalancedMotion:
             pace = STILL
         else:
             self._adapt_trim(body, self._knots[place].pace, pace)
-        knots = self._answers(index, place, time, body, pace)
-        times = [self._time_of(index + k) for k in range(len(knots))]
+        times = [self._time_of(index + k) for k in range(self._options.knots + 1)]
+        answers = self._answers(times, place, time, body, pace)
+        knots = answers.plans()
         rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)
         before = max(place - 1, 0)
         held = slice(before, place + 1)
         given = self._given
         motion = self._joint_planner.go_on(
             JointMotion(given.times[held], given.positions[held], given.speeds[held]),
-            [*knots[1:], *rest],
-            [*times[1:], *rest_times],
+            np.concatenate([answers.places[1:], rest.places[1:]]),
+            np.concatenate([times[1:], rest_times[1:]]),
         )
         if motion is None:
             return None
@@ -180,27 +180,22 @@ class BalancedMotion:
         )
 
     def _answers(
-        self, index: int, place: int, time: float, body: BodyEstimate, pace: Pace
-    ) -> list[FootPlan]:
+        self, times: list[float], place: int, time: float, body: BodyEstimate, pace: Pace
+    ) -> March:
         """Return the knot that still holds, and those after it that answer to a measurement."""
         plan = self._planner.met(self._knots[place], self.clock, time, body)
-        roll, pitch = body.tilt_in(self._time_of(index) - time)
+        roll, pitch = body.tilt_in(times[0] - time)
         slope = body.slope
         demand = Demand(
             pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
             slope, self._trim, body.roughness,
         )  # fmt: skip
-        knots = [plan]
-        for k in range(index, index + self._options.knots):
-            times = self._time_of(k), self._time_of(k + 1)
-            plan = self._planner.advance(plan, self.clock, times, demand)
-            knots.append(plan)
-        return knots
+        return self._planner.march(plan, self.clock, times, demand)
 
     def _coming_to_rest(
         self, plan: FootPlan, time: float, body: BodyEstimate
-    ) -> tuple[list[FootPlan], list[float]]:
-        """Return the knots after a plan at a time [s] that bring the robot to rest."""
+    ) -> tuple[March, list[float]]:
+        """Return a plan at a time [s] and the knots after it that bring the robot to rest."""
         options, clock = self._options, self.clock
         slowing = GRAVITY * options.slowing
         speed = math.hypot(*body.velocity)
@@ -209,25 +204,18 @@ class BalancedMotion:
         is_tilted = any(f.roll != slope.roll or f.pitch != slope.pitch for f in plan.feet)
         if speed > _LEAST_SPEED * self._unit or is_tilted:
             end += max(clock.period, speed / slowing)
-        clock = replace(clock, end=min(clock.end, end))
+        clock = clock._replace(end=min(clock.end, end))
         plan = plan._replace(pace=Pace(*body.velocity, plan.pace.turn))
         # A body that is slowed down has its feet ahead, as if it were faster than it is to be.
         lead = self._planner.height / GRAVITY * slowing / max(self._planner.capture_time, 1e-6)
+        demand = Demand(
+            STILL, STILL, slope=slope, trim=self._trim, roughness=body.roughness, lead=lead
+        )
         count = math.ceil((end + clock.longest_swing - time) / options.rest_knot_time) + 1
-        knots, times = [], [time]
+        times = [time]
         for _ in range(count):
-            pace = plan.pace
-            size = math.hypot(pace.forward, pace.left)
-            ahead = 1.0 + (lead / size if size > lead else 0.0)
-            # What stands is not to move by a trim.
-            trim = self._trim if times[-1] < clock.end else (0.0, 0.0)
-            measured = Pace(ahead * pace.forward - trim[0], ahead * pace.left - trim[1], pace.turn)
-            rough = body.roughness
-            demand = Demand(STILL, measured, slope=slope, trim=trim, roughness=rough)
             times.append(times[-1] + options.rest_knot_time)
-            plan = self._planner.advance(plan, clock, (times[-2], times[-1]), demand)
-            knots.append(plan)
-        return knots, times[1:]
+        return self._planner.march(plan, clock, times, demand), times
 
     def _adapt_trim(self, body: BodyEstimate, pace: Pace, wanted: Pace) -> None:
         """Ask for less while the body is faster than planned, but for pushes and changes."""

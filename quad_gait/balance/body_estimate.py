@@ -125,7 +125,8 @@ class BodyEstimator:
         rates = rotation @ reading.rates
         dt = reading.time - self._time
         self._time = reading.time
-        weights = self._weights(reading, rotation)
+        jacobians = self._robot.foot_jacobians(reading.joints)
+        weights = self._weights(reading, rotation[2], jacobians)
         self.bears = weights > 0.0
         if not 0.0 < dt <= self._options.longest_gap:
             self._velocity[:] = self._acceleration[:] = 0.0
@@ -140,11 +141,14 @@ class BodyEstimator:
             mean = (self._acceleration + acceleration) / 2.0
             self._velocity += dt * (mean - self._bias)
             self._acceleration = acceleration
-        feet = self._robot.foot_positions(reading.joints) @ rotation.T
-        self._slope.update(dt, turn, feet[self.bears & reading.tells_slope])
+        feet = self._robot.foot_positions(reading.joints)
+        standing = feet[self.bears & reading.tells_slope] @ rotation.T
+        self._slope.update(dt, turn, standing)
         slope = self._slope.slope
         if weights.any():
-            by_legs = leg_velocity(self._robot, reading, rotation, weights, slope)
+            by_legs = leg_velocity(
+                self._robot, reading, rotation, weights, slope, (feet, jacobians)
+            )
             error = by_legs - self._velocity
             trust = self._options.leg_gain / (1.0 + float(error @ error) / self._slip**2)
             self._velocity = self._velocity + trust * error
@@ -156,12 +160,12 @@ class BodyEstimator:
             self._slope.roughness, self._contacts(),
         )  # fmt: skip
 
-    def _weights(self, reading: BodyReading, rotation: Array) -> Array:
+    def _weights(self, reading: BodyReading, up: Array, jacobians: Array) -> Array:
         """Return how much each foot counts, shape (4,): 0 for one in the air."""
         self.loads = None
         if reading.efforts is None or not reading.efforts.any():
             return reading.in_stance.astype(np.float64)
-        loads = self._foot_loads(reading, rotation[2])
+        loads = self._foot_loads(reading, up, jacobians)
         self.loads = loads
         weights: Array = np.where(reading.in_stance & (loads > self._least_load), 1.0, 0.0)
         return weights
@@ -170,7 +174,7 @@ class BodyEstimator:
         """Return which feet bear load; None if unknown."""
         return None if self.loads is None else tuple((self.loads > self._touching).tolist())
 
-    def _foot_loads(self, reading: BodyReading, up: Array) -> Array:
+    def _foot_loads(self, reading: BodyReading, up: Array, jacobians: Array) -> Array:
         """
         Return the vertical forces on the feet by the motors' torques, shape (4,) [N].
 
@@ -178,7 +182,7 @@ class BodyEstimator:
         legs' own weight as the robot stands: that is enough to tell which feet bear.
         """
         assert reading.efforts is not None
-        transposed = np.swapaxes(self._robot.foot_jacobians(reading.joints), -1, -2)
+        transposed = np.swapaxes(jacobians, -1, -2)
         try:
             forces = np.linalg.solve(transposed, (self._own_weight - reading.efforts)[..., None])
         except np.linalg.LinAlgError:
@@ -189,7 +193,12 @@ class BodyEstimator:
 
 
 def leg_velocity(
-    robot: Robot, reading: BodyReading, rotation: Array, weights: Array, slope: Slope = LEVEL
+    robot: Robot,
+    reading: BodyReading,
+    rotation: Array,
+    weights: Array,
+    slope: Slope = LEVEL,
+    legs: tuple[Array, Array] | None = None,
 ) -> Array:
     """
     Find the body's velocity by the feet that stand.
@@ -212,6 +221,8 @@ def leg_velocity(
         How much each foot counts; not all 0.
     slope : Slope
         The ground.
+    legs : tuple of ndarray, optional
+        Places of the feet in the body, (4, 3) [m], and their Jacobians, (4, 3, 3), if known.
 
     Returns
     -------
@@ -219,8 +230,8 @@ def leg_velocity(
         In level axes, the mean of the feet's [m/s].
     """
     joints, speeds, rates = reading.joints, reading.speeds, reading.rates
-    feet = robot.foot_positions(joints)
-    moving = np.einsum('kij,kj->ki', robot.foot_jacobians(joints), speeds)
+    feet, jacobians = legs or (robot.foot_positions(joints), robot.foot_jacobians(joints))
+    moving = (jacobians @ speeds[..., None])[..., 0]
     calves = robot.calf_angular_velocities(joints, speeds) + rates
     normal = np.array(slope.normal) @ rotation
     velocities = robot.foot_radius * _cross(calves, normal) + _cross(feet, rates) - moving

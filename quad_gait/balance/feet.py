@@ -4,11 +4,27 @@ Feet at a knot, beside the level body, and what is to be done with them until th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from quad_gait.balance.foot_laws import Pace, tilted_back
 from quad_gait.balance.ground_slope import LEVEL, Slope
+
+FOOT = np.dtype(
+    (
+        np.record,
+        [
+            ('x', 'f8'), ('y', 'f8'), ('z', 'f8'), ('vx', 'f8'), ('vy', 'f8'), ('rise', 'f8'),
+            ('roll', 'f8'), ('pitch', 'f8'), ('swings', 'f8'), ('target_x', 'f8'),
+            ('target_y', 'f8'), ('lift', 'f8'), ('has_landed', 'f8'),
+        ],
+    )
+)  # fmt: skip
+"""Record of a :class:`Foot`, as arrays hold it; truths are 1 and 0."""
 
 
 class Foot(NamedTuple):
@@ -32,8 +48,10 @@ class Foot(NamedTuple):
     """Pitch of the body that the leg makes up for [rad]."""
     swings: bool = False
     """Whether it swings."""
-    target: tuple[float, float] = (0.0, 0.0)
-    """Place where it lands, or has landed [m]."""
+    target_x: float = 0.0
+    """Place where it lands, or has landed, along x [m]."""
+    target_y: float = 0.0
+    """The same along y [m]."""
     lift: float = 0.0
     """Height to which it is lifted in this swing, or was in the last one [m]."""
     has_landed: bool = False
@@ -48,22 +66,30 @@ class Foot(NamedTuple):
 class FootPlan(NamedTuple):
     """The feet at a knot, and how fast the body is to be."""
 
-    feet: tuple[Foot, ...]
-    """Feet in the order of ``LEGS``."""
+    records: NDArray[np.void]
+    """Feet in the order of ``LEGS``, shape (4,), of the type :data:`FOOT`."""
     pace: Pace
     """Velocity that is planned by now."""
     slope: Slope = LEVEL
     """The ground on which they are planned."""
 
+    @property
+    def feet(self) -> tuple[Foot, ...]:
+        """Feet in the order of ``LEGS``."""
+        return tuple(Foot(*record) for record in self.records.tolist())
 
-@dataclass(frozen=True)
-class Demand:
+    def with_feet(self, feet: Iterable[Foot]) -> FootPlan:
+        """Return the same plan with other feet."""
+        return self._replace(records=np.array(list(feet), dtype=FOOT))
+
+
+class Demand(NamedTuple):
     """What is to be done from one knot to the next."""
 
     pace: Pace
     """Velocity that is wanted."""
     measured: Pace
-    """Velocity of the body."""
+    """Velocity of the body; while it is slowed down, it is taken to be as fast as planned."""
     roll: float = 0.0
     """Roll of the body, over that which it is to have [rad]."""
     pitch: float = 0.0
@@ -74,3 +100,6 @@ class Demand:
     """Velocity by which less is asked for than is wanted [m/s]."""
     roughness: float = 0.0
     """Height by which feet that stood were off the plane of the ground lately [m]."""
+    lead: float = math.nan
+    """Velocity by which a body that is slowed down is to be taken for faster than it is: so its
+    feet are ahead [m/s]; nan for one that is not slowed down."""

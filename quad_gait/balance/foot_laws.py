@@ -2,14 +2,16 @@
 The laws of balance: where feet land, how standing legs give way, how they right the body.
 
 All of it is beside the level body: x as the body's heading, z up, from base_link. Feet are plain
-numbers, one foot at a time: so few are added up ten times faster than arrays are made of them.
+numbers, one foot at a time, and what is here is compiled as a part of
+:mod:`~quad_gait.balance.foot_march`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
+
+from quad_common.compiled import compiled_part
 
 GRAVITY = 9.80665
 """Acceleration of free fall [m/s^2]."""
@@ -35,8 +37,10 @@ def pendulum_time(height: float) -> float:
     return math.sqrt(height / GRAVITY)
 
 
+@compiled_part
 def landing_place(
-    neutral: Sequence[float],
+    x: float,
+    y: float,
     drift: tuple[float, float],
     excess: tuple[float, float],
     stance: float,
@@ -52,7 +56,7 @@ def landing_place(
 
     Parameters
     ----------
-    neutral : sequence of float
+    x, y : float
         Neutral place p of the foot, under a standing body [m].
     drift : tuple of float
         Velocity u of a foot that stands there, beside the body [m/s].
@@ -73,14 +77,16 @@ def landing_place(
     distance = math.hypot(dx, dy)
     if distance > largest:
         dx, dy = dx * largest / distance, dy * largest / distance
-    return neutral[0] + dx, neutral[1] + dy
+    return x + dx, y + dy
 
 
+@compiled_part
 def ground_velocity(x: float, y: float, pace: Pace) -> tuple[float, float]:
     """Return how fast the ground under a place moves beside a body with a pace [m/s]."""
     return pace.turn * y - pace.forward, -pace.turn * x - pace.left
 
 
+@compiled_part
 def swing_on(
     place: float, velocity: float, target: float, at_landing: float, left: float, dt: float
 ) -> tuple[float, float]:
@@ -112,6 +118,7 @@ def swing_on(
     return place + s * (u + s * (b + s * c)), (u + s * (2.0 * b + 3.0 * s * c)) / h
 
 
+@compiled_part
 def swing_height(fraction: float, easing: float = 0.0) -> float:
     """
     Return how high a foot is at a fraction of its swing, as a fraction of the most.
@@ -140,6 +147,7 @@ def swing_height(fraction: float, easing: float = 0.0) -> float:
     return math.sin(math.pi * u)
 
 
+@compiled_part
 def tilted_back(
     x: float, y: float, z: float, roll: float, pitch: float
 ) -> tuple[float, float, float]:

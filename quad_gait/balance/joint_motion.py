@@ -4,7 +4,6 @@ From the feet of knots to joint motion that the drives can follow.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 from quad_common.errors import GaitError, TrajectoryError
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.trajectory_gate import JointLimits
-from quad_gait.balance.feet import FootPlan
 
 Array = NDArray[np.float64]
 
@@ -62,9 +60,7 @@ class JointMotionPlanner:
         self.slowed = 0
         """Number of times that legs were slowed."""
 
-    def go_on(
-        self, given: JointMotion, knots: Sequence[FootPlan], times: Sequence[float]
-    ) -> JointMotion | None:
+    def go_on(self, given: JointMotion, places: Array, times: Array) -> JointMotion | None:
         """
         Go on after what was given out.
 
@@ -72,9 +68,9 @@ class JointMotionPlanner:
         ----------
         given : JointMotion
             What holds; the new motion leaves it at its last knot.
-        knots : sequence of FootPlan
-            The feet after it.
-        times : sequence of float
+        places : ndarray, shape (m, 4, 3)
+            The feet after it, in the body's axes [m].
+        times : ndarray, shape (m,)
             Their times [s].
 
         Returns
@@ -82,7 +78,7 @@ class JointMotionPlanner:
         JointMotion or None
             Both together; None if the joints cannot do it, and what was given out is to go on.
         """
-        wanted = self._inverse(np.array([[foot.in_body for foot in knot.feet] for knot in knots]))
+        wanted = self._inverse(places)
         held = len(given.times)
         all_times = np.concatenate([given.times, times])
         positions = np.concatenate([given.positions, wanted])

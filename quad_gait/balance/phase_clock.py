@@ -5,19 +5,20 @@ The clock of a trot: which foot is where in its swing or stance at any time.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled_part
 from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.gait import Gait
 
+STANDS = -1.0
+"""Instead of the fraction of its swing that is over, for a foot that stands."""
 
-@dataclass(frozen=True)
-class PhaseClock:
+
+class PhaseClock(NamedTuple):
     """
     A gait's order of swings, repeated until no foot is to lift any more.
 
@@ -51,70 +52,83 @@ class PhaseClock:
             edges=tuple(edge / period for edge in gait.support_edges),
         )
 
-    def pendulum_factor(self, time: float, rate: float) -> float:
-        """
-        Return how fast a body moves at a time, over its mean speed.
-
-        Over each pair of standing feet it is an inverted pendulum, x'' = rate^2 x: slower above
-        them, faster between two supports. At an even pace it would rock from one to the other.
-
-        Parameters
-        ----------
-        time : float
-            [s]
-        rate : float
-            Rate of the pendulum, sqrt(g / h) [1/s].
-
-        Returns
-        -------
-        float
-            1 while all feet stand.
-        """
-        cycles = (time - self.start) / self.period
-        if cycles <= 0.0 or time >= self.end:
-            return 1.0
-        phase = cycles % 1.0
-        begin, end = next(edge for edge in pairwise(self.edges) if phase < edge[1])
-        half = rate * (end - begin) * self.period / 2.0
-        since = rate * (phase - (begin + end) / 2.0) * self.period
-        return half / math.sinh(half) * math.cosh(since)
-
-    def swing_phases(self, time: float) -> list[tuple[float | None, float]]:
-        """
-        Return how far each foot's swing is at a time [s].
-
-        Returns
-        -------
-        list of tuple
-            For each foot the fraction of its swing, None if it stands, and the time until it
-            lands, 0 if it stands [s].
-        """
-        cycles = (time - self.start) / self.period
-        last = (self.end - self.start) / self.period
-        result: list[tuple[float | None, float]] = []
-        for offset, swing in zip(self.offsets, self.swing_fractions):
-            phase = (cycles - offset) % 1.0
-            if phase < swing and offset <= cycles and cycles - phase < last:
-                result.append((phase / swing, (swing - phase) * self.period))
-            else:
-                result.append((None, 0.0))
-        return result
+    def swing_phases(self, time: float) -> list[tuple[float, float]]:
+        """Return what :func:`swing_phase` says of each foot at a time [s]."""
+        return [swing_phase(self, leg, time) for leg in range(len(self.offsets))]
 
     def in_stance(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are to stand at a time [s], shape (4,)."""
-        return np.array([fraction is None for fraction, _ in self.swing_phases(time)])
+        return np.array([fraction == STANDS for fraction, _ in self.swing_phases(time)])
 
-    @cached_property
+    @property
     def stance_times(self) -> tuple[float, ...]:
         """Durations of the feet's stances [s]."""
         return tuple((1.0 - swing) * self.period for swing in self.swing_fractions)
 
-    @cached_property
-    def swing_times(self) -> tuple[float, ...]:
-        """Durations of the feet's swings [s]."""
-        return tuple(swing * self.period for swing in self.swing_fractions)
-
-    @cached_property
+    @property
     def longest_swing(self) -> float:
         """Duration of the longest swing [s]."""
         return max(self.swing_fractions) * self.period
+
+
+@compiled_part
+def swing_phase(clock: PhaseClock, leg: int, time: float) -> tuple[float, float]:
+    """
+    Return how far a foot's swing is at a time.
+
+    Parameters
+    ----------
+    clock : PhaseClock
+        When feet swing.
+    leg : int
+        Index of the foot.
+    time : float
+        [s]
+
+    Returns
+    -------
+    tuple of float
+        The fraction of its swing, :data:`STANDS` if it stands, and the time until it lands, 0 if
+        it stands [s].
+    """
+    cycles = (time - clock.start) / clock.period
+    last = (clock.end - clock.start) / clock.period
+    offset, swing = clock.offsets[leg], clock.swing_fractions[leg]
+    phase = (cycles - offset) % 1.0
+    if phase < swing and offset <= cycles and cycles - phase < last:
+        return phase / swing, (swing - phase) * clock.period
+    return STANDS, 0.0
+
+
+@compiled_part
+def pendulum_factor(clock: PhaseClock, time: float, rate: float) -> float:
+    """
+    Return how fast a body moves at a time, over its mean speed.
+
+    Over each pair of standing feet it is an inverted pendulum, x'' = rate^2 x: slower above
+    them, faster between two supports. At an even pace it would rock from one to the other.
+
+    Parameters
+    ----------
+    clock : PhaseClock
+        When feet swing.
+    time : float
+        [s]
+    rate : float
+        Rate of the pendulum, sqrt(g / h) [1/s].
+
+    Returns
+    -------
+    float
+        1 while all feet stand.
+    """
+    cycles = (time - clock.start) / clock.period
+    if cycles <= 0.0 or time >= clock.end:
+        return 1.0
+    phase, support = cycles % 1.0, 0
+    while phase >= clock.edges[support + 1]:
+        support += 1
+    begin, end = clock.edges[support], clock.edges[support + 1]
+    half = rate * (end - begin) * clock.period / 2.0
+    since = rate * (phase - (begin + end) / 2.0) * clock.period
+    return half / math.sinh(half) * math.cosh(since)

@@ -16,7 +16,7 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import Pace, pendulum_time
 from quad_gait.balance.foot_plan import FootPlanner
-from quad_gait.balance.phase_clock import PhaseClock
+from quad_gait.balance.phase_clock import PhaseClock, pendulum_factor
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
 
@@ -47,6 +47,8 @@ class SteadyTrot:
         self._rate = 1.0 / pendulum_time(self._planner.height)
         self._knot_time = options.knot_time
         self._most = options.steady_speed
+        # This compiles the march of feet, or reads its code: no decision is to wait for that.
+        self.speed_use(BodyMotion())
 
     def speed_use(self, motion: BodyMotion) -> float:
         """
@@ -71,7 +73,7 @@ class SteadyTrot:
         feet = []
         for times in pairwise(k * self._knot_time for k in range(2 * cycle + 2)):
             # The body goes as planned: no leg gives way, and no step is made to catch it.
-            factor = clock.pendulum_factor(sum(times) / 2.0, self._rate)
+            factor = pendulum_factor(clock, sum(times) / 2.0, self._rate)
             measured = Pace(*(factor * part for part in wanted))
             plan = self._planner.advance(plan, clock, times, Demand(wanted, measured))
             if times[0] >= clock.period:

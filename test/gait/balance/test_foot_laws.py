@@ -21,14 +21,14 @@ RNG = np.random.default_rng(19)
 
 
 def test_a_body_at_rest_puts_its_feet_under_itself():
-    assert landing_place((0.2, 0.1), (0.0, 0.0), (0.0, 0.0), 0.2, 0.1) == (0.2, 0.1)
+    assert landing_place(0.2, 0.1, (0.0, 0.0), (0.0, 0.0), 0.2, 0.1) == (0.2, 0.1)
 
 
 def test_a_foot_that_lands_is_at_its_neutral_place_in_mid_stance():
     pace, stance = Pace(0.5, -0.2, 0.3), 0.24
     neutral = (0.2, 0.1)
     drift = ground_velocity(*neutral, pace)
-    place = np.array(landing_place(neutral, drift, (0.0, 0.0), stance, 1.0))
+    place = np.array(landing_place(*neutral, drift, (0.0, 0.0), stance, 1.0))
     # The ground passes under the body for half of the stance.
     for _ in range(1000):
         place = place + np.array(ground_velocity(*place, pace)) * (stance / 2.0) / 1000.0
@@ -39,7 +39,7 @@ def test_a_foot_that_lands_is_at_its_neutral_place_in_mid_stance():
 def test_a_pendulum_comes_to_rest_over_the_capture_point():
     height, speed = 0.3, 0.4
     tau = pendulum_time(height)
-    foot = landing_place((0.0, 0.0), (0.0, 0.0), (tau * speed, 0.0), 0.2, 1.0)[0]
+    foot = landing_place(0.0, 0.0, (0.0, 0.0), (tau * speed, 0.0), 0.2, 1.0)[0]
     x, dt = 0.0, 1e-5
     for _ in range(round(3.5 * tau / dt)):
         speed += dt * GRAVITY / height * (x - foot)
@@ -51,7 +51,7 @@ def test_a_pendulum_comes_to_rest_over_the_capture_point():
 def test_no_foot_lands_farther_than_it_may():
     for _ in range(50):
         drift, excess = RNG.normal(0.0, 1.0, (2, 2)).tolist()
-        x, y = landing_place((0.1, -0.2), tuple(drift), tuple(excess), 0.3, 0.07)
+        x, y = landing_place(0.1, -0.2, tuple(drift), tuple(excess), 0.3, 0.07)
         assert math.hypot(x - 0.1, y + 0.2) <= 0.07 + 1e-12
 
 

@@ -1,7 +1,5 @@
 """Feet that meet rough ground before their time stand there, and are lifted as high as it asks."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -51,16 +49,16 @@ def highest(roughness):
 def test_feet_are_lifted_higher_by_as_much_as_the_ground_is_rougher_and_no_higher_than_joints_can():
     usual = highest(0.0)
     assert usual == pytest.approx(GAIT.swing_height, rel=0.02)
-    assert highest(0.8 * usual) == usual
-    gained = highest(1.2 * usual) - highest(1.0 * usual)
-    assert gained == pytest.approx(0.2 * usual, rel=0.05)
+    assert highest(0.25 * usual) == usual
+    gained = highest(0.4 * usual) - highest(0.35 * usual)
+    assert gained == pytest.approx(4.0 * 0.05 * usual, rel=0.05)
     assert highest(1.0) == highest(2.0) < 2.5 * usual
 
 
-def coming_down(contacts, roughness=BUMP):
+def coming_down(contacts, roughness=0.0):
     """A trot in which feet are measured to bear while one diagonal is late in its swing."""
     planner, plan, time = trotted(3.0)
-    while not any((f or 0.0) > 0.7 for f, _ in CLOCK.swing_phases(time)):
+    while not any(f > 0.7 for f, _ in CLOCK.swing_phases(time)):
         plan, time = gone_on(planner, plan, time), time + KNOT
     body = BodyEstimate((0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, roughness=roughness, contacts=contacts)
     return planner, plan, planner.met(plan, CLOCK, time, body), time
@@ -85,7 +83,7 @@ def test_what_stands_on_a_bump_stays_above_the_others_until_it_swings_again():
     planner, before, _, time = coming_down((False,) * 4)
     k = next(k for k, foot in enumerate(before.feet) if not foot.swings)
     bumped = before.feet[k]._replace(rise=BUMP, z=before.feet[k].z + BUMP)
-    plan = before._replace(feet=(*before.feet[:k], bumped, *before.feet[k + 1 :]))
+    plan = before.with_feet((*before.feet[:k], bumped, *before.feet[k + 1 :]))
     other = next(i for i, foot in enumerate(before.feet) if i != k and not foot.swings)
     for _ in range(3):
         plan, time = gone_on(planner, plan, time, BUMP), time + KNOT
@@ -97,14 +95,10 @@ def test_what_stands_on_a_bump_stays_above_the_others_until_it_swings_again():
     assert plan.feet[k].rise == pytest.approx(0.0, abs=1e-5)
 
 
-@pytest.mark.parametrize(
-    'changes', [{'contacts': None}, {'contacts': (False,) * 4}, {'roughness': 0.0}]
-)
-def test_feet_swing_on_where_nothing_is_felt_or_the_ground_is_even(changes):
-    planner, before, _, time = coming_down((True,) * 4)
-    body = BodyEstimate((0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, roughness=BUMP, contacts=(True,) * 4)
-    plan = planner.met(before, CLOCK, time, replace(body, **changes))
-    assert plan == before
+@pytest.mark.parametrize('contacts', [None, (False,) * 4])
+def test_feet_swing_on_where_nothing_is_felt(contacts):
+    _, before, plan, _ = coming_down(contacts)
+    assert plan.feet == before.feet
 
 
 def test_feet_that_stand_off_their_plane_tell_how_rough_the_ground_is_for_a_while():

@@ -58,6 +58,11 @@ def test_slopes_are_walked(name, ground, seed):
     assert math.degrees(trot.tilt) < 3.0
 
 
+def test_bumps_that_are_higher_than_feet_are_lifted_on_level_ground_are_walked():
+    # It fell where feet were lifted higher only after the ground had been rough by 0.9 of that.
+    assert trot_over(BalanceCase('cuhk', speed=0.6, is_noisy=True), 'bumps', 1).succeeds
+
+
 def test_a_robot_that_receives_nothing_more_comes_to_stand_on_four_feet():
     assert silences(BalanceCase('cuhk', speed=1.0), 2) == 2
 

@@ -1,0 +1,87 @@
+"""The march of feet over knots is the same compiled or not, in one go or knot by knot."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from quad_common.robot_files.robot_file import load_robot
+from quad_gait.balance import foot_march, foot_plan
+from quad_gait.balance.balance_options import BalanceOptions
+from quad_gait.balance.balanced_motion import BalancedMotion
+from quad_gait.balance.body_estimate import BodyEstimate
+from quad_gait.balance.feet import FOOT, Demand, Foot
+from quad_gait.balance.foot_laws import STILL, Pace
+from quad_gait.balance.foot_plan import FootPlanner
+from quad_gait.balance.ground_slope import LEVEL, Slope
+from quad_gait.balance.phase_clock import PhaseClock
+from quad_gait.balance.steady_trot import SteadyTrot
+from quad_gait.behaviours.gait_choice import balanced_gait
+from quad_gait.cycle.gait import load_gait
+
+ROBOT = load_robot('cuhk')
+OPTIONS = BalanceOptions()
+GAIT = balanced_gait(load_gait('trot', ROBOT), OPTIONS)
+TIMES = [0.017 * k for k in range(41)]
+SLOPE = Slope.along(0.2, -0.1, 1.0)
+DEMANDS = {
+    'pushed': Demand(Pace(0.1, 0.0, 0.2), Pace(0.3, -0.2, 0.5), 0.05, -0.03, trim=(0.01, 0.02)),
+    'on a slope': Demand(Pace(0.1, 0.0, 0.2), Pace(0.1, 0.02, 0.0), slope=SLOPE),
+    'on rough ground': Demand(Pace(0.1, 0.0, 0.2), STILL, roughness=0.02),
+    'coming to rest': Demand(STILL, STILL, trim=(0.01, 0.0), lead=0.05),
+}
+
+
+def marched(demand, end=math.inf):
+    planner = FootPlanner(ROBOT, GAIT, OPTIONS)
+    clock = PhaseClock.of(GAIT, 0.05)._replace(end=end)
+    plan = planner.at_rest(ROBOT.neutral_feet)._replace(pace=Pace(0.1, 0.05, 0.1))
+    return planner, clock, plan, planner.march(plan, clock, TIMES, demand)
+
+
+@pytest.mark.parametrize('demand', DEMANDS.values(), ids=list(DEMANDS))
+def test_compiled_feet_march_as_uncompiled_ones(demand, monkeypatch):
+    compiled = marched(demand, end=0.5)[-1]
+    monkeypatch.setattr(foot_plan, 'march', foot_march.march.py_func)
+    plain = marched(demand, end=0.5)[-1]
+    for name in FOOT.names:
+        np.testing.assert_allclose(compiled.feet[name], plain.feet[name], atol=1e-12)
+    np.testing.assert_allclose(compiled.places[1:], plain.places[1:], atol=1e-12)
+    np.testing.assert_allclose(compiled.paces, plain.paces, atol=1e-12)
+    assert np.ptp(compiled.feet['z'][:, 0]) > 0.005
+
+
+@pytest.mark.parametrize('demand', DEMANDS.values(), ids=list(DEMANDS))
+def test_a_march_is_the_same_in_one_go_and_knot_by_knot(demand):
+    planner, clock, plan, march = marched(demand)
+    for k, times in enumerate(pairwise(TIMES)):
+        plan = planner.advance(plan, clock, times, demand)
+        assert plan.pace == march.at(k + 1).pace
+        assert plan.feet == march.at(k + 1).feet
+        assert [foot.in_body for foot in plan.feet] == [
+            tuple(place) for place in march.places[k + 1].tolist()
+        ]
+
+
+def test_records_hold_what_a_foot_is():
+    assert FOOT.names == Foot._fields
+    foot = Foot(*range(13))
+    plan = FootPlanner(ROBOT, GAIT, OPTIONS).at_rest(ROBOT.neutral_feet, LEVEL)
+    assert plan.with_feet([foot] * 4).feet == (foot,) * 4
+
+
+def test_no_decision_waits_for_code_to_be_compiled():
+    # It is made with the controller; in a process of its own it is the first to need the code.
+    SteadyTrot(ROBOT, GAIT, OPTIONS)
+    ready = set(foot_march.march.signatures)
+    assert ready
+    body = BodyEstimate((0.1, 0.0), 0.2, 0.01, 0.0, 0.1, 0.0)
+    tilted = BodyEstimate((0.1, 0.0), 0.2, 0.01, 0.0, 0.1, 0.0, SLOPE, 0.02, (True,) * 4)
+    for start in (body, tilted):
+        motion = BalancedMotion(ROBOT, GAIT, OPTIONS, 1.0, ROBOT.initial_joint_angles, start)
+        for k in range(20):
+            motion.update(1.0 + 0.02 * k, start, Pace(0.1, 0.0, 0.0))
+        motion.rest(1.4)
+        motion.update(1.4, start, STILL)
+    assert set(foot_march.march.signatures) == ready
