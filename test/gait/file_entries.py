@@ -26,6 +26,7 @@ NOT_COUNTED = {
     'quad_gait/faults/tipping.py': 'geometry of a body that tips',
     'quad_gait/uneven/ground_model.py': 'geometry of the ground',
     'quad_gait/uneven/stride_goal.py': 'a value: footholds, order of legs, the body afterwards',
+    'quad_gait/uneven/swing_course.py': 'a value: where body and feet are in a swing',
     'quad_gait/uneven/joint_motion.py': 'a value: a motion and how far it has got',
     'quad_gait/behaviours/activity.py': 'words: what the robot says of itself',
     'quad_gait/behaviours/behaviour.py': 'the base class: its methods belong to each behaviour',
