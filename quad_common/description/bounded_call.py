@@ -54,7 +54,7 @@ class CallFailed(Exception):
 
 
 class BeyondBounds(Exception):
-    """A call took or waited longer than it may, or needed more memory, and was ended."""
+    """A call took or waited longer than it may, needed more memory, or crashed."""
 
 
 def call_in_bounds(function: Callable[..., Any], *arguments: object, bounds: Bounds) -> Any:
@@ -82,7 +82,7 @@ def call_in_bounds(function: Callable[..., Any], *arguments: object, bounds: Bou
     CallFailed
         If it raised anything else.
     BeyondBounds
-        If it came to an end of its own only, or did not in time.
+        If it took longer, needed more memory, or crashed.
     """
     order = function.__module__, function.__name__, arguments, tuple(bounds)
     try:

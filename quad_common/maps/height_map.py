@@ -27,6 +27,8 @@ from quad_common.errors import (
 from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 MAX_CELLS = 2**22
 """The largest height map that is taken: 40 m square with cells of 0.02 m."""
@@ -153,7 +155,7 @@ class HeightMap:
         y = self.origin[1] + (np.arange(self.rows) + 0.5) * self.resolution
         return np.stack(np.meshgrid(x, y), axis=-1)
 
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> Mask:
         """
         Tell which points lie on the map; its border does.
 
@@ -255,11 +257,10 @@ class HeightMap:
         cells: Array = (np.asarray(points, dtype=float) - self.origin) / self.resolution
         return cells
 
-    def _holds(self, cells: Array) -> NDArray[np.bool_]:
+    def _holds(self, cells: Array) -> Mask:
         """Tell which columns and rows, with fractions, are on the map."""
-        inside: NDArray[np.bool_] = np.all(
-            (cells >= 0.0) & (cells <= (self.columns, self.rows)), axis=-1
-        )
+        size = self.columns, self.rows
+        inside: Mask = np.all((cells >= 0.0) & (cells <= size), axis=-1)
         return inside
 
     def _look_up(self, image: Array, points: ArrayLike) -> Array:
@@ -267,9 +268,7 @@ class HeightMap:
         column, row, inside = self._indices(self._cells(points))
         return np.where(inside, image[row, column], math.nan)
 
-    def _indices(
-        self, cells: Array
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    def _indices(self, cells: Array) -> tuple[Indices, Indices, Mask]:
         """Whole columns and rows of places in cells, and whether there is such a cell."""
         inside = self._holds(cells)
         floor = np.floor(np.where(inside[..., None], cells, 0.0)).astype(np.int64)

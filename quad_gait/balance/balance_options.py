@@ -20,8 +20,8 @@ class EstimateOptions:
     least_load: float = 0.06
     """Load from which on a foot counts, as a fraction of the robot's weight."""
     touching_load: float = 0.3
-    """Load from which on a foot that swings has met the ground, as a fraction of the weight: a leg
-    that is lifted high and fast feels like a sixth of it."""
+    """Load from which on a foot that swings has met the ground, as a fraction of the weight: with
+    half of it a leg that is lifted high and fast feels like ground."""
     slip_fraction: float = 0.25
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
     slope_memory: float = 3.0
@@ -93,10 +93,10 @@ class BalanceOptions:
     the gait has it."""
     rough: float = 0.3
     """Height by which feet are off the plane of the ground from which on they are lifted higher,
-    over that to which the gait lifts them; on level ground it is a fifth."""
+    over that to which the gait lifts them; on level ground it is less."""
     rough_lift: float = 4.0
-    """Height by which feet are lifted more, over that by which ground is rougher: where feet stand
-    2 cm apart, there are bumps that are higher than that."""
+    """Height by which feet are lifted more, over that by which ground is rougher: between the
+    places on which feet have stood it may be higher."""
     highest_lift: float = 2.5
     """Height to which they are lifted at most, over the usual one."""
     touching_phase: float = 0.35
