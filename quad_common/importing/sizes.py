@@ -4,6 +4,7 @@ How large the body is and how thick the legs are, from the shapes of the links.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,14 @@ _THICKEST = 0.35
 _DEPTH = 0.6
 """Part of its extent in the leg's plane that a thigh's or calf's radius holds at least: legs pass
 the body and each other sideways, and are flatter that way than they are deep."""
+
+_ROLL = 0.45
+"""Roll of a leg at which its edges come nearest to the body, in a wide stride sideways [rad]."""
+
+_APART = 0.0148
+"""Distance that parts keep from each other anyway, as a fraction of the leg's length: edges may
+reach so far beyond a radius. It is :data:`quad_common.robot.own_parts.LEAST_CLEARANCE` in the
+stance that imported robots have."""
 
 _QUANTILE = 0.9
 """Part of a link's points that its thickness holds: bolts and edges stand out."""
@@ -114,11 +123,12 @@ def link_radii(
             links = [n for n in tree.rigid_group(chain.links[part]) if n not in foot_links]
             for shape in points_of(tree, links):
                 start, end = ends[leg, part]
-                away = float(np.quantile(_distances(shape.places, start, end), _QUANTILE))
+                away = _distances(shape.places, start, end)
+                reach = float(np.quantile(away, _QUANTILE))
                 if part > 0:
                     aside = np.abs((shape.places - start) @ across[leg])
-                    away = max(_DEPTH * away, float(np.quantile(aside, _QUANTILE)))
-                found.append(away + shape.radius)
+                    reach = max(_DEPTH * reach, _reach_aside(away, aside, _APART * length))
+                found.append(reach + shape.radius)
         if found:
             radius = min(float(np.median(found)), _THICKEST * length)
         else:
@@ -126,6 +136,17 @@ def link_radii(
             notes.assume(f'{kind}s have no shape: a radius of {1e3 * radius:.0f} mm is assumed')
         radii[kind] = max(radius, 1e-3)
     return radii
+
+
+def _reach_aside(away: Array, aside: Array, apart: float) -> float:
+    """
+    Return how far a link reaches sideways, upright and rolled, from its points (n,) [m].
+
+    ``away`` is how far points are from the link's middle line, ``aside`` across the leg's plane.
+    """
+    deep = np.sqrt(np.maximum(away**2 - aside**2, 0.0))
+    rolled = math.cos(_ROLL) * aside + math.sin(_ROLL) * deep
+    return float(max(np.quantile(aside, _QUANTILE), np.quantile(rolled, _QUANTILE) - apart))
 
 
 def _distances(points: Array, start: Array, end: Array) -> Array:
