@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from quad_common.errors import JointNotFound, JointsLeftOut, TrajectoryOver
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE
+from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE, velocities_between
 
 Array = NDArray[np.float64]
 
@@ -135,13 +135,15 @@ class TrajectoryExecutor:
         fits = not is_ahead or self._reaches(
             times[0] - now, position, velocity, positions[0], velocities[0]
         )
-        if is_ahead and not fits and trajectory.stamp <= 0.0:
+        joins = is_ahead and (fits or trajectory.stamp <= 0.0)
+        if joins and not fits:
             # It has no time of its own: it begins as soon as its first point can be reached.
-            times = times + self._extra_time(times[0] - now, position, velocity, positions[0])
             velocities[0] = 0.0
+            times, positions, velocities = self._with_detour(
+                now, position, velocity, times, positions, velocities
+            )
         if is_ahead:
             # One that comes too late to be reached waits in its first point.
-            joins = fits or trajectory.stamp <= 0.0
             first = (position, velocity) if joins else (positions[0], self._still)
             times = np.concatenate([[now], times])
             positions = np.vstack([first[0], positions])
@@ -152,7 +154,7 @@ class TrajectoryExecutor:
         self._segment = 0
         self._fading = None
         limits = self._velocity_limits
-        if limits is None or (is_ahead and joins):
+        if limits is None or joins:
             return fits
         after, _ = self.command(now)
         if _is_same(after, followed):
@@ -214,22 +216,41 @@ class TrajectoryExecutor:
         s = time - self._times[self._segment]
         return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
 
-    def _extra_time(self, h: float, p0: Array, v0: Array, p1: Array) -> float:
-        """Return how much later joints come to rest at a point than they were to [s]."""
+    def _with_detour(
+        self, now: float, position: Array, velocity: Array, times: Array, *points: Array
+    ) -> tuple[Array, Array, Array]:
+        """
+        Return later times, and points before the first one where joints would go far beyond it.
+
+        A cubic that begins with a velocity and lasts for longer than that takes to the first
+        point goes on beyond it, beyond a joint's range perhaps: such joints come to rest first.
+        """
         assert self._velocity_limits is not None
-        limits = self._velocity_limits
-        room = np.maximum(limits - np.abs(v0), _LEAST_ROOM * limits)
-        return max(0.0, float(np.max(3.0 * np.abs(p1 - p0) / room)) - h)
+        positions, velocities = points
+        h, way, limits = times[0] - now, positions[0] - position, self._velocity_limits
+        room = np.maximum(limits - np.abs(velocity), _LEAST_ROOM * limits)
+        needed = max(h, float(np.max(3.0 * np.abs(way) / room)))
+        ahead = velocity * np.where(way == 0.0, 1.0, np.sign(way))
+        if np.all((ahead >= 0.0) & (ahead * needed <= 3.0 * np.abs(way) + _NEGLIGIBLE)):
+            return times + needed - h, positions, velocities
+        stop = position + velocity * (h / 3.0)
+        rest = float(np.max(1.5 * np.abs(positions[0] - stop) / limits))
+        return (
+            np.concatenate([[times[0]], times + max(rest, _LEAST_FADING)]),
+            np.vstack([stop, positions]),
+            np.vstack([self._still, velocities]),
+        )
 
     def _reaches(self, h: float, p0: Array, v0: Array, p1: Array, v1: Array) -> bool:
         """Return whether the joints get from one state to another in a time [s]."""
         if self._velocity_limits is None:
             return True
-        # The middle one of the Bezier points of the velocity; see `trajectory_gate`.
-        middle = np.abs(3.0 * (p1 - p0) / h - v0 - v1)
+        # As the gate does: what passes there is not delayed here.
+        ends = np.stack([p0, p1]), np.stack([v0, v1])
+        between = np.abs(velocities_between(np.array([0.0, h]), *ends)[0])
         fastest = np.maximum(np.abs(v0), np.abs(v1))
         limit = np.maximum((1.0 + VELOCITY_TOLERANCE) * self._velocity_limits, fastest)
-        return bool(np.all(middle <= limit))
+        return bool(np.all(between <= limit))
 
 
 def _is_same(a: Array, b: Array) -> bool:

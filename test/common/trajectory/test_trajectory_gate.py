@@ -160,6 +160,44 @@ def test_a_trajectory_without_a_time_of_its_own_begins_when_it_can_be_reached():
     assert positions[reached] == pytest.approx(there, abs=1e-4)
 
 
+def test_what_the_gate_lets_through_is_executed_in_its_time():
+    # Joints that turn fast are braked within the time to the first point: their velocity halfway
+    # is beyond the limit by a Bezier point, but at no instant.
+    command, velocity = np.array([0.0, 0.43, 1.0]), np.array([0.0, -5.3, 0.0])
+    first = np.array([0.0, 0.157, 1.0])
+    goes_on = JointTrajectory(
+        NAMES,
+        0.0,
+        np.array([0.06, 0.08, 0.4]),
+        np.array([first, first + [0.0, 0.04, 0.0], first + [0.0, 0.2, 0.0]]),
+        np.array([[0.0, -1.48, 0.0], [0.0, 1.0, 0.0], STILL]),
+    )
+    executor = TrajectoryExecutor(NAMES, command, LIMITS.velocity)
+    before = JointTrajectory(
+        NAMES, 10.0, np.array([0.0, 0.5]), np.array([command, command]), np.array([velocity, STILL])
+    )
+    executor.accept(before, 10.0)
+    check_command(LIMITS, goes_on, 10.0, *executor.command(10.0))
+    assert executor.accept(goes_on, 10.0)
+    assert executor.command(10.06)[0] == pytest.approx(first, abs=1e-9)
+
+
+def test_fast_joints_come_to_rest_before_they_join_a_trajectory_that_begins_later():
+    command, velocity = np.array([-0.9, 0.0, 1.0]), np.array([0.0, -5.0, 0.0])
+    before = JointTrajectory(
+        NAMES, 10.0, np.array([0.0, 0.5]), np.array([command, command]), np.array([velocity, STILL])
+    )
+    executor = TrajectoryExecutor(NAMES, command, LIMITS.velocity)
+    executor.accept(before, 10.0)
+    # Joint a needs long: meanwhile b must not go on far beyond where it is wanted.
+    there = np.array([0.9, -0.1, 1.0])
+    assert not executor.accept(trajectory(there, times=np.array([0.06]), stamp=0.0), 10.0)
+    _, positions, velocities = follow(executor, 10.0, 13.0)
+    assert positions[:, 1].min() >= -5.0 * 0.06 / 3.0 - 1e-6 - 0.02
+    assert np.all(np.abs(velocities) <= (1.0 + VELOCITY_TOLERANCE) * LIMITS.velocity)
+    assert positions[-1] == pytest.approx(there)
+
+
 def test_what_goes_on_with_a_late_trajectory_lets_the_difference_fade_out_as_it_was():
     executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
     late = trajectory([MIDDLE + 0.3, MIDDLE + 0.1], times=np.array([0.0, 3.0]), stamp=10.0)
