@@ -129,12 +129,13 @@ class _BulletReading:
     """The robot as PyBullet reads its description, its root at the world's origin."""
 
     def __init__(self, path: Path, robot: ImportedRobot) -> None:
-        from quad_sim.engines.bullet_simulator import headless_client
+        from quad_sim.engines.bullet_simulator import headless_client, silenced
 
         self._bullet: Any = headless_client()
-        self._body = self._bullet.loadURDF(
-            str(path), useFixedBase=True, flags=self._bullet.URDF_USE_INERTIA_FROM_FILE
-        )
+        flags = self._bullet.URDF_USE_INERTIA_FROM_FILE
+        with silenced():
+            # What PyBullet thinks of inertias that the import replaces.
+            self._body = self._bullet.loadURDF(str(path), useFixedBase=True, flags=flags)
         self._robot = robot
         count = self._bullet.getNumJoints(self._body)
         described = [self._bullet.getJointInfo(self._body, index) for index in range(count)]

@@ -39,6 +39,10 @@ _DURATIONS = {'trot': 12.0}
 
 _OTHERWISE = 24.0
 
+_CYCLES_ON_CURVES = 12
+"""Cycles of a walk on a curve, at least: corrections of the heading swing over ten of them, by up
+to 6 % of what one turns, and the mean over fewer tells of those."""
+
 
 @dataclass(frozen=True)
 class ImportedWalk:
@@ -103,6 +107,8 @@ def walk_imported(
     try:
         with preferred(backend):
             duration = _DURATIONS.get(gait, _OTHERWISE)
+            if direction in CURVES:
+                duration = max(duration, _CYCLES_ON_CURVES * most.period)
             walk = steady_walk(loaded, fitted, motion, duration, asked, _LEAST_MARGIN)
     except QuadError as error:
         has_fallen = 'fallen' in str(error)

@@ -29,8 +29,8 @@ from quad_sim.world.world import OF_WORLD, Obstacle, World
 
 
 @contextlib.contextmanager
-def _silenced() -> Iterator[None]:
-    """Keep PyBullet's greetings off the output, which may be somebody's JSON."""
+def silenced() -> Iterator[None]:
+    """Keep what PyBullet prints off the output, which may be somebody's JSON."""
     streams = (sys.stdout, sys.stderr)
     with Path(os.devnull).open('wb') as nothing:
         for stream in streams:
@@ -51,7 +51,7 @@ def _silenced() -> Iterator[None]:
 
 
 try:
-    with _silenced():
+    with silenced():
         import pybullet
         from pybullet_utils.bullet_client import BulletClient
 except ImportError as error:
@@ -64,7 +64,7 @@ Array = NDArray[np.float64]
 
 def headless_client() -> Any:
     """Open an empty world without a window, a ``BulletClient`` of one's own."""
-    with _silenced():
+    with silenced():
         return BulletClient(pybullet.DIRECT)
 
 
@@ -84,7 +84,7 @@ def open_client(time_step: float, gui: bool = False) -> Any:
     BulletClient
         The world.
     """
-    with _silenced():
+    with silenced():
         client = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
     client.setGravity(0.0, 0.0, -GRAVITY)
     client.setPhysicsEngineParameter(

@@ -2,6 +2,7 @@
 What ``quadwalk bench robots`` measures.
 """
 
+import ctypes
 import importlib.util
 import math
 import re
@@ -61,6 +62,15 @@ def test_engines_agree_with_an_import(name):
         assert check.foot < 1e-5
         assert check.mass < 1e-6
         assert check.center < 1e-3
+
+
+@needs_descriptions
+@pytest.mark.skipif('bullet' not in ENGINES_WITH_PHYSICS, reason='PyBullet is not installed')
+def test_what_an_engine_prints_of_a_description_stays_off_the_output(capfd):
+    check_import('mini_cheetah', KNOWN_ROBOTS['mini_cheetah'], seed=1)
+    # C keeps what it prints until later.
+    ctypes.CDLL(None).fflush(None)
+    assert capfd.readouterr().out == ''
 
 
 def test_closed_form_and_iteration_agree():
