@@ -230,8 +230,8 @@ class TrajectoryExecutor:
         h, way, limits = times[0] - now, positions[0] - position, self._velocity_limits
         room = np.maximum(limits - np.abs(velocity), _LEAST_ROOM * limits)
         needed = max(h, float(np.max(3.0 * np.abs(way) / room)))
-        ahead = velocity * np.where(way == 0.0, 1.0, np.sign(way))
-        if np.all((ahead >= 0.0) & (ahead * needed <= 3.0 * np.abs(way) + _NEGLIGIBLE)):
+        ahead = needed * velocity * np.where(way == 0.0, 1.0, np.sign(way))
+        if np.all((ahead >= -_NEGLIGIBLE) & (ahead <= 3.0 * np.abs(way) + _NEGLIGIBLE)):
             return times + needed - h, positions, velocities
         stop = position + velocity * (h / 3.0)
         rest = float(np.max(1.5 * np.abs(positions[0] - stop) / limits))
