@@ -96,7 +96,23 @@ class GaitTopics:
 
     def problems(self) -> tuple[str, ...]:
         """Say what is wrong with who publishes what, as sentences; empty ones if nothing is."""
-        return self._cmd_vel_problem(), self._trajectory_problem(), self._goals.problem()
+        return (
+            self._cmd_vel_problem(),
+            self._trajectory_problem(),
+            self._planner_problem(),
+            self._goals.problem(),
+        )
+
+    def _planner_problem(self) -> str:
+        """Say that several planners plan for this robot; empty if not."""
+        publishers = len(self._node.get_publishers_info_by_topic('plan/heartbeat'))
+        if publishers < 2:
+            return ''
+        return (
+            f'plan/heartbeat has {publishers} publishers, and the plan of each planner takes the '
+            "place of the other's: end one, or give each robot a namespace or a ROS_DOMAIN_ID of "
+            'its own'
+        )
 
     def _trajectory_problem(self) -> str:
         """Say that somebody else commands the same joints; empty if nobody does."""

@@ -20,6 +20,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory
 
 from quad_common.maps.occupancy_grid import OccupancyGrid
@@ -219,14 +220,20 @@ def test_steering_of_the_type_that_is_not_received_is_said(
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
 
 
-def test_somebody_else_who_commands_the_joints_is_said_for_as_long_as_he_does(bench: Bench):
+@pytest.mark.parametrize(
+    ('topic', 'kind', 'others'),
+    [('joint_trajectory', JointTrajectory, 1), ('plan/heartbeat', Header, 2)],
+)
+def test_somebody_else_who_commands_or_plans_is_said_for_as_long_as_he_does(
+    bench: Bench, topic, kind, others
+):
     bench.start('sim_node', map_file='none')
     bench.start('gait_node')
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
-    other = bench.node.create_publisher(JointTrajectory, 'joint_trajectory', 10)
-    said = bench.wait_for_status('gait_node', 'joint_trajectory has 2 publishers', level=WARN)
+    made = [bench.node.create_publisher(kind, topic, 10) for _ in range(others)]
+    said = bench.wait_for_status('gait_node', f'{topic} has 2 publishers', level=WARN)
     assert said.message.startswith('standing: no plan to follow; ')
-    bench.node.destroy_publisher(other)
+    bench.node.destroy_publisher(made[0])
     bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
 
 
