@@ -51,6 +51,9 @@ _POLYGON_PERIOD = 0.1
 """Time between two support polygons of the same feet [s]: they stand, and to find their polygon
 takes half as long as a decision."""
 
+_TAKES_JOINTS = 'each takes the joints from the others'
+_TAKES_PLANS = "each planner's plan takes the place of the others'"
+
 
 class GaitTopics:
     """
@@ -98,31 +101,20 @@ class GaitTopics:
         """Say what is wrong with who publishes what, as sentences; empty ones if nothing is."""
         return (
             self._cmd_vel_problem(),
-            self._trajectory_problem(),
-            self._planner_problem(),
+            self._rivals_problem('joint_trajectory', _TAKES_JOINTS),
+            self._rivals_problem('plan/heartbeat', _TAKES_PLANS),
             self._goals.problem(),
         )
 
-    def _planner_problem(self) -> str:
-        """Say that several planners plan for this robot; empty if not."""
-        publishers = len(self._node.get_publishers_info_by_topic('plan/heartbeat'))
-        if publishers < 2:
-            return ''
-        return (
-            f'plan/heartbeat has {publishers} publishers, and the plan of each planner takes the '
-            "place of the other's: end one, or give each robot a namespace or a ROS_DOMAIN_ID of "
-            'its own'
-        )
-
-    def _trajectory_problem(self) -> str:
-        """Say that somebody else commands the same joints; empty if nobody does."""
+    def _rivals_problem(self, topic: str, harm: str) -> str:
+        """Say that a topic which is one node's has several publishers; empty if it has not."""
         # With the name as it is remapped, for a joint controller; `count_publishers` does not.
-        publishers = len(self._node.get_publishers_info_by_topic('joint_trajectory'))
+        publishers = len(self._node.get_publishers_info_by_topic(topic))
         if publishers < 2:
             return ''
         return (
-            f'joint_trajectory has {publishers} publishers, and each takes the joints from the '
-            'others: end them, or give each robot a namespace or a ROS_DOMAIN_ID of its own'
+            f'{topic} has {publishers} publishers, and {harm}: '
+            'end all but one, or give each robot a namespace or a ROS_DOMAIN_ID of its own'
         )
 
     def _cmd_vel_problem(self) -> str:

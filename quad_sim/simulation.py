@@ -176,9 +176,7 @@ class Simulation:
         self._standing_radius = robot.standing_radius
         self._initial_joints = robot.initial_joint_angles.reshape(-1)
         self._limits = JointLimits.of(robot)
-        self._executor = TrajectoryExecutor(
-            robot.joint_names, self._initial_joints, self._limits.velocity
-        )
+        self._executor = TrajectoryExecutor(robot.joint_names, self._initial_joints, self._limits)
         self.is_frozen = False
         """Whether the joints hold, and no trajectory is executed."""
         self.start_pose = start_pose

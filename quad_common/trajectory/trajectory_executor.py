@@ -8,19 +8,24 @@ points they follow cubics in position and velocity; after the last they hold it.
 One thing is smoother. A trajectory may arrive so late that its first point cannot be reached
 any more in its time, or lies in the past while the joints are commanded elsewhere. Then the
 difference between the two commands fades out, as fast as the joints turn, instead of a jump; one
-that starts on arrival starts that much later.
+that starts on arrival starts that much later. Meanwhile commands stay within the joints' range.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import JointNotFound, JointsLeftOut, TrajectoryOver
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE, velocities_between
+from quad_common.trajectory.trajectory_gate import (
+    VELOCITY_TOLERANCE,
+    JointLimits,
+    velocities_between,
+)
 
 Array = NDArray[np.float64]
 
@@ -32,6 +37,9 @@ _LEAST_FADING = 0.1
 
 LONGEST_FADING = 2.0
 """Time in which even a large jump has faded out [s]."""
+
+_BRAKING = 0.06
+"""Time in which joints come to rest that are to join a trajectory later, at most [s]."""
 
 _LEAST_ROOM = 0.25
 """Fraction of a joint's velocity limit that is left for fading, however fast the trajectory."""
@@ -66,6 +74,15 @@ class _Fading:
         return left * self.offset, rate * self.offset
 
 
+class _Stop(NamedTuple):
+    """Where joints come to rest before they join a trajectory."""
+
+    time: float
+    """Time when they do [s]."""
+    position: Array
+    """Their positions then, shape (n,) [rad]."""
+
+
 class TrajectoryExecutor:
     """
     Turns the current trajectory into a command for each instant.
@@ -76,18 +93,18 @@ class TrajectoryExecutor:
         The robot's joints, in the order of its commands.
     positions : ndarray, shape (n,)
         What to hold until a trajectory comes [rad].
-    velocity_limits : ndarray, shape (n,), optional
-        How fast the joints turn [rad/s]; without them commands may jump.
+    limits : JointLimits, optional
+        What the joints are able to do, in the same order; without them commands may jump.
     """
 
     def __init__(
         self,
         joint_names: tuple[str, ...],
         positions: Array,
-        velocity_limits: Array | None = None,
+        limits: JointLimits | None = None,
     ) -> None:
         self._joint_names = joint_names
-        self._velocity_limits = velocity_limits
+        self._limits = limits
         self.hold(positions)
 
     def hold(self, positions: Array) -> None:
@@ -99,6 +116,7 @@ class TrajectoryExecutor:
         self._segment = 0
         self._still = still
         self._fading: _Fading | None = None
+        self._joined_at = -np.inf
 
     @property
     def end(self) -> float:
@@ -136,12 +154,16 @@ class TrajectoryExecutor:
             times[0] - now, position, velocity, positions[0], velocities[0]
         )
         joins = is_ahead and (fits or trajectory.stamp <= 0.0)
+        joined_at = times[0]
         if joins and not fits:
             # It has no time of its own: it begins as soon as its first point can be reached.
             velocities[0] = 0.0
-            times, positions, velocities = self._with_detour(
-                now, position, velocity, times, positions, velocities
-            )
+            times, stop = self._later(now, position, velocity, times, positions[0])
+            joined_at = times[0]
+            if stop is not None:
+                times = np.concatenate([[stop.time], times])
+                positions = np.vstack([stop.position, positions])
+                velocities = np.vstack([self._still, velocities])
         if is_ahead:
             # One that comes too late to be reached waits in its first point.
             first = (position, velocity) if joins else (positions[0], self._still)
@@ -153,19 +175,26 @@ class TrajectoryExecutor:
         self._coefficients = _cubics(times, positions, velocities)
         self._segment = 0
         self._fading = None
-        limits = self._velocity_limits
+        self._joined_at = -np.inf if fits else joined_at
+        limits = self._limits
         if limits is None or joins:
             return fits
         after, _ = self.command(now)
         if _is_same(after, followed):
             # It goes on with what runs, and so does what is fading out.
-            self._fading = fading
+            self._fade(fading)
             return fits
         if _is_same(after, position):
             return fits
-        duration = _fading_time(position - after, _fastest(times, positions, velocities), limits)
-        self._fading = _Fading(now, duration, position - after)
+        fastest = _fastest(times, positions, velocities)
+        duration = _fading_time(position - after, fastest, limits.velocity)
+        self._fade(_Fading(now, duration, position - after))
         return False
+
+    def _fade(self, fading: _Fading | None) -> None:
+        """Let a difference fade out, if there is one."""
+        self._fading = fading
+        self._joined_at = -np.inf if fading is None else fading.end
 
     def _in_order(self, trajectory: JointTrajectory, now: float) -> tuple[Array, Array, Array]:
         """Return times, positions and velocities of the joints in order; raise as `accept`."""
@@ -197,12 +226,16 @@ class TrajectoryExecutor:
             Positions [rad] and velocities [rad/s].
         """
         position, velocity = self._followed(time)
-        if self._fading is not None:
-            if time < self._fading.end:
-                offset, rate = self._fading.at(time)
-                return position + offset, velocity + rate
+        if time >= self._joined_at:
             self._fading = None
-        return position, velocity
+            return position, velocity
+        if self._fading is not None:
+            offset, rate = self._fading.at(time)
+            position, velocity = position + offset, velocity + rate
+        if self._limits is None:
+            return position, velocity
+        within = self._limits.clip(position)
+        return within, np.where(within == position, velocity, 0.0)
 
     def _followed(self, time: float) -> tuple[Array, Array]:
         """Return what the trajectory itself says."""
@@ -216,40 +249,36 @@ class TrajectoryExecutor:
         s = time - self._times[self._segment]
         return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
 
-    def _with_detour(
-        self, now: float, position: Array, velocity: Array, times: Array, *points: Array
-    ) -> tuple[Array, Array, Array]:
+    def _later(
+        self, now: float, position: Array, velocity: Array, times: Array, first: Array
+    ) -> tuple[Array, _Stop | None]:
         """
-        Return later times, and points before the first one where joints would go far beyond it.
+        Return times at which a trajectory can be joined, and where joints come to rest before.
 
-        A cubic that begins with a velocity and lasts for longer than that takes to the first
-        point goes on beyond it, beyond a joint's range perhaps: such joints come to rest first.
+        A cubic that begins with a velocity, and lasts for longer than that takes to the first
+        point, goes on beyond it: where a joint would, all come to rest first.
         """
-        assert self._velocity_limits is not None
-        positions, velocities = points
-        h, way, limits = times[0] - now, positions[0] - position, self._velocity_limits
-        room = np.maximum(limits - np.abs(velocity), _LEAST_ROOM * limits)
+        assert self._limits is not None
+        fastest, h, way = self._limits.velocity, times[0] - now, first - position
+        room = np.maximum(fastest - np.abs(velocity), _LEAST_ROOM * fastest)
         needed = max(h, float(np.max(3.0 * np.abs(way) / room)))
         ahead = needed * velocity * np.where(way == 0.0, 1.0, np.sign(way))
         if np.all((ahead >= -_NEGLIGIBLE) & (ahead <= 3.0 * np.abs(way) + _NEGLIGIBLE)):
-            return times + needed - h, positions, velocities
-        stop = position + velocity * (h / 3.0)
-        rest = float(np.max(1.5 * np.abs(positions[0] - stop) / limits))
-        return (
-            np.concatenate([[times[0]], times + max(rest, _LEAST_FADING)]),
-            np.vstack([stop, positions]),
-            np.vstack([self._still, velocities]),
-        )
+            return times + (needed - h), None
+        braking = min(h, _BRAKING)
+        stop = self._limits.clip(position + velocity * (braking / 3.0))
+        rest = max(_LEAST_FADING, float(np.max(1.5 * np.abs(first - stop) / fastest)))
+        return times + (braking + rest - h), _Stop(now + braking, stop)
 
     def _reaches(self, h: float, p0: Array, v0: Array, p1: Array, v1: Array) -> bool:
         """Return whether the joints get from one state to another in a time [s]."""
-        if self._velocity_limits is None:
+        if self._limits is None:
             return True
         # As the gate does: what passes there is not delayed here.
         ends = np.stack([p0, p1]), np.stack([v0, v1])
         between = np.abs(velocities_between(np.array([0.0, h]), *ends)[0])
         fastest = np.maximum(np.abs(v0), np.abs(v1))
-        limit = np.maximum((1.0 + VELOCITY_TOLERANCE) * self._velocity_limits, fastest)
+        limit = np.maximum((1.0 + VELOCITY_TOLERANCE) * self._limits.velocity, fastest)
         return bool(np.all(between <= limit))
 
 

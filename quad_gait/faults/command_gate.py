@@ -88,7 +88,5 @@ class CommandGate:
     def _known(self, measured: Array) -> TrajectoryExecutor:
         if self._executor is None:
             limits = self.limits
-            self._executor = TrajectoryExecutor(
-                limits.joint_names, limits.clip(measured), limits.velocity
-            )
+            self._executor = TrajectoryExecutor(limits.joint_names, limits.clip(measured), limits)
         return self._executor

@@ -128,7 +128,7 @@ def test_joints_are_led_to_a_late_trajectory_within_their_velocity(lateness):
     for _ in range(20):
         ends = rng.uniform(LIMITS.lower, LIMITS.upper, (3, 3)) * 0.5
         late = trajectory(ends, times=np.array([0.0, 1.0, 4.0]), stamp=10.0)
-        executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
+        executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS)
         now = 10.0 + lateness
         assert not executor.accept(late, now)
         _, positions, velocities = follow(executor, now, 15.0)
@@ -139,7 +139,7 @@ def test_joints_are_led_to_a_late_trajectory_within_their_velocity(lateness):
 
 
 def test_a_first_point_that_is_too_near_in_time_is_reached_later_and_not_by_a_jump():
-    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
+    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS)
     there = MIDDLE + [0.8, 0.0, 0.0]
     assert not executor.accept(trajectory(there, stamp=10.02), 10.0)
     _, positions, velocities = follow(executor, 10.0, 12.0)
@@ -148,7 +148,7 @@ def test_a_first_point_that_is_too_near_in_time_is_reached_later_and_not_by_a_ju
 
 
 def test_a_trajectory_without_a_time_of_its_own_begins_when_it_can_be_reached():
-    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
+    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS)
     there = MIDDLE + [0.8, 0.0, 0.0]
     sudden = trajectory([there, there - 0.1], times=np.array([0.02, 1.0]), stamp=0.0)
     assert not executor.accept(sudden, 10.0)
@@ -172,7 +172,7 @@ def test_what_the_gate_lets_through_is_executed_in_its_time():
         np.array([first, first + [0.0, 0.04, 0.0], first + [0.0, 0.2, 0.0]]),
         np.array([[0.0, -1.48, 0.0], [0.0, 1.0, 0.0], STILL]),
     )
-    executor = TrajectoryExecutor(NAMES, command, LIMITS.velocity)
+    executor = TrajectoryExecutor(NAMES, command, LIMITS)
     before = JointTrajectory(
         NAMES, 10.0, np.array([0.0, 0.5]), np.array([command, command]), np.array([velocity, STILL])
     )
@@ -182,24 +182,67 @@ def test_what_the_gate_lets_through_is_executed_in_its_time():
     assert executor.command(10.06)[0] == pytest.approx(first, abs=1e-9)
 
 
+def random_motion(rng, stamp, lead):
+    """Points through the joints' ranges at which none is too fast, from a lead on [s]."""
+    points = int(rng.integers(2, 5))
+    positions = rng.uniform(LIMITS.lower, LIMITS.upper, (points, 3))
+    velocities = rng.uniform(-0.9, 0.9, (points, 3)) * LIMITS.velocity
+    velocities[-1] = 0.0
+    times = lead + np.concatenate([[0.0], np.cumsum(rng.uniform(0.1, 1.0, points - 1))])
+    return JointTrajectory(NAMES, stamp, times, positions, velocities)
+
+
+def is_sound(motion):
+    try:
+        LIMITS.check(motion.times, motion.positions, motion.velocities)
+    except CommandOutsideLimits:
+        return False
+    return True
+
+
+@pytest.mark.parametrize('kind', ['on arrival', 'too near', 'late'])
+def test_whenever_a_trajectory_comes_commands_stay_within_the_joints_range(kind):
+    rng = np.random.default_rng(len(kind))
+    done, slack = 0, OVERSHOOT + 1e-5
+    while done < 150:
+        runs = random_motion(rng, 10.0, 0.0)
+        if not is_sound(runs):
+            continue
+        now = 10.0 + float(rng.uniform(0.0, runs.times[-1]))
+        executor = TrajectoryExecutor(NAMES, runs.positions[0], LIMITS)
+        executor.accept(runs, 10.0)
+        lead = float(rng.uniform(0.01, 0.1))
+        stamp = {'on arrival': 0.0, 'too near': now, 'late': now - 3.0 * lead}[kind]
+        other = random_motion(rng, stamp, lead)
+        if not is_sound(other):
+            continue
+        done += 1
+        executor.accept(other, now)
+        _, positions, _ = follow(executor, now, now + 6.0)
+        assert np.all(positions >= LIMITS.lower - slack)
+        assert np.all(positions <= LIMITS.upper + slack)
+        assert positions[-1] == pytest.approx(other.positions[-1], abs=1e-6)
+
+
 def test_fast_joints_come_to_rest_before_they_join_a_trajectory_that_begins_later():
     command, velocity = np.array([-0.9, 0.0, 1.0]), np.array([0.0, -5.0, 0.0])
     before = JointTrajectory(
         NAMES, 10.0, np.array([0.0, 0.5]), np.array([command, command]), np.array([velocity, STILL])
     )
-    executor = TrajectoryExecutor(NAMES, command, LIMITS.velocity)
-    executor.accept(before, 10.0)
-    # Joint a needs long: meanwhile b must not go on far beyond where it is wanted.
     there = np.array([0.9, -0.1, 1.0])
-    assert not executor.accept(trajectory(there, times=np.array([0.06]), stamp=0.0), 10.0)
-    _, positions, velocities = follow(executor, 10.0, 13.0)
-    assert positions[:, 1].min() >= -5.0 * 0.06 / 3.0 - 1e-6 - 0.02
-    assert np.all(np.abs(velocities) <= (1.0 + VELOCITY_TOLERANCE) * LIMITS.velocity)
-    assert positions[-1] == pytest.approx(there)
+    for lead in (0.06, 0.3):
+        executor = TrajectoryExecutor(NAMES, command, LIMITS)
+        executor.accept(before, 10.0)
+        # Joint a needs long: meanwhile b must not go on far beyond where it is wanted.
+        assert not executor.accept(trajectory(there, times=np.array([lead]), stamp=0.0), 10.0)
+        _, positions, velocities = follow(executor, 10.0, 13.0)
+        assert positions[:, 1].min() >= -0.12
+        assert np.all(np.abs(velocities) <= (1.0 + VELOCITY_TOLERANCE) * LIMITS.velocity)
+        assert positions[-1] == pytest.approx(there)
 
 
 def test_what_goes_on_with_a_late_trajectory_lets_the_difference_fade_out_as_it_was():
-    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS.velocity)
+    executor = TrajectoryExecutor(NAMES, MIDDLE, LIMITS)
     late = trajectory([MIDDLE + 0.3, MIDDLE + 0.1], times=np.array([0.0, 3.0]), stamp=10.0)
     assert not executor.accept(late, 10.5)
     before = executor.command(10.55)[0]

@@ -52,7 +52,7 @@ def updates(motion, bodies, pace=AHEAD):
 
 def test_every_trajectory_goes_on_with_the_one_before():
     limits = JointLimits.of(ROBOT)
-    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE.reshape(-1), limits.velocity)
+    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE.reshape(-1), limits)
     rng = np.random.default_rng(1)
     for time, trajectory in updates(motion_with(), [pushed(rng) for _ in range(60)]):
         for late in (0.0, 0.013):

@@ -40,7 +40,7 @@ class SafeWalk:
         self.limits = JointLimits.of(self.robot)
         self.given = []
         posture = self.robot.initial_joint_angles.reshape(-1)
-        self._joints = TrajectoryExecutor(self.limits.joint_names, posture, self.limits.velocity)
+        self._joints = TrajectoryExecutor(self.limits.joint_names, posture, self.limits)
 
     @property
     def time(self):
@@ -61,9 +61,7 @@ class SafeWalk:
             if self._joints is None:
                 # A controller that was never commanded anything holds what it finds.
                 held = self.limits.clip(self.reported)
-                self._joints = TrajectoryExecutor(
-                    self.limits.joint_names, held, self.limits.velocity
-                )
+                self._joints = TrajectoryExecutor(self.limits.joint_names, held, self.limits)
             check_command(self.limits, trajectory, self.time, *self._joints.command(self.time))
             self._joints.accept(trajectory, self.time)
             self.simulation.accept(trajectory)

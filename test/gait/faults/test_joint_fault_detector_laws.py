@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from quad_common.errors import TrajectoryError
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
+from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.faults.command_tracker import CommandTracker
 from quad_gait.faults.joint_fault_detector import JointFaultDetector
 from quad_gait.faults.joint_path import JointPath
@@ -161,7 +163,8 @@ def test_joints_that_join_a_swing_while_they_are_not_measured_are_sound(arrival)
         POSTURE + 0.75 * np.stack([np.sin(turn), 1.0 - np.cos(turn)], axis=1) @ size,
         1.5 * math.pi * np.stack([np.cos(turn), np.sin(turn)], axis=1) @ size,
     )
-    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE, np.full(12, 8.0))
+    limits = replace(JointLimits.of(ROBOT), velocity=np.full(12, 8.0))
+    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE, limits)
     tracker = CommandTracker()
     tracker.hold(0.5, POSTURE)
     tracker.add(JointPath(late, 0.8, 0.07, 0.01))
