@@ -41,6 +41,9 @@ LONGEST_FADING = 2.0
 _BRAKING = 0.06
 """Time in which joints come to rest that are to join a trajectory later, at most [s]."""
 
+_STARTING = 0.1
+"""Time in which joints that wait for a trajectory gather its first velocity, at most [s]."""
+
 _LEAST_ROOM = 0.25
 """Fraction of a joint's velocity limit that is left for fading, however fast the trajectory."""
 
@@ -164,12 +167,12 @@ class TrajectoryExecutor:
                 times = np.concatenate([[stop.time], times])
                 positions = np.vstack([stop.position, positions])
                 velocities = np.vstack([self._still, velocities])
-        if is_ahead:
-            # One that comes too late to be reached waits in its first point.
-            first = (position, velocity) if joins else (positions[0], self._still)
+        if joins:
             times = np.concatenate([[now], times])
-            positions = np.vstack([first[0], positions])
-            velocities = np.vstack([first[1], velocities])
+            positions = np.vstack([position, positions])
+            velocities = np.vstack([velocity, velocities])
+        elif is_ahead:
+            times, positions, velocities = self._waiting(now, times, positions, velocities)
         self._times = times
         self._positions = positions
         self._coefficients = _cubics(times, positions, velocities)
@@ -189,6 +192,7 @@ class TrajectoryExecutor:
         fastest = _fastest(times, positions, velocities)
         duration = _fading_time(position - after, fastest, limits.velocity)
         self._fade(_Fading(now, duration, position - after))
+        self._joined_at = max(self._joined_at, joined_at)
         return False
 
     def _fade(self, fading: _Fading | None) -> None:
@@ -229,7 +233,7 @@ class TrajectoryExecutor:
         if time >= self._joined_at:
             self._fading = None
             return position, velocity
-        if self._fading is not None:
+        if self._fading is not None and time < self._fading.end:
             offset, rate = self._fading.at(time)
             position, velocity = position + offset, velocity + rate
         if self._limits is None:
@@ -270,16 +274,31 @@ class TrajectoryExecutor:
         rest = max(_LEAST_FADING, float(np.max(1.5 * np.abs(first - stop) / fastest)))
         return times + (braking + rest - h), _Stop(now + braking, stop)
 
+    def _waiting(
+        self, now: float, times: Array, positions: Array, velocities: Array
+    ) -> tuple[Array, Array, Array]:
+        """Begin a trajectory at rest where joints gather its first velocity on a straight way."""
+        assert self._limits is not None
+        starting = min(times[0] - now, _STARTING)
+        place = self._limits.clip(positions[0] - velocities[0] * (starting / 2.0))
+        begin = [now] if starting == times[0] - now else [now, times[0] - starting]
+        return (
+            np.concatenate([begin, times]),
+            np.vstack([*([place] * len(begin)), positions]),
+            np.vstack([*([self._still] * len(begin)), velocities]),
+        )
+
     def _reaches(self, h: float, p0: Array, v0: Array, p1: Array, v1: Array) -> bool:
-        """Return whether the joints get from one state to another in a time [s]."""
-        if self._limits is None:
+        """Return whether the joints get from one state to another in a time [s], within range."""
+        limits = self._limits
+        if limits is None:
             return True
         # As the gate does: what passes there is not delayed here.
-        ends = np.stack([p0, p1]), np.stack([v0, v1])
-        between = np.abs(velocities_between(np.array([0.0, h]), *ends)[0])
+        ends = np.array([0.0, h]), np.stack([limits.clip(p0), p1]), np.stack([v0, v1])
+        between = np.abs(velocities_between(*ends)[0])
         fastest = np.maximum(np.abs(v0), np.abs(v1))
-        limit = np.maximum((1.0 + VELOCITY_TOLERANCE) * self._limits.velocity, fastest)
-        return bool(np.all(between <= limit))
+        limit = np.maximum((1.0 + VELOCITY_TOLERANCE) * limits.velocity, fastest)
+        return bool(np.all(between <= limit)) and limits.keeps_range(*ends)
 
 
 def _is_same(a: Array, b: Array) -> bool:

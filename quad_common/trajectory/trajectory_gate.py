@@ -74,6 +74,12 @@ class JointLimits:
             (1.0 + VELOCITY_TOLERANCE) * self.velocity,
         )
 
+    @cached_property
+    def _overshot(self) -> tuple[Array, Array]:
+        """What passes between two points: least and largest positions."""
+        lower, upper, _ = self._most
+        return lower - OVERSHOOT, upper + OVERSHOOT
+
     def clip(self, positions: Array) -> Array:
         """Return the positions within range that are nearest, shape (n,) [rad]."""
         clipped: Array = np.clip(positions, self.lower, self.upper)
@@ -83,6 +89,36 @@ class JointLimits:
         """Return the velocities within the limits that are nearest, shape (n,) [rad/s]."""
         clipped: Array = np.clip(velocities, -self.velocity, self.velocity)
         return clipped
+
+    def keeps_range(self, times: Array, positions: Array, velocities: Array) -> bool:
+        """
+        Return whether cubics between some points stay within the joints' range.
+
+        Parameters
+        ----------
+        times : ndarray, shape (m,)
+            Of the points, rising [s].
+        positions, velocities : ndarray, shape (m, n)
+            At the points [rad], [rad/s]; the points themselves are not judged.
+
+        Returns
+        -------
+        bool
+            Whether no joint leaves its range by more than :data:`OVERSHOOT`.
+        """
+        lower, upper = self._overshot
+        farthest = self._farthest(times, positions, velocities)
+        return bool(np.all((farthest >= lower) & (farthest <= upper)))
+
+    def _farthest(self, times: Array, positions: Array, velocities: Array) -> Array:
+        """Return positions between points that are within range just if the cubics are."""
+        h = np.diff(times)[:, None]
+        p0, p1, v0, v1 = positions[:-1], positions[1:], velocities[:-1], velocities[1:]
+        near: Array = np.concatenate([p0 + v0 * (h / 3.0), p1 - v1 * (h / 3.0)])
+        lower, upper = self._overshot
+        if np.all((near >= lower) & (near <= upper)):
+            return near
+        return _position_extrema(h, p0, v0, v1, 3.0 * (p1 - p0) / h - v0 - v1)
 
     def check(self, times: Array, positions: Array, velocities: Array) -> None:
         """
@@ -106,14 +142,10 @@ class JointLimits:
         self._compare('velocity', 'rad/s', velocities, -exactly, exactly)
         if len(times) < 2:
             return
-        h = np.diff(times)[:, None]
-        p0, p1, v0, v1 = positions[:-1], positions[1:], velocities[:-1], velocities[1:]
-        near = np.concatenate([p0 + v0 * (h / 3.0), p1 - v1 * (h / 3.0)])
-        middle = 3.0 * (p1 - p0) / h - v0 - v1
-        lower, upper = lower - OVERSHOOT, upper + OVERSHOOT
-        if np.any(near < lower) or np.any(near > upper):
-            extremes = _position_extrema(h, p0, v0, v1, middle)
-            self._compare('position', 'rad', extremes, lower, upper)
+        farthest = self._farthest(times, positions, velocities)
+        self._compare('position', 'rad', farthest, *self._overshot)
+        v0, v1 = velocities[:-1], velocities[1:]
+        middle = 3.0 * np.diff(positions, axis=0) / np.diff(times)[:, None] - v0 - v1
         if np.any(np.abs(middle) > fastest):
             extremes = _velocity_extrema(v0, v1, middle)
             self._compare('velocity', 'rad/s', extremes, -fastest, fastest)

@@ -18,6 +18,7 @@ PARTS = {
     'messages': 'quad_lab.attacks.messages.message_attack.attack_messages',
     'processes': 'quad_lab.attacks.processes.process_attack.attack_processes',
     'gate': 'quad_lab.attacks.walks.gate_attack.attack_gate',
+    'execution': 'quad_lab.attacks.walks.execution_attack.attack_execution',
     'silence': 'quad_lab.attacks.walks.silence.attack_by_silence',
     'pauses': 'quad_lab.attacks.walks.pauses.attack_by_pauses',
     'files': 'quad_lab.attacks.files.file_attack.measure_files',

@@ -8,14 +8,13 @@ what it says is compared with the motion itself, looked at at many instants.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from quad_common.errors import GaitError, TrajectoryError
-from quad_common.robot.robot import Robot
+from quad_common.errors import TrajectoryError
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_gate import (
@@ -26,18 +25,12 @@ from quad_common.trajectory.trajectory_gate import (
     JointLimits,
     check_command,
 )
-from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.cycle.gait import load_gait
-from quad_gait.cycle.gait_generator import generate_cycle
-from quad_gait.cycle.posture import posture_trajectory
+from quad_lab.attacks.walks.motions import sound_motions, spoiled
 from quad_lab.tools.criterion import Criterion, at_most, figure
 
 Array = NDArray[np.float64]
 
 _CASES, _QUICK_CASES = 100_000, 2_000
-
-_BASES = 60
-"""Number of sound motions of each robot from which cases are made."""
 
 _INSTANTS = 24
 """Number of instants between two points at which the motion is looked at: fewer miss the peaks of
@@ -67,7 +60,7 @@ def attack_gate(
     count = _QUICK_CASES if quick else _CASES
     outcome = _GateOutcome()
     for robot in robots:
-        limits, bases = JointLimits.of(robot), _sound_motions(robot, rng)
+        limits, bases = JointLimits.of(robot), sound_motions(robot, rng)
         for _ in range(count // len(robots)):
             _try(limits, bases[rng.integers(len(bases))], rng, outcome)
         console.print(f'{robot.name}: {outcome.passed} passed and {outcome.refused} refused')
@@ -87,30 +80,11 @@ def attack_gate(
     }
 
 
-def _sound_motions(robot: Robot, rng: np.random.Generator) -> list[JointTrajectory]:
-    """Return cycles in all directions, and motions between postures."""
-    motions: list[JointTrajectory] = []
-    lower, upper = robot.lower, robot.upper
-    while len(motions) < _BASES:
-        if rng.random() < 0.3:
-            start, end = rng.uniform(lower, upper, (2, *lower.shape))
-            motions.append(posture_trajectory(robot, start.reshape(-1), end, 10.0, 1.0, 0.02))
-            continue
-        gait = load_gait(str(rng.choice(['crawl', 'crab', 'wave', 'trot', 'turn'])), robot)
-        motion = rng.uniform(-0.5, 0.5, 3) * robot.largest_stride * [1.0, 0.5, 2.0]
-        try:
-            cycle = generate_cycle(robot, gait, BodyMotion(*(float(v) for v in motion)))
-        except GaitError:
-            continue
-        motions.append(cycle.trajectory(robot, 10.0))
-    return motions
-
-
 def _try(
     limits: JointLimits, base: JointTrajectory, rng: np.random.Generator, outcome: _GateOutcome
 ) -> None:
     """Spoil a motion or not, and compare what the gate says with what is true."""
-    trajectory = _spoiled(base, limits, rng)
+    trajectory = spoiled(base, limits, rng)
     now = trajectory.stamp + float(rng.uniform(-0.5, 0.3))
     with np.errstate(all='ignore'):
         command = trajectory.positions_at(np.array([now]))[0]
@@ -131,30 +105,6 @@ def _try(
         outcome.wrongly_passed.append(f'beyond by {beyond:.3g} of a limit at {now:.3f} s')
     if refusal and beyond < -_CLEAR:
         outcome.wrongly_refused.append(f'within by {-beyond:.3g} of a limit, but: {refusal}')
-
-
-def _spoiled(
-    base: JointTrajectory, limits: JointLimits, rng: np.random.Generator
-) -> JointTrajectory:
-    """Change a motion in one of many ways, or not at all."""
-    positions, velocities, times = base.positions.copy(), base.velocities.copy(), base.times
-    row, joint = rng.integers(len(times)), rng.integers(positions.shape[1])
-    kind = rng.integers(7)
-    if kind == 1:
-        positions[row, joint] += rng.choice([0.02, 0.5, 7.85, 1e30, -1e308])
-    elif kind == 2:
-        velocities[row, joint] *= rng.choice([1.5, 30.0, 1e300])
-    elif kind == 3:
-        times = times * rng.uniform(0.2, 1.0)
-    elif kind == 4:
-        span = limits.upper[joint] - limits.lower[joint]
-        positions[:, joint] += rng.uniform(-0.6, 0.6) * span
-    elif kind == 5:
-        velocities = rng.normal(size=velocities.shape) * limits.velocity * rng.choice([0.05, 0.5])
-    elif kind == 6:
-        kept = np.sort(rng.choice(len(times), max(2, len(times) // 8), replace=False))
-        positions, velocities, times = positions[kept], velocities[kept], times[kept]
-    return replace(base, positions=positions, velocities=velocities, times=times)
 
 
 def _beyond(limits: JointLimits, trajectory: JointTrajectory, now: float, command: Array) -> float:

@@ -200,7 +200,7 @@ def is_sound(motion):
     return True
 
 
-@pytest.mark.parametrize('kind', ['on arrival', 'too near', 'late'])
+@pytest.mark.parametrize('kind', ['on arrival', 'too near', 'late', 'far ahead'])
 def test_whenever_a_trajectory_comes_commands_stay_within_the_joints_range(kind):
     rng = np.random.default_rng(len(kind))
     done, slack = 0, OVERSHOOT + 1e-5
@@ -212,7 +212,12 @@ def test_whenever_a_trajectory_comes_commands_stay_within_the_joints_range(kind)
         executor = TrajectoryExecutor(NAMES, runs.positions[0], LIMITS)
         executor.accept(runs, 10.0)
         lead = float(rng.uniform(0.01, 0.1))
-        stamp = {'on arrival': 0.0, 'too near': now, 'late': now - 3.0 * lead}[kind]
+        stamp = {
+            'on arrival': 0.0,
+            'too near': now,
+            'late': now - 3.0 * lead,
+            'far ahead': now + 10.0 * lead,
+        }[kind]
         other = random_motion(rng, stamp, lead)
         if not is_sound(other):
             continue
