@@ -38,6 +38,9 @@ _LEAST_FADING = 0.1
 LONGEST_FADING = 2.0
 """Time in which even a large jump has faded out [s]."""
 
+_LONGER, _SAMPLES = 1.2, 401
+"""Factor between durations of fading that are tried, and number of instants that are looked at."""
+
 _BRAKING = 0.06
 """Time in which joints come to rest that are to join a trajectory later, at most [s]."""
 
@@ -189,9 +192,7 @@ class TrajectoryExecutor:
             return fits
         if _is_same(after, position):
             return fits
-        fastest = _fastest(times, positions, velocities)
-        duration = _fading_time(position - after, fastest, limits.velocity)
-        self._fade(_Fading(now, duration, position - after))
+        self._fade(self._fading_from(now, position - after, limits.velocity))
         self._joined_at = max(self._joined_at, joined_at)
         return False
 
@@ -253,6 +254,36 @@ class TrajectoryExecutor:
         s = time - self._times[self._segment]
         return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
 
+    def _fading_from(self, now: float, offset: Array, limits: Array) -> _Fading:
+        """Let a difference fade out beside the trajectory, as fast as leaves joints their speed."""
+        times, own = self._speeds_after(now)
+        room = np.maximum(limits - np.abs(own).max(axis=0), _LEAST_ROOM * limits)
+        # Minimum jerk is at most 15/8 times as fast as the mean.
+        duration = 1.875 * float(np.max(np.abs(offset) / room))
+        duration = min(max(_LEAST_FADING, duration), LONGEST_FADING)
+        best, least = duration, np.inf
+        while duration <= LONGEST_FADING:
+            s = np.minimum((times - now) / duration, 1.0)[:, None]
+            rates = own - 30.0 * s * s * (1.0 - s) ** 2 * (offset / duration)
+            most = float(np.max(np.abs(rates) / limits))
+            if most < least:
+                best, least = duration, most
+            if most <= 1.0 + VELOCITY_TOLERANCE:
+                break
+            duration *= _LONGER
+        return _Fading(now, best, offset)
+
+    def _speeds_after(self, now: float) -> tuple[Array, Array]:
+        """Return times while a difference may fade, (m,), and the velocities then, (m, n)."""
+        times = np.linspace(now, now + LONGEST_FADING, _SAMPLES, dtype=np.float64)
+        segments = np.clip(np.searchsorted(self._times, times, 'right') - 1, 0, None)
+        running = segments < len(self._coefficients)
+        _, b, c, d = np.moveaxis(self._coefficients[segments[running]], 1, 0)
+        s = (times[running] - self._times[segments[running]])[:, None]
+        velocities: Array = np.zeros((len(times), len(self._still)))
+        velocities[running] = b + s * (2.0 * c + 3.0 * s * d)
+        return times, velocities
+
     def _later(
         self, now: float, position: Array, velocity: Array, times: Array, first: Array
     ) -> tuple[Array, _Stop | None]:
@@ -303,22 +334,6 @@ class TrajectoryExecutor:
 
 def _is_same(a: Array, b: Array) -> bool:
     return float(np.max(np.abs(a - b))) <= _NEGLIGIBLE
-
-
-def _fastest(times: Array, positions: Array, velocities: Array) -> Array:
-    """Return the largest speed of each joint at points and halfway between them [rad/s]."""
-    slope = np.diff(positions, axis=0) / np.diff(times)[:, None]
-    halfway = 1.5 * slope - 0.25 * (velocities[:-1] + velocities[1:])
-    fastest: Array = np.abs(np.concatenate([velocities, halfway])).max(axis=0)
-    return fastest
-
-
-def _fading_time(offset: Array, used: Array, limits: Array) -> float:
-    """Return the time in which a difference fades out beside a motion, not too fast [s]."""
-    room = np.maximum(limits - used, _LEAST_ROOM * limits)
-    # Minimum jerk is at most 15/8 times as fast as the mean.
-    duration = 1.875 * float(np.max(np.abs(offset) / room))
-    return min(max(_LEAST_FADING, duration), LONGEST_FADING)
 
 
 def _cubics(times: Array, positions: Array, velocities: Array) -> Array:
