@@ -5,6 +5,7 @@ Walking over uneven ground: each step is a stride whose feet feel for the ground
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +23,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
 from quad_gait.state.body_placement import strain_over
 from quad_gait.state.robot_state import RobotState
+from quad_gait.uneven.descent import Descent
 from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride
@@ -50,6 +52,7 @@ class UnevenWalk(Walk):
         self._limit = ''
         self._goal: StrideGoal | None = None
         uneven = shared.options.uneven
+        self._descent = Descent(self._robot)
         self._route: FootstepRoute | None = None
         if uneven is not None and uneven.plans_footsteps:
             self._route = self._new_route(uneven)
@@ -117,6 +120,9 @@ class UnevenWalk(Walk):
             guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
         if goal is None:
+            ground = guidance.felt.under(state.stance(state), self._height_map)
+            motion = self._descent.shortened(step.motion, state.pose, ground)
+            step = replace(step, motion=motion)
             goal = StrideGoal.of(self._robot, gait, step.motion, state.pose)
         else:
             step = Step(step.is_turn, BodyMotion.reaching(state.pose.inverse() @ goal.place))
@@ -145,9 +151,15 @@ class UnevenWalk(Walk):
             return None
         if not (options.plans_footsteps or ways.is_stepping):
             return None
+        stance = state.stance(state)
+        is_out = ways.has_stepped_on and not options.plans_footsteps
+        if is_out and not route.is_strained(stance):
+            ways.end_footsteps()
+            route.forget()
+            return None
         route.use_map(None if heights is None else self._guidance.felt.moved(heights))
         targets = self._guidance.poses_ahead(pose, route.horizons)
-        goal = route.stride_ahead(state.stance(state), pose, targets, ways.is_stepping)
+        goal = route.stride_ahead(stance, pose, targets, ways.is_stepping)
         if goal is None:
             ways.end_footsteps()
         return goal

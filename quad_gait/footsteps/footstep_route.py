@@ -121,7 +121,7 @@ class FootstepRoute:
             If there are none.
         """
         if not targets or not (
-            is_asked or self._is_strained(now) or self.is_needed(pose, targets[0])
+            is_asked or self.is_strained(now) or self.is_needed(pose, targets[0])
         ):
             self.forget()
             self._has_begun = False
@@ -135,7 +135,7 @@ class FootstepRoute:
         assert problem is not None
         raise problem
 
-    def _is_strained(self, now: Stance) -> bool:
+    def is_strained(self, now: Stance) -> bool:
         """Tell whether footsteps have left the feet where strides could not begin."""
         if self._map is None or not self._has_begun:
             return False

@@ -43,6 +43,9 @@ _STRIDES = 5
 _MOST_PLANS = 8
 """Times that footsteps are planned again, without the foothold that could not be stepped on."""
 
+_STEPPING = 2.0
+"""Largest strides after which footsteps have led out of where they were needed."""
+
 _PROGRESS = 0.05
 """Fraction of the largest stride that counts as progress."""
 
@@ -88,6 +91,7 @@ class WaysOut:
         self._factor = 1.0
         self._next: WayOut | None = None
         self._plans_left = 0
+        self._stepping_from = math.inf
         self.problem = ''
         """Reason for the way out that was tried last."""
 
@@ -162,6 +166,13 @@ class WaysOut:
         """Whether footsteps that are planned one by one take the place of strides."""
         return self._plans_left > 0
 
+    @property
+    def has_stepped_on(self) -> bool:
+        """Whether footsteps have led on far enough for strides to be tried again."""
+        if self.left is None or not self.is_stepping:
+            return False
+        return self.left < self._stepping_from - _STEPPING * self._largest
+
     def end_footsteps(self) -> None:
         """Go on by strides: footsteps have led to where they were to, or there are none."""
         self._plans_left = 0
@@ -212,6 +223,7 @@ class WaysOut:
 
     def _by_footsteps(self, step: Step, remark: str) -> Chosen:
         self._plans_left = _MOST_PLANS
+        self._stepping_from = math.inf if self.left is None else self.left
         return Chosen(step, remark, is_planned=True)
 
 

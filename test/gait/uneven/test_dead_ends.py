@@ -133,6 +133,28 @@ def test_where_no_stride_gets_on_footsteps_are_planned_over_the_height_map(monke
     assert pose.distance_to(Pose2D(0.3, 0.0, 0.0)) < 0.05
 
 
+def test_where_footsteps_have_led_out_of_a_dead_end_strides_go_on(monkeypatch):
+    begun = []
+
+    def is_possible(leg, start, place):
+        is_out = place[0] > TITAN.neutral_feet[LEGS.index(leg), 0] + 0.4
+        begun.append(is_out)
+        return is_out
+
+    swings_only_if(monkeypatch, is_possible)
+    controller, said, note = controller_of(TITAN)
+    walk = ClosedLoop(TITAN, controller, 'kinematic')
+    walk.on_observation.append(note)
+    walk.run(0.5)
+    controller.set_height_map(HeightMap.level((-1.0, -1.0, 2.5, 1.0), 0.05))
+    controller.set_plan(Plan.through([[0.0, 0.0], [1.5, 0.0]], 0.0))
+    walk.run(200.0, lambda: controller.activity.is_terminal)
+    assert controller.activity is Activity.ARRIVED
+    assert sum(text.startswith(f'{WayOut.FOOTSTEPS.value} is tried') for text in said) == 1
+    # Three strides or more of the four feet after the footsteps.
+    assert sum(begun) >= 12
+
+
 def test_a_foot_that_cannot_swing_first_swings_later(monkeypatch):
     order = [swing.leg for swing in load_gait('crawl', TITAN).swings]
     first, swung = order[0], []

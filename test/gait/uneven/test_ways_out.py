@@ -163,3 +163,15 @@ def test_nothing_is_chosen_once_no_way_out_is_left():
             ways.take(AHEAD)
         assert len(chosen) < 100
     assert [step.is_detour for step in chosen].count(True) == 1
+
+
+def test_footsteps_have_led_on_after_two_strides():
+    ways = WaysOut(STRIDE)
+    ways.knows_ground, ways.left = True, 2.0
+    assert not ways.has_stepped_on
+    assert ways.choose(AHEAD, 'a step was shortened', is_strained=True).is_planned
+    for done, has_stepped_on in [(0.0, False), (1.9, False), (2.1, True)]:
+        ways.left = 2.0 - done * STRIDE
+        assert ways.has_stepped_on == has_stepped_on
+    ways.reset()
+    assert not ways.has_stepped_on
