@@ -28,6 +28,9 @@ class FootstepOptions:
     """The same where no footsteps are found with that [m]."""
     separation: float = 0.5
     """Distance between feet, as a fraction of the least one in the initial posture."""
+    breadth: float = 0.3
+    """Distance to the side between left and right foot of a pair, as a fraction of that in the
+    initial posture: feet do not cross."""
     horizon: float = 1.2
     """Distance along the plan to which footsteps are planned ahead [m]."""
     aside: float = 0.3

@@ -173,6 +173,7 @@ class FootstepPlanner:
             scale * options.longest_step,
             scale * options.margin,
             options.separation * float(apart[apart > 0.0].min()),
+            options.breadth * float(arms[[0, 2], [1, 3], 1].min()),
         )
 
 

@@ -55,6 +55,8 @@ class Body(NamedTuple):
     """Least distance of the center of mass from the sides of the feet that stand [m]."""
     separation: float
     """Least distance between feet [m]."""
+    breadth: float
+    """Least distance to the side from a right foot to the left one beside it [m]."""
 
 
 class Goal(NamedTuple):

@@ -126,6 +126,11 @@ def may_step(lattice: Lattice, body: Body, tree: Tree, feet: Array, leg: int, ce
             scratch[other, axis] = feet[other, axis]
     scratch[leg, 0], scratch[leg, 1], scratch[leg, 2] = x, y, z
     place_body(body, tree)
+    # Legs alternate: the left one of a pair, and the right one.
+    beside = leg ^ 1
+    aside = pose[3] * (y - feet[beside, 1]) - pose[4] * (x - feet[beside, 0])
+    if (aside if leg % 2 == 0 else -aside) < body.breadth:
+        return False
     if not _is_reached(body, tree, leg, 4):
         return False
     # While it swings the body is over the middle of its way, and over the other feet.

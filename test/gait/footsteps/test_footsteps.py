@@ -139,6 +139,11 @@ def test_each_step_is_balanced_in_reach_and_on_even_ground(robot, seed):
         assert heights.step_at(after[leg, :2], scale * OPTIONS.radius) <= scale * 0.025
         height = after[leg, 2] - robot.foot_radius
         assert height == pytest.approx(heights.height_at(after[leg, :2]), abs=1e-9)
+        rest = rest_over(robot, after)
+        beside = (after - rest.position) @ rest.rotation
+        neutral = robot.neutral_feet[leg & ~1, 1] - robot.neutral_feet[leg | 1, 1]
+        apart = beside[leg & ~1, 1] - beside[leg | 1, 1]
+        assert apart >= OPTIONS.breadth * neutral - 1e-9
         triangle = before[others, :2]
         assert inscribed_radius(triangle) >= scale * OPTIONS.margin
         assert reaches(robot, rest_over(robot, after), after)
@@ -246,6 +251,10 @@ def may_step(body, before, after, leg, options, side):
     apart = [np.hypot(*(after[a] - after[b])[:2]) for a, b in itertools.combinations(range(4), 2)]
     length = np.hypot(*(after - before)[leg, :2])
     if min(apart) < body.separation or not 0.5 * side <= length <= options.longest_step:
+        return False
+    rest = rest_over(TITAN, after)
+    left, right = ((after[k] - rest.position) @ rest.rotation for k in (leg & ~1, leg | 1))
+    if (left - right)[1] < body.breadth:
         return False
     if inscribed_radius(np.delete(before[:, :2], leg, axis=0)) < options.margin:
         return False
