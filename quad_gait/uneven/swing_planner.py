@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
+from quad_common.robot.leg_moments import GRAVITY
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
@@ -49,6 +50,14 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
+
+_SWAY = 0.13
+"""Distance of the zero moment point from the center of mass while the body goes elsewhere, as a
+fraction of the distance between left and right feet: what is gone faster rocks a tall robot."""
+
+_PEAK = 10.0 / math.sqrt(3.0)
+"""Largest acceleration of a motion with minimum jerk, times its duration squared, over its
+distance."""
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -115,6 +124,7 @@ class SwingPlanner:
         self._options, self._aims = options, FootAims(robot, options, swing_height)
         self._along = partial(motion_along, robot, options)
         self._center: tuple[Stance | None, Array] = (None, np.zeros(3))
+        self._sway = _sway_of(robot)
 
     def swing(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
@@ -371,16 +381,26 @@ class SwingPlanner:
         return max(least, float(distance) / (self._scale * pace * self._options.foot_speed))
 
     def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
-        distance = float(np.linalg.norm(end.position - start.position))
+        moved = end.position - start.position
+        distance = float(np.linalg.norm(moved))
         turned = np.abs(
             [end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)]
         ).max()
         distance = max(distance, self._robot.footprint_radius * float(turned))
-        return max(self._options.shift_time, distance / (self._scale * self._options.shift_speed))
+        least = max(self._options.shift_time, math.sqrt(self._sway * math.hypot(*moved[:2])))
+        return max(least, distance / (self._scale * self._options.shift_speed))
 
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
         return np.linspace(0.0, duration, count + 1, dtype=np.float64)
+
+
+def _sway_of(robot: Robot) -> float:
+    """Return the square of the least time of a motion of the body, over its distance [s^2/m]."""
+    center = robot.center_of_mass(robot.initial_joint_angles)
+    height = float(center[2]) + robot.standing_height
+    width = float((robot.neutral_feet[::2, 1] - robot.neutral_feet[1::2, 1]).min())
+    return _PEAK * height / (GRAVITY * _SWAY * width)
 
 
 def _lowered(body: BodyPose, depth: float) -> BodyPose:
