@@ -36,10 +36,13 @@ _LEAST_FADING = 0.1
 """Time in which even a small jump fades out [s]."""
 
 LONGEST_FADING = 2.0
-"""Time in which even a large jump has faded out [s]."""
+"""Time in which even a large jump has faded out, where joints have some speed left for it [s]."""
 
 _LONGER, _SAMPLES = 1.2, 401
 """Factor between durations of fading that are tried, and number of instants that are looked at."""
+
+_PATIENCE = 4.0
+"""Factor of the longest fading for trajectories that leave joints no speed for it."""
 
 _BRAKING = 0.06
 """Time in which joints come to rest that are to join a trajectory later, at most [s]."""
@@ -256,13 +259,16 @@ class TrajectoryExecutor:
 
     def _fading_from(self, now: float, offset: Array, limits: Array) -> _Fading:
         """Let a difference fade out beside the trajectory, as fast as leaves joints their speed."""
-        times, own = self._speeds_after(now)
+        times, own = self._speeds_after(now, LONGEST_FADING)
         room = np.maximum(limits - np.abs(own).max(axis=0), _LEAST_ROOM * limits)
         # Minimum jerk is at most 15/8 times as fast as the mean.
         duration = 1.875 * float(np.max(np.abs(offset) / room))
         duration = min(max(_LEAST_FADING, duration), LONGEST_FADING)
         best, least = duration, np.inf
-        while duration <= LONGEST_FADING:
+        while duration <= _PATIENCE * LONGEST_FADING:
+            if duration > LONGEST_FADING and len(times) == _SAMPLES:
+                # The trajectory is as fast as joints are, all the time.
+                times, own = self._speeds_after(now, _PATIENCE * LONGEST_FADING)
             s = np.minimum((times - now) / duration, 1.0)[:, None]
             rates = own - 30.0 * s * s * (1.0 - s) ** 2 * (offset / duration)
             most = float(np.max(np.abs(rates) / limits))
@@ -273,9 +279,10 @@ class TrajectoryExecutor:
             duration *= _LONGER
         return _Fading(now, best, offset)
 
-    def _speeds_after(self, now: float) -> tuple[Array, Array]:
+    def _speeds_after(self, now: float, span: float) -> tuple[Array, Array]:
         """Return times while a difference may fade, (m,), and the velocities then, (m, n)."""
-        times = np.linspace(now, now + LONGEST_FADING, _SAMPLES, dtype=np.float64)
+        count = round((_SAMPLES - 1) * span / LONGEST_FADING) + 1
+        times = np.linspace(now, now + span, count, dtype=np.float64)
         segments = np.clip(np.searchsorted(self._times, times, 'right') - 1, 0, None)
         running = segments < len(self._coefficients)
         _, b, c, d = np.moveaxis(self._coefficients[segments[running]], 1, 0)

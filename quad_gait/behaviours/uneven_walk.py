@@ -23,8 +23,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
 from quad_gait.state.body_placement import strain_over
 from quad_gait.state.robot_state import RobotState
-from quad_gait.uneven.descent import Descent
-from quad_gait.uneven.stride_goal import StrideGoal
+from quad_gait.uneven.stride_goal import Descent, StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride
 

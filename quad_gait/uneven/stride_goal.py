@@ -1,5 +1,10 @@
 """
 Where a stride over uneven ground leads: footholds, the order of legs, and the body's place.
+
+Down steps some legs need shorter strides. A hind foot that swings first comes down nearly below the
+middle of the body, which has not followed yet. Where its knee is behind it, the shin lies nearly
+level then, and down a step the edge behind the foot is in its way. A shorter stride leaves it
+upright.
 """
 
 from __future__ import annotations
@@ -14,8 +19,18 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
+from quad_gait.uneven.ground_model import GroundModel
 
 Array = NDArray[np.float64]
+
+_SHORTER = 0.5
+"""Fraction of a stride that is walked down steps."""
+
+_STEP = 0.2
+"""Fraction of the robot's step height by which ground ahead that is lower is a step down."""
+
+_HIND = (2, 3)
+"""Legs that come down below the body."""
 
 
 @dataclass(frozen=True)
@@ -37,3 +52,55 @@ class StrideGoal:
         place = pose @ motion.end
         order = tuple(LEGS.index(swing.leg) for swing in gait.swings)
         return cls(order, place.transform(robot.neutral_feet)[:, :2], place)
+
+
+class Descent:
+    """
+    Says how long strides are down steps.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._has_flat_shins = all(_knee_ahead(robot, leg) < 0.0 for leg in _HIND)
+
+    def shortened(self, motion: BodyMotion, pose: Pose2D, ground: GroundModel) -> BodyMotion:
+        """
+        Return a stride that leaves shins room, where it leads down a step.
+
+        Parameters
+        ----------
+        motion : BodyMotion
+            What is wanted.
+        pose : Pose2D
+            Pose of the body where it begins.
+        ground : GroundModel
+            What is known of the ground.
+
+        Returns
+        -------
+        BodyMotion
+            A part of it where a foot comes down on lower ground than before within this stride or
+            the next, and the same elsewhere.
+        """
+        if not self._has_flat_shins or motion.forward <= 0.0 or ground.height_map is None:
+            return motion
+        place, feet = pose, self._robot.neutral_feet
+        before = ground.height(place.transform(feet)[:, :2])
+        for _ in range(2):
+            place = place @ motion.end
+            after = ground.height(place.transform(feet)[:, :2])
+            if np.max(before - after) > _STEP * self._robot.step_height:
+                return motion.scaled(_SHORTER)
+        return motion
+
+
+def _knee_ahead(robot: Robot, leg: int) -> float:
+    """Return how far a knee is ahead of its foot in the initial posture [m]."""
+    foot = robot.neutral_feet[leg]
+    knee = robot.legs[leg].chain(robot.legs[leg].inverse(foot))[1]
+    return float(knee[0] - foot[0])

@@ -7,8 +7,8 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.uneven.descent import Descent
 from quad_gait.uneven.ground_model import GroundModel
+from quad_gait.uneven.stride_goal import Descent
 
 A1, GENIBO = load_robot('a1'), load_robot('genibo')
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
