@@ -166,9 +166,11 @@ class TrajectoryExecutor:
         joined_at = times[0]
         if joins and not fits:
             # It has no time of its own: it begins as soon as its first point can be reached.
-            velocities[0] = 0.0
+            is_moving = bool(velocities[0].any())
+            if is_moving:
+                times, positions, velocities = self._from_rest(times, positions, velocities)
             times, stop = self._later(now, position, velocity, times, positions[0])
-            joined_at = times[0]
+            joined_at = times[int(is_moving)]
             if stop is not None:
                 times = np.concatenate([[stop.time], times])
                 positions = np.vstack([stop.position, positions])
@@ -315,16 +317,31 @@ class TrajectoryExecutor:
     def _waiting(
         self, now: float, times: Array, positions: Array, velocities: Array
     ) -> tuple[Array, Array, Array]:
-        """Begin a trajectory at rest where joints gather its first velocity on a straight way."""
-        assert self._limits is not None
+        """Begin a trajectory now, at rest, and wait for it where it starts from."""
         starting = min(times[0] - now, _STARTING)
-        place = self._limits.clip(positions[0] - velocities[0] * (starting / 2.0))
+        place = self._starting_place(positions[0], velocities[0], starting)
         begin = [now] if starting == times[0] - now else [now, times[0] - starting]
         return (
             np.concatenate([begin, times]),
             np.vstack([*([place] * len(begin)), positions]),
             np.vstack([*([self._still] * len(begin)), velocities]),
         )
+
+    def _from_rest(
+        self, times: Array, positions: Array, velocities: Array
+    ) -> tuple[Array, Array, Array]:
+        """Let a trajectory begin at rest, where it starts from, in place of its first point."""
+        place = self._starting_place(positions[0], velocities[0], _STARTING)
+        return (
+            np.concatenate([times[:1], times + _STARTING]),
+            np.vstack([place, positions]),
+            np.vstack([self._still, velocities]),
+        )
+
+    def _starting_place(self, position: Array, velocity: Array, starting: float) -> Array:
+        """Return from where joints that rest gather a velocity on a straight way, (n,) [rad]."""
+        assert self._limits is not None
+        return self._limits.clip(position - velocity * (starting / 2.0))
 
     def _reaches(self, h: float, p0: Array, v0: Array, p1: Array, v1: Array) -> bool:
         """Return whether the joints get from one state to another in a time [s], within range."""
