@@ -119,8 +119,7 @@ class UnevenWalk(Walk):
             guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
         if goal is None:
-            ground = guidance.felt.under(state.stance(state), self._height_map)
-            motion = self._descent.shortened(step.motion, state.pose, ground)
+            motion = self._descent.shortened(step.motion, state.pose, self._height_map)
             step = replace(step, motion=motion)
             goal = StrideGoal.of(self._robot, gait, step.motion, state.pose)
         else:

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
-from quad_gait.uneven.ground_model import GroundModel
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,9 @@ class Descent:
         self._robot = robot
         self._has_flat_shins = all(_knee_ahead(robot, leg) < 0.0 for leg in _HIND)
 
-    def shortened(self, motion: BodyMotion, pose: Pose2D, ground: GroundModel) -> BodyMotion:
+    def shortened(
+        self, motion: BodyMotion, pose: Pose2D, height_map: HeightMap | None
+    ) -> BodyMotion:
         """
         Return a stride that leaves shins room, where it leads down a step.
 
@@ -78,8 +80,8 @@ class Descent:
             What is wanted.
         pose : Pose2D
             Pose of the body where it begins.
-        ground : GroundModel
-            What is known of the ground.
+        height_map : HeightMap or None
+            Of the ground, as it was published: for this it need not be right to the centimeter.
 
         Returns
         -------
@@ -87,14 +89,15 @@ class Descent:
             A part of it where a foot comes down on lower ground than before within this stride or
             the next, and the same elsewhere.
         """
-        if not self._has_flat_shins or motion.forward <= 0.0 or ground.height_map is None:
+        if not self._has_flat_shins or motion.forward <= 0.0 or height_map is None:
             return motion
         place, feet = pose, self._robot.neutral_feet
-        before = ground.height(place.transform(feet)[:, :2])
+        before = height_map.height_at(place.transform(feet)[:, :2])
         for _ in range(2):
             place = place @ motion.end
-            after = ground.height(place.transform(feet)[:, :2])
-            if np.max(before - after) > _STEP * self._robot.step_height:
+            after = height_map.height_at(place.transform(feet)[:, :2])
+            # Where nothing is known, a comparison is false.
+            if np.any(before - after > _STEP * self._robot.step_height):
                 return motion.scaled(_SHORTER)
         return motion
 

@@ -7,7 +7,6 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.cycle.body_motion import BodyMotion
-from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.stride_goal import Descent
 
 A1, GENIBO = load_robot('a1'), load_robot('genibo')
@@ -15,19 +14,17 @@ ORIGIN = Pose2D(0.0, 0.0, 0.0)
 SIDE = 0.02
 
 
-def ground_with_a_step(robot, place, rise):
-    """Return the ground as a robot at the origin knows it: from x = place on it is higher."""
+def ground_with_a_step(place, rise):
+    """Return ground that is higher from x = place on."""
     x = np.arange(-60, 160) * SIDE
     heights = np.where(x >= place, rise, 0.0)[None, :].repeat(100, axis=0)
-    feet = robot.neutral_feet - [0.0, 0.0, robot.foot_radius]
-    under = np.column_stack([feet[:, :2], np.zeros(4)])
-    return GroundModel.through(under, HeightMap(heights, SIDE, (-60 * SIDE, -1.0)))
+    return HeightMap(heights, SIDE, (-60 * SIDE, -1.0))
 
 
 def shortened(robot, rise, strides_ahead=1.0, motion=None):
     motion = motion or BodyMotion(forward=robot.largest_stride)
     ahead = robot.neutral_feet[:, 0].max() + strides_ahead * robot.largest_stride
-    ground = ground_with_a_step(robot, ahead - 2 * SIDE, rise)
+    ground = ground_with_a_step(ahead - 2 * SIDE, rise)
     return Descent(robot).shortened(motion, ORIGIN, ground), motion
 
 
@@ -59,6 +56,8 @@ def test_legs_whose_hind_knees_are_ahead_of_their_feet_go_on_as_they_did():
 
 
 def test_where_no_map_shows_a_step_strides_stay_as_they_are():
-    under = A1.neutral_feet * [1.0, 1.0, 0.0]
     motion = BodyMotion(forward=A1.largest_stride)
-    assert Descent(A1).shortened(motion, ORIGIN, GroundModel.through(under)) == motion
+    assert Descent(A1).shortened(motion, ORIGIN, None) == motion
+    # Nor does a map of another place.
+    away = HeightMap(np.zeros((4, 4)), SIDE, (50.0, 50.0))
+    assert Descent(A1).shortened(motion, ORIGIN, away) == motion
