@@ -46,6 +46,9 @@ _MOST_PLANS = 8
 _STEPPING = 2.0
 """Largest strides after which footsteps have led out of where they were needed."""
 
+_MOST_EARLY = 2
+"""Times that footsteps are planned before strides fail, until the robot has got on."""
+
 _PROGRESS = 0.05
 """Fraction of the largest stride that counts as progress."""
 
@@ -87,7 +90,7 @@ class WaysOut:
         """Begin again: something new is wished for."""
         self._least_left = math.inf
         self._strides = 0
-        self._tried = 0
+        self._tried = self._early = 0
         self._factor = 1.0
         self._next: WayOut | None = None
         self._plans_left = 0
@@ -123,7 +126,7 @@ class WaysOut:
         """
         if left < self._least_left - _PROGRESS * self._largest:
             self._least_left = left
-            self._strides = self._tried = 0
+            self._strides = self._tried = self._early = 0
             self._factor = min(1.0, _RECOVERY * self._factor)
             self._next = None
             return True
@@ -200,7 +203,8 @@ class WaysOut:
         if self.left is not None and self._next is WayOut.DETOUR:
             return Chosen(step, is_detour=True)
         may_step = self.left is not None and self.knows_ground and not self.is_stepping
-        if limit and is_strained and may_step and self._next is None:
+        if limit and is_strained and may_step and self._next is None and self._early < _MOST_EARLY:
+            self._early += 1
             # After more strides that are cut short no foot may find a way on any more.
             return self._by_footsteps(step, f'{WayOut.FOOTSTEPS.value}: {limit}')
         return self.take(step)

@@ -175,3 +175,18 @@ def test_footsteps_have_led_on_after_two_strides():
         assert ways.has_stepped_on == has_stepped_on
     ways.reset()
     assert not ways.has_stepped_on
+
+
+def test_footsteps_that_lead_nowhere_are_not_planned_early_for_ever():
+    ways = WaysOut(STRIDE)
+    ways.knows_ground, ways.left = True, 0.4
+    planned = 0
+    for _ in range(40):
+        chosen = ways.choose(TURN, 'a step was shortened', is_strained=True)
+        if chosen is None or chosen.is_detour:
+            break
+        planned += chosen.is_planned
+        ways.end_footsteps()
+    else:
+        pytest.fail('no end')
+    assert planned <= 3
