@@ -173,8 +173,9 @@ class Supervisor:
     # What it does
 
     def prepare(self) -> None:
-        """Find the commonest limits beforehand: it takes a while, and cycles are awaited."""
+        """Do beforehand what takes a while: cycles and footsteps are awaited."""
         self._guidance.gaits.prepare()
+        self._routine.walk.prepare()
 
     def update(self, state: RobotState) -> JointTrajectory | None:
         """
@@ -211,7 +212,7 @@ class Supervisor:
     def _given(self, trajectory: JointTrajectory, state: RobotState) -> JointTrajectory | None:
         """Let a trajectory through the last gate; what does not pass stops the robot."""
         try:
-            self._joints.give(trajectory, state)
+            return self._joints.give(trajectory, state)
         except TrajectoryError as error:
             self._routine.forget()
             # The last one that passed ends at rest.
@@ -220,7 +221,6 @@ class Supervisor:
                 self._guidance.give_up(Activity.STOPPED, f'{error}; the robot stops')
             self._report.limit = str(error)
             return None
-        return trajectory
 
     # What is wished for
 

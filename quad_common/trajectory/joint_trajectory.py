@@ -8,7 +8,7 @@ joint_trajectory_controller interpolates positions with velocities.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +71,10 @@ class JointTrajectory:
     def end(self) -> float:
         """When the last point is reached [s]."""
         return self.stamp + float(self.times[-1])
+
+    def delayed(self, delay: float) -> JointTrajectory:
+        """Return the same motion, begun later by a time [s]."""
+        return replace(self, times=self.times + delay) if delay else self
 
     def positions_at(self, times: Array) -> Array:
         """

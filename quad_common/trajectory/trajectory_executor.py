@@ -13,13 +13,13 @@ that starts on arrival starts that much later. Meanwhile commands stay within th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import JointNotFound, JointsLeftOut, TrajectoryOver
+from quad_common.trajectory.fading import Fading
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_common.trajectory.trajectory_gate import (
     VELOCITY_TOLERANCE,
@@ -50,37 +50,11 @@ _BRAKING = 0.06
 _STARTING = 0.1
 """Time in which joints that wait for a trajectory gather its first velocity, at most [s]."""
 
+_DELAYS = tuple(0.01 * number for number in range(26))
+"""Times by which a trajectory without a time of its own may begin later, in motion [s]."""
+
 _LEAST_ROOM = 0.25
 """Fraction of a joint's velocity limit that is left for fading, however fast the trajectory."""
-
-
-@dataclass(frozen=True)
-class _Fading:
-    """
-    A difference to the trajectory that goes to zero with minimum jerk.
-
-    It is the same fraction of the whole for all joints: so their posture is on the straight line
-    from where they were commanded into the trajectory.
-    """
-
-    start: float
-    """Time when it begins [s]."""
-    duration: float
-    """Time until nothing is left of it [s]."""
-    offset: Array
-    """Offsets of the joints at its start, shape (n,) [rad]."""
-
-    @property
-    def end(self) -> float:
-        """Time when nothing is left of it [s]."""
-        return self.start + self.duration
-
-    def at(self, time: float) -> tuple[Array, Array]:
-        """Return what is left, in position and in velocity."""
-        s = (time - self.start) / self.duration
-        left = 1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        rate = -30.0 * s * s * (1.0 - s) ** 2 / self.duration
-        return left * self.offset, rate * self.offset
 
 
 class _Stop(NamedTuple):
@@ -124,7 +98,7 @@ class TrajectoryExecutor:
         self._coefficients: Array = np.zeros((0, 4, len(positions)))
         self._segment = 0
         self._still = still
-        self._fading: _Fading | None = None
+        self._fading: Fading | None = None
         self._joined_at = -np.inf
 
     @property
@@ -166,15 +140,14 @@ class TrajectoryExecutor:
         joined_at = times[0]
         if joins and not fits:
             # It has no time of its own: it begins as soon as its first point can be reached.
-            is_moving = bool(velocities[0].any())
-            if is_moving:
-                times, positions, velocities = self._from_rest(times, positions, velocities)
-            times, stop = self._later(now, position, velocity, times, positions[0])
-            joined_at = times[int(is_moving)]
-            if stop is not None:
-                times = np.concatenate([[stop.time], times])
-                positions = np.vstack([stop.position, positions])
-                velocities = np.vstack([self._still, velocities])
+            delay = self.delay_of(trajectory, now)
+            if np.isfinite(delay):
+                times = times + delay
+                joined_at = times[0]
+            else:
+                times, positions, velocities, joined_at = self._joined_from_rest(
+                    now, (position, velocity), times, positions, velocities
+                )
         if joins:
             times = np.concatenate([[now], times])
             positions = np.vstack([position, positions])
@@ -201,7 +174,31 @@ class TrajectoryExecutor:
         self._joined_at = max(self._joined_at, joined_at)
         return False
 
-    def _fade(self, fading: _Fading | None) -> None:
+    def delay_of(self, trajectory: JointTrajectory, now: float) -> float:
+        """
+        Return how much later a trajectory is to begin so that its first point can be reached.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            As :meth:`accept` takes it.
+        now : float
+            Time at which it arrives [s].
+
+        Returns
+        -------
+        float
+            0 if it has a time of its own, or needs no delay; infinity if it cannot be begun in
+            motion [s].
+        """
+        if trajectory.stamp > 0.0 or trajectory.times[0] <= 0.0:
+            return 0.0
+        times, positions, velocities = self._in_order(trajectory, now)
+        ends = *self.command(now), positions[0], velocities[0]
+        h = float(times[0]) - now
+        return next((delay for delay in _DELAYS if self._reaches(h + delay, *ends)), np.inf)
+
+    def _fade(self, fading: Fading | None) -> None:
         """Let a difference fade out, if there is one."""
         self._fading = fading
         self._joined_at = -np.inf if fading is None else fading.end
@@ -259,7 +256,7 @@ class TrajectoryExecutor:
         s = time - self._times[self._segment]
         return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d)
 
-    def _fading_from(self, now: float, offset: Array, limits: Array) -> _Fading:
+    def _fading_from(self, now: float, offset: Array, limits: Array) -> Fading:
         """Let a difference fade out beside the trajectory, as fast as leaves joints their speed."""
         times, own = self._speeds_after(now, LONGEST_FADING)
         room = np.maximum(limits - np.abs(own).max(axis=0), _LEAST_ROOM * limits)
@@ -279,7 +276,7 @@ class TrajectoryExecutor:
             if most <= 1.0 + VELOCITY_TOLERANCE:
                 break
             duration *= _LONGER
-        return _Fading(now, best, offset)
+        return Fading(now, best, offset)
 
     def _speeds_after(self, now: float, span: float) -> tuple[Array, Array]:
         """Return times while a difference may fade, (m,), and the velocities then, (m, n)."""
@@ -327,16 +324,24 @@ class TrajectoryExecutor:
             np.vstack([*([self._still] * len(begin)), velocities]),
         )
 
-    def _from_rest(
-        self, times: Array, positions: Array, velocities: Array
-    ) -> tuple[Array, Array, Array]:
-        """Let a trajectory begin at rest, where it starts from, in place of its first point."""
-        place = self._starting_place(positions[0], velocities[0], _STARTING)
-        return (
-            np.concatenate([times[:1], times + _STARTING]),
-            np.vstack([place, positions]),
-            np.vstack([self._still, velocities]),
-        )
+    def _joined_from_rest(
+        self, now: float, command: tuple[Array, Array], times: Array, positions: Array,
+        velocities: Array,
+    ) -> tuple[Array, Array, Array, float]:  # fmt: skip
+        """Let a trajectory begin much later, at rest; return when it is joined, too [s]."""
+        is_moving = bool(velocities[0].any())
+        if is_moving:
+            place = self._starting_place(positions[0], velocities[0], _STARTING)
+            times = np.concatenate([times[:1], times + _STARTING])
+            positions = np.vstack([place, positions])
+            velocities = np.vstack([self._still, velocities])
+        times, stop = self._later(now, *command, times, positions[0])
+        joined_at = float(times[int(is_moving)])
+        if stop is not None:
+            times = np.concatenate([[stop.time], times])
+            positions = np.vstack([stop.position, positions])
+            velocities = np.vstack([self._still, velocities])
+        return times, positions, velocities, joined_at
 
     def _starting_place(self, position: Array, velocity: Array, starting: float) -> Array:
         """Return from where joints that rest gather a velocity on a straight way, (n,) [rad]."""

@@ -112,6 +112,10 @@ class Behaviour(ABC):
 class Walk(Behaviour):
     """A behaviour that walks: others ask what its feet do."""
 
+    def prepare(self) -> None:
+        """Do beforehand what would keep a robot waiting in the middle of a walk."""
+        return
+
     @abstractmethod
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""

@@ -92,6 +92,7 @@ class Guidance:
         """Whether another plan, or none, was wished for that is not followed yet."""
         self._stopped_goal: Pose2D | None = None
         self._reason_to_stand = ''
+        self._verdict: tuple[Activity, str] | None = None
         self.wanted_plan: Plan | None = None
         """The plan to follow, also while something blocks the robot; None: there is none."""
         self.plan_waits_for = ''
@@ -129,7 +130,7 @@ class Guidance:
         self._pieces = wish.pieces
         self.has_new_plan = True
         self.steering.end()
-        self._reason_to_stand = ''
+        self._want_anew()
 
     def take_steering(self, wish: Steer, time: float, refusal: str) -> None:
         """Take a velocity that is wanted from a time [s] on; a refusal is said."""
@@ -137,7 +138,7 @@ class Guidance:
             self._report.limit = f'steering is refused: {refusal}'
             return
         self.forget_plan()
-        self._reason_to_stand = ''
+        self._want_anew()
         self.steering.wish(wish.twist, time)
 
     def take_gaits(self, wish: ChangeGaits) -> None:
@@ -148,7 +149,7 @@ class Guidance:
         """Want nothing; a plan to the same goal is no reason to walk again."""
         self.forget_plan()
         self.steering.end()
-        self._reason_to_stand = ''
+        self._want_anew()
 
     def forget_plan(self) -> None:
         """Want no plan; a plan to the same goal is no reason to walk again."""
@@ -158,8 +159,9 @@ class Guidance:
             self.has_new_plan = True
 
     def give_up(self, activity: Activity, reason: str) -> None:
-        """Follow the plan no farther, though it is still wanted, and say why."""
+        """Follow the plan no farther, though it is still wanted, and say why until that changes."""
         self._halt()
+        self._verdict = activity, reason
         self._report.say(activity, reason)
 
     def give_up_going(self, reason: str) -> bool:
@@ -173,6 +175,11 @@ class Guidance:
         """Follow nothing any more, and want nothing."""
         self.forget_plan()
         self._halt()
+        self._verdict = None
+
+    def _want_anew(self) -> None:
+        """Leave behind why the robot stands: something else is wanted."""
+        self._reason_to_stand, self._verdict = '', None
 
     def _halt(self) -> None:
         self._follower.follow(None, _NOWHERE)
@@ -311,7 +318,7 @@ class Guidance:
             return self._steer(time, start)
         if self._follower.plan is None:
             if not entry and not report.activity.is_verdict:
-                report.say(Activity.STANDING, self.why_standing)
+                report.say(*(self._verdict or (Activity.STANDING, self.why_standing)))
             return None
         if self.plan_waits_for:
             if not entry:

@@ -63,6 +63,13 @@ class UnevenWalk(Walk):
 
         return FootstepRoute(self._robot, uneven, FootstepOptions())
 
+    def prepare(self) -> None:
+        """Load what plans footsteps: strides that lead nowhere ask for it at any time."""
+        uneven = self._options.uneven
+        assert uneven is not None
+        self._route = self._route or self._new_route(uneven)
+        self._route.prepare()
+
     def take(self, wish: Wish) -> None:
         """Take a map of the ground."""
         if isinstance(wish, UseHeightMap):

@@ -63,9 +63,12 @@ class CommandGate:
         """Return how long the joints need from their commands to rest at a target, (12,) [s]."""
         return joining_time(self.limits, *self.command(time, measured), target)
 
-    def admit(self, trajectory: JointTrajectory, time: float, measured: Array) -> None:
+    def admit(self, trajectory: JointTrajectory, time: float, measured: Array) -> JointTrajectory:
         """
         Let a trajectory through.
+
+        One that begins on arrival begins as much later as the joints need to its first point: the
+        robot may have received the last one later than was known when this one was planned.
 
         Parameters
         ----------
@@ -76,14 +79,23 @@ class CommandGate:
         measured : ndarray, shape (12,)
             Where the joints are [rad].
 
+        Returns
+        -------
+        JointTrajectory
+            As it is to be given out.
+
         Raises
         ------
         TrajectoryError
             If it leaves the limits, or the joints cannot follow it from their commands.
         """
         executor = self._known(measured)
+        delay = executor.delay_of(trajectory, time)
+        if np.isfinite(delay):
+            trajectory = trajectory.delayed(delay)
         check_command(self.limits, trajectory, time, *executor.command(time))
         executor.accept(trajectory, time)
+        return trajectory
 
     def _known(self, measured: Array) -> TrajectoryExecutor:
         if self._executor is None:

@@ -86,7 +86,7 @@ class CommandedJoints:
         self.expect_nothing()
         self.stand()
 
-    def give(self, trajectory: JointTrajectory, state: RobotState) -> None:
+    def give(self, trajectory: JointTrajectory, state: RobotState) -> JointTrajectory:
         """
         Let a trajectory out.
 
@@ -97,6 +97,11 @@ class CommandedJoints:
         state : RobotState
             The robot now.
 
+        Returns
+        -------
+        JointTrajectory
+            As it is to be given out.
+
         Raises
         ------
         TrajectoryError
@@ -105,5 +110,6 @@ class CommandedJoints:
         measured = state.joint_positions
         if measured is None:
             measured = self._robot.initial_joint_angles.reshape(-1)
-        self.gate.admit(trajectory, state.time, measured)
-        self._detector.expect(trajectory, state.time)
+        given = self.gate.admit(trajectory, state.time, measured)
+        self._detector.expect(given, state.time)
+        return given

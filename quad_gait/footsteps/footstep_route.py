@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,20 @@ class FootstepRoute:
         self._feet: Array | None = None
         self._has_begun = False
         self._target: Pose2D | None = None
+
+    def prepare(self) -> None:
+        """Load the compiled search: the robot would wait for it in the middle of a walk."""
+        robot = self._robot
+        cell = 0.1 * robot.footprint_radius
+        side = 4.0 * robot.footprint_radius
+        count = math.ceil(side / cell)
+        level = HeightMap(np.zeros((count, count)), cell, (-0.5 * side, -0.5 * side))
+        standing = robot.neutral_feet.copy()
+        standing[:, 2] = robot.foot_radius
+        ground = FootholdMap(robot, self._uneven, self._options, level)
+        ahead = 0.5 * robot.relative_size * self._options.longest_step
+        with suppress(FootstepsNotFound):
+            self._planner.plan(standing, Pose2D(ahead, 0.0, 0.0), ground)
 
     def take_map(self, heights: HeightMap | None) -> None:
         """Take a map of the ground, or none."""

@@ -21,8 +21,14 @@ Array = NDArray[np.float64]
 _ALIKE = 5e-3
 """Samples are as good a match as the best one if no joint is off by so much more [rad]."""
 
+_ELSEWHERE = 0.05
+"""Distance of a joint from its command that its drive and its load do not make [rad]."""
+
 _PATIENCE = 1.0
-"""Time past its end after which a motion counts as over, wherever the joints are [s]."""
+"""Time past its end after which a motion counts as lost [s]."""
+
+_MOST_REPEATS = 2
+"""Number of times that a lost motion is given out again; then it is over wherever joints are."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +53,8 @@ class JointMotion:
     """Sample with which what was given out last begins."""
     done: int = 0
     """Sample that the joints have reached, as far as is known."""
+    repeats: int = 0
+    """Number of times that it has been given out again, as the joints had not come to its end."""
 
     @property
     def end(self) -> float:
@@ -81,7 +89,9 @@ class JointMotion:
             The same, with :attr:`done` brought up to date: the last sample that the joints may
             be at by their angles and by the clock.
         """
-        if time > self.end + _PATIENCE:
+        if time > self.end + _PATIENCE and (
+            self.repeats == _MOST_REPEATS or self._is_near(self.given, joint_positions)
+        ):
             return replace(self, done=self.given)
         period = self.times[1]
         latest = min(self.given, int((time - self.start) / period + 1e-6))
@@ -90,6 +100,37 @@ class JointMotion:
         off = np.abs(self.positions[self.done : latest + 1] - joint_positions).max(axis=(1, 2))
         alike = np.flatnonzero(off <= off.min() + _ALIKE)
         return replace(self, done=self.done + int(alike[-1]))
+
+    def repeated(
+        self, time: float, joint_positions: Array, reaction_time: float
+    ) -> JointMotion | None:
+        """
+        Give out the rest again, if what was given out last seems to be lost.
+
+        Parameters
+        ----------
+        time : float
+            Of the measurement [s].
+        joint_positions : ndarray, shape (4, 3)
+            [rad]
+        reaction_time : float
+            In which a trajectory comes to the joints [s].
+
+        Returns
+        -------
+        JointMotion or None
+            With a :attr:`start` that fits the new trajectory; None if nothing is lost.
+        """
+        due = self.start + float(self.times[self.given])
+        if time <= due + _PATIENCE or self.done == self.given:
+            return None
+        if self.repeats == _MOST_REPEATS or self._is_near(self.given, joint_positions):
+            return None
+        start = time + reaction_time - float(self.times[self.done])
+        return replace(self, since=self.done, start=start, repeats=self.repeats + 1)
+
+    def _is_near(self, sample: int, joint_positions: Array) -> bool:
+        return bool(np.all(np.abs(self.positions[sample] - joint_positions) <= _ELSEWHERE))
 
     def extended(self, time: float, reaction_time: float, samples: int) -> JointMotion | None:
         """

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
-from quad_common.robot.leg_moments import GRAVITY
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
+from quad_gait.uneven.body_pace import BodyPace
 from quad_gait.uneven.candidates import (
     IN_PLACE,
     LEANS,
@@ -34,7 +34,7 @@ from quad_gait.uneven.candidates import (
 from quad_gait.uneven.foot_aims import FootAim, FootAims
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along, turned_by
+from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along
 from quad_gait.uneven.search_down import ramp, searched
 from quad_gait.uneven.swing_course import SwingCourse, SwingTimes
 from quad_gait.uneven.uneven_options import UnevenOptions
@@ -50,14 +50,6 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
-
-_SWAY = 0.13
-"""Distance of the zero moment point from the center of mass while the body goes elsewhere, as a
-fraction of the distance between left and right feet: what is gone faster rocks a tall robot."""
-
-_PEAK = 10.0 / math.sqrt(3.0)
-"""Largest acceleration of a motion with minimum jerk, times its duration squared, over its
-distance."""
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -124,7 +116,7 @@ class SwingPlanner:
         self._options, self._aims = options, FootAims(robot, options, swing_height)
         self._along = partial(motion_along, robot, options)
         self._center: tuple[Stance | None, Array] = (None, np.zeros(3))
-        self._sway = _sway_of(robot)
+        self._body_pace = BodyPace(robot, options)
 
     def swing(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
@@ -240,7 +232,7 @@ class SwingPlanner:
         """Plan how the body is lowered, so that a foot gets farther down."""
         speed = self._scale * self._options.search_speed
         target = _lowered(now.body, self._scale * LOWEST)
-        shift = self._shift_duration(now.body, target)
+        shift = self._body_pace.duration(now.body, target)
         times = self._times(shift + depth / speed + ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, 2] -= searched(times - shift, speed, depth)
@@ -288,7 +280,7 @@ class SwingPlanner:
             target = body_over(self._robot, now.feet, heading, ground.slope, tilt)
             target = _lowered(target, self._scale * lower)
             target = self._leaning(target, place, fraction)
-            duration = self._shift_duration(now.body, target)
+            duration = self._body_pace.duration(now.body, target)
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
@@ -321,7 +313,7 @@ class SwingPlanner:
         margin = options.least_margin if posture.has_less_margin else options.margin
         body = self._balanced_over(body, now, leg, margin)
 
-        shift = self._shift_duration(now.body, body)
+        shift = self._body_pace.duration(now.body, body)
         # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
@@ -380,27 +372,9 @@ class SwingPlanner:
         """Return how long a foot takes for a distance [m] at a pace [s]."""
         return max(least, float(distance) / (self._scale * pace * self._options.foot_speed))
 
-    def _shift_duration(self, start: BodyPose, end: BodyPose) -> float:
-        moved = end.position - start.position
-        distance = float(np.linalg.norm(moved))
-        turned = np.abs(
-            [end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)]
-        ).max()
-        distance = max(distance, self._robot.footprint_radius * float(turned))
-        least = max(self._options.shift_time, math.sqrt(self._sway * math.hypot(*moved[:2])))
-        return max(least, distance / (self._scale * self._options.shift_speed))
-
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
         return np.linspace(0.0, duration, count + 1, dtype=np.float64)
-
-
-def _sway_of(robot: Robot) -> float:
-    """Return the square of the least time of a motion of the body, over its distance [s^2/m]."""
-    center = robot.center_of_mass(robot.initial_joint_angles)
-    height = float(center[2]) + robot.standing_height
-    width = float((robot.neutral_feet[::2, 1] - robot.neutral_feet[1::2, 1]).min())
-    return _PEAK * height / (GRAVITY * _SWAY * width)
 
 
 def _lowered(body: BodyPose, depth: float) -> BodyPose:

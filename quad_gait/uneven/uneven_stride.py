@@ -24,12 +24,11 @@ from quad_gait.cycle.gait import Gait
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.candidates import first_possible
 from quad_gait.uneven.felt_ground import FeltGround
-from quad_gait.uneven.foot_loads import load_fraction, unloaded_legs
+from quad_gait.uneven.foot_contact import as_touched, load_fraction, unloaded_legs
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
-from quad_gait.uneven.touch import as_touched
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -181,6 +180,11 @@ class UnevenStride:
             return None
         if self._motion is not None:
             self._motion = self._motion.followed(now.time, now.joint_positions)
+            reaction = self._options.reaction_time
+            again = self._motion.repeated(now.time, now.joint_positions, reaction)
+            if again is not None:
+                self._motion = again
+                return again.trajectory(reaction)
         if self._phase is _Phase.SEEKING:
             return self._seek(now)
         if self._phase is _Phase.FINISHING:

@@ -35,7 +35,17 @@ _TIMED = ('kills', 'processes')
 _NICENESS = 10
 """Of parts that only compute: on a busy machine nodes would say, rightly, that they are late."""
 
-_ALONE = (*_TIMED, 'watch', 'localisation', 'files', 'silence', 'pauses', 'gate', 'execution')
+_ALONE = (
+    *_TIMED,
+    'watch',
+    'localisation',
+    'files',
+    'silence',
+    'pauses',
+    'late',
+    'gate',
+    'execution',
+)
 """All others, the longest first."""
 
 _TASKS = 4

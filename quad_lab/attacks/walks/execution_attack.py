@@ -96,7 +96,7 @@ def _send_in_a_row(
         try:
             with np.errstate(all='ignore'):
                 if gate is not None:
-                    gate.admit(trajectory, simulation.time, simulation.commanded)
+                    trajectory = gate.admit(trajectory, simulation.time, simulation.commanded)
                 late = simulation.late_trajectories
                 simulation.accept(trajectory)
             outcome.accepted += 1
@@ -142,14 +142,13 @@ def _judge(
 ) -> None:
     """Compare the command of a step with limits, the last step's, and what the gate knows."""
     robot = simulation.robot
-    slack = _ROUNDING
     beyond = np.maximum(limits.lower - command, command - limits.upper)
-    if not np.all(beyond <= OVERSHOOT + slack):
+    if not np.all(beyond <= OVERSHOOT + _ROUNDING):
         outcome.out_of_range.append(f'{robot.name}: {np.max(beyond):.3g} rad out of range')
     furthest, moved = limits.velocity * simulation.time_step, np.abs(command - last)
-    if not np.all(moved <= (1.0 + VELOCITY_TOLERANCE) * furthest + slack):
+    if not np.all(moved <= (1.0 + VELOCITY_TOLERANCE) * furthest + _ROUNDING):
         speed = np.max(moved / furthest)
         outcome.too_fast.append(f'{robot.name}: {speed:.3g} of the largest speed')
     apart = np.max(np.abs(known - command))
-    if not apart <= slack:
+    if not apart <= _ROUNDING:
         outcome.unlike_the_gate.append(f'{robot.name}: {apart:.3g} rad from what passed the gate')

@@ -300,6 +300,19 @@ def test_on_even_ground_no_footsteps_are_planned():
     assert route_over(unknown).stride_ahead(stance_on(feet), Pose2D(0, 0, 0), [AHEAD]) is None
 
 
+def test_a_route_that_was_prepared_gives_the_same_strides():
+    heights = stones()
+    feet = standing_feet(TITAN, heights)
+    given = []
+    for is_prepared in (True, False):
+        route = route_over(heights)
+        if is_prepared:
+            route.prepare()
+        given.append(route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD]))
+    assert given[0].order == given[1].order
+    assert np.array_equal(given[0].footholds, given[1].footholds)
+
+
 def test_strides_follow_the_plan_until_a_foot_goes_astray():
     heights = stones()
     route, feet = route_over(heights), standing_feet(TITAN, heights)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quad_common.errors import GaitError
+from quad_common.errors import CommandOutsideLimits, GaitError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.map_file import load_map
 from quad_common.plan import Plan
@@ -17,6 +17,7 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
+from quad_gait.faults.command_gate import CommandGate
 from quad_gait.uneven.swing_planner import SwingPlanner
 from quad_gait.uneven.ways_out import ORDER, WayOut
 from quad_lab.closed_loop.closed_loop import ClosedLoop
@@ -57,6 +58,18 @@ def walked_on_level_ground(plan, longest=120.0):
     walk.on_observation.append(note)
     walk.run(0.5)
     controller.set_plan(plan)
+    walk.run(longest, lambda: controller.activity.is_terminal)
+    return walk, controller, said
+
+
+def walked_over_level_map(distance, longest):
+    """Walk without physics, over a map; return the loop, its controller and what was said."""
+    controller, said, note = controller_of(TITAN)
+    walk = ClosedLoop(TITAN, controller, 'kinematic')
+    walk.on_observation.append(note)
+    walk.run(0.5)
+    controller.set_height_map(HeightMap.level((-1.0, -1.0, distance + 1.2, 1.0), 0.05))
+    controller.set_plan(Plan.through([[0.0, 0.0], [distance, 0.0]], 0.0))
     walk.run(longest, lambda: controller.activity.is_terminal)
     return walk, controller, said
 
@@ -119,13 +132,7 @@ def test_the_ways_out_are_said_in_their_order(monkeypatch):
 def test_where_no_stride_gets_on_footsteps_are_planned_over_the_height_map(monkeypatch):
     # Onto footholds that were chosen for it a foot swings by another method.
     swings_only_if(monkeypatch, lambda *_: False)
-    controller, said, note = controller_of(TITAN)
-    walk = ClosedLoop(TITAN, controller, 'kinematic')
-    walk.on_observation.append(note)
-    walk.run(0.5)
-    controller.set_height_map(HeightMap.level((-1.0, -1.0, 1.5, 1.0), 0.05))
-    controller.set_plan(Plan.through([[0.0, 0.0], [0.3, 0.0]], 0.0))
-    walk.run(60.0, lambda: controller.activity.is_terminal)
+    walk, _, said = walked_over_level_map(0.3, 60.0)
     planned = f'{WayOut.FOOTSTEPS.value} is tried'
     assert any(text.startswith(planned) for text in said)
     # Strides are to correct the pose there: they cannot, here.
@@ -142,13 +149,7 @@ def test_where_footsteps_have_led_out_of_a_dead_end_strides_go_on(monkeypatch):
         return is_out
 
     swings_only_if(monkeypatch, is_possible)
-    controller, said, note = controller_of(TITAN)
-    walk = ClosedLoop(TITAN, controller, 'kinematic')
-    walk.on_observation.append(note)
-    walk.run(0.5)
-    controller.set_height_map(HeightMap.level((-1.0, -1.0, 2.5, 1.0), 0.05))
-    controller.set_plan(Plan.through([[0.0, 0.0], [1.5, 0.0]], 0.0))
-    walk.run(200.0, lambda: controller.activity.is_terminal)
+    _, controller, said = walked_over_level_map(1.5, 200.0)
     assert controller.activity is Activity.ARRIVED
     assert sum(text.startswith(f'{WayOut.FOOTSTEPS.value} is tried') for text in said) == 1
     # Three strides or more of the four feet after the footsteps.
@@ -198,6 +199,30 @@ def test_a_turn_that_never_gets_on_ends(monkeypatch):
     walk, controller, _ = walked_on_level_ground(Plan((ORIGIN, Pose2D(0.0, 0.0, 2.0))), 600.0)
     assert controller.activity in (Activity.STOPPED, Activity.BLOCKED)
     assert walk.time < 300.0
+
+
+def test_a_robot_that_was_stopped_in_a_swing_still_says_why_when_it_has_stood_up(monkeypatch):
+    controller, _, _ = controller_of(TITAN)
+    walk = ClosedLoop(TITAN, controller, 'kinematic')
+    walk.run(0.5)
+    plan = Plan.through([(0.0, 0.0), (1.0, 0.0)], 0.0)
+    controller.set_plan(plan)
+    assert walk.run(5.0, lambda: not controller.in_contact_at(walk.time).all())
+
+    def refuses(gate, trajectory, time, measured):
+        raise CommandOutsideLimits('lf_knee_pitch_joint', 'velocity', 9.0, (-6.3, 6.3), 'rad/s')
+
+    with monkeypatch.context() as patch:
+        patch.setattr(CommandGate, 'admit', refuses)
+        assert walk.run(5.0, lambda: controller.activity is Activity.STOPPED)
+    assert walk.run(5.0, lambda: controller.activity is Activity.STANDING_UP)
+    assert walk.run(5.0, lambda: controller.activity is not Activity.STANDING_UP)
+    walk.run(1.0)
+    assert controller.activity is Activity.STOPPED
+    assert 'would be commanded a velocity of 9 rad/s' in controller.reason
+    # Until something is wished for.
+    controller.set_plan(plan)
+    assert walk.run(5.0, lambda: controller.activity is Activity.WALKING)
 
 
 @pytest.mark.parametrize('off', [(-0.08, 0.0, 0.0), (-0.05, 0.04, -0.1)])

@@ -50,3 +50,28 @@ def test_joints_brake_in_the_shortest_time_that_their_speed_allows():
             spline = CubicHermiteSpline([0.0, time * longer], [0.0, displacement], [velocity, 0.0])
             peak = spline.derivative()(np.linspace(0.0, time * longer, 4000)).max()
             assert (peak <= fastest + 1e-6) == holds
+
+
+def test_a_motion_that_never_began_is_given_out_again_from_where_the_joints_are():
+    motion = steady_motion(1.0, given=29)
+    rest = motion.positions[2]
+    after = 0.58 + 1.1
+    for repeats in (1, 2):
+        waiting = motion.followed(after, rest)
+        assert waiting.repeated(after - 0.2, rest, 0.06) is None
+        motion = waiting.repeated(after, rest, 0.06)
+        assert (motion.repeats, motion.given, motion.since) == (repeats, 29, 2)
+        assert motion.trajectory(0.06).positions[0] == pytest.approx(rest.reshape(-1))
+        after += 0.06 + 0.54 + 1.1
+    # Something holds the joints: it goes on without them.
+    lost = motion.followed(after, rest)
+    assert lost.repeated(after, rest, 0.06) is None
+    assert lost.is_done
+
+
+def test_a_motion_that_is_late_is_not_given_out_twice():
+    motion = steady_motion(1.0, given=29)
+    late = motion.followed(1.4, motion.positions[15])
+    assert late.repeated(1.4, motion.positions[15], 0.06) is None
+    near = motion.positions[29] + 0.02
+    assert motion.followed(1.7, near).repeated(1.7, near, 0.06) is None
