@@ -21,7 +21,7 @@ PARTS = {
     'execution': 'quad_lab.attacks.walks.execution_attack.attack_execution',
     'silence': 'quad_lab.attacks.walks.silence.attack_by_silence',
     'pauses': 'quad_lab.attacks.walks.pauses.attack_by_pauses',
-    'late': 'quad_lab.attacks.walks.lateness.attack_by_lateness',
+    'late': 'quad_lab.attacks.walks.late_trajectories.attack_by_lateness',
     'files': 'quad_lab.attacks.files.file_attack.measure_files',
     'watch': 'quad_lab.attacks.walks.busy_machine.attack_by_load',
     'kills': 'quad_lab.attacks.walks.kills.attack_by_kills',
