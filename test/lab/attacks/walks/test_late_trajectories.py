@@ -8,7 +8,12 @@ import pytest
 
 pytest.importorskip('pybullet')
 
-from quad_lab.attacks.walks.late_trajectories import QUICK_CASES, LateCase, all_cases, walk_with_lateness
+from quad_lab.attacks.walks.late_trajectories import (
+    QUICK_CASES,
+    LateCase,
+    all_cases,
+    walk_with_lateness,
+)
 from quad_lab.closed_loop.disturbed_walk import Disturbance
 
 
