@@ -306,11 +306,23 @@ class UnevenStride:
             self._sought.update(found or self._seeking)
         unloaded = unloaded_legs(self._robot, now, self._options)
         self._seeking = [leg for leg in unloaded if leg not in self._sought]
-        if not self._seeking:
-            self._felt.note_stance(now)
-            self._phase = _Phase.SWINGING
-            return self._swing(now)
-        return self._search(now)
+        if self._seeking:
+            try:
+                return self._search(now)
+            except GaitError:
+                if self._is_exact:
+                    raise
+                # A leg that is stretched gets no farther down: its foot, in the air, swings first.
+                self._bring_forward(self._seeking)
+        self._felt.note_stance(now)
+        self._phase = _Phase.SWINGING
+        return self._swing(now)
+
+    def _bring_forward(self, legs: list[int]) -> None:
+        """Let legs swing before the others that have not swung."""
+        ahead = self._order[self._next :]
+        first = [leg for leg in ahead if leg in legs]
+        self._order[self._next :] = first + [leg for leg in ahead if leg not in legs]
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
@@ -359,8 +371,7 @@ class UnevenStride:
 
         (leg, swing), problem = first_possible(planned, [(leg,) for leg in ahead])
         if problem is not None:
-            self._order.remove(leg)
-            self._order.insert(self._next, leg)
+            self._bring_forward([leg])
             self.limit = self.limit or f'another foot goes first: {problem}'
         return swing
 

@@ -23,6 +23,7 @@ from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.stride_goal import StrideGoal
+from quad_gait.uneven.swing_planner import SwingPlanner
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
 from quad_lab.closed_loop.closed_loop import ClosedLoop
@@ -241,6 +242,20 @@ def test_a_foot_in_the_air_is_lowered_before_the_first_swing():
     legs.ground[1] -= 0.02
     legs.run(stride, 0.8)
     assert legs.measure().feet[1, 2] == pytest.approx(legs.ground[1], abs=0.005)
+
+
+@pytest.mark.parametrize('leg', range(4))
+def test_a_foot_in_the_air_that_gets_no_farther_down_swings_first(monkeypatch, leg):
+    """Its leg was stretched to the end: each stride failed before it began."""
+    legs, stride = Legs(), stride_for()
+    legs.ground[leg] -= 0.02
+
+    def gets_no_farther(*_):
+        raise FootholdNotFound(LEGS[leg], 0.0)
+
+    monkeypatch.setattr(SwingPlanner, 'search', gets_no_farther)
+    assert stride.update(legs.measure()) is not None
+    assert stride.leg == leg
 
 
 @pytest.mark.parametrize('sees', [True, False])
