@@ -68,15 +68,10 @@ POSTURES = tuple(product(TILTS, LOWERINGS))
 """Tilts and lowerings, in the order in which they are tried."""
 
 
-MOST_UNCLEAN = 40
-"""Number of candidates that work, but are not clean, of which the first is taken then."""
-
-
 def first_possible(
     plan: Callable[..., Planned],
     candidates: Iterable[tuple[float, ...]],
     may_do: Callable[..., bool] | None = None,
-    is_clean: Callable[[Planned], bool] = lambda _: True,
 ) -> tuple[Planned, GaitError | None]:
     """
     Plan by one candidate after the other.
@@ -89,14 +84,11 @@ def first_possible(
         In the order in which they are tried.
     may_do : callable, optional
         Looks at a candidate quickly: where it returns False, `plan` would raise.
-    is_clean : callable, optional
-        Tells whether what was planned is as it should be. What is not is done all the same where
-        none of the next :data:`MOST_UNCLEAN` that work is.
 
     Returns
     -------
     planned
-        By the first candidate that works, and is clean.
+        By the first candidate that works.
     problem : GaitError or None
         What was wrong with the first one.
 
@@ -106,22 +98,13 @@ def first_possible(
         What was wrong with the first one, if none works.
     """
     problem: GaitError | None = None
-    unclean: list[tuple[Planned, GaitError | None]] = []
     for candidate in candidates:
         # Of the first one that does not work it is said why, so that is planned in any case.
         if problem is not None and may_do is not None and not may_do(*candidate):
             continue
         try:
-            planned = plan(*candidate)
+            return plan(*candidate), problem
         except GaitError as error:
             problem = problem or error
-            continue
-        if is_clean(planned):
-            return planned, problem
-        unclean.append((planned, problem))
-        if len(unclean) == MOST_UNCLEAN:
-            break
-    if unclean:
-        return unclean[0]
     assert problem is not None
     raise problem

@@ -18,20 +18,10 @@ from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.cycle.part_check import check_nearing_parts
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-
-_ON_SHIN = np.linspace(0.15, 0.75, 7)
-"""Points between foot and knee, as fractions of the shin, that are to keep off the ground."""
-
-_LOOKS = 9
-"""Number of samples of a motion at which shins are looked at."""
-
-_NEARER = 0.001
-"""Distance by which a shin that touches something may come nearer to it [m, of TITAN-VIII]."""
 
 
 @dataclass(frozen=True)
@@ -116,62 +106,15 @@ def may_reach(robot: Robot, now: Stance, paths: PlannedPaths) -> bool:
     return True
 
 
-def frees_shins(
-    robot: Robot, ground: GroundModel, now: Stance, paths: PlannedPaths, joints: Array
-) -> bool:
-    """
-    Tell whether no shin comes nearer to the ground than it is, and touches it.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    ground : GroundModel
-        What is known of the ground; without a map of it nothing is in the way.
-    now : Stance
-        The robot as it stands.
-    paths : PlannedPaths
-        Paths of body and feet.
-    joints : ndarray, shape (m, 4, 3)
-        Motion of the joints along them, which may end before they do [rad].
-
-    Returns
-    -------
-    bool
-        Some samples are looked at.
-    """
-    heights = ground.height_map
-    if heights is None:
-        return True
-    some = np.unique(np.linspace(0, len(joints) - 1, _LOOKS).astype(np.intp))
-    position, rotation = _placement(now, paths)
-    knees = np.stack([leg.chain(joints[some, k])[1] for k, leg in enumerate(robot.legs)], axis=1)
-    feet = paths.feet[some]
-    shins = position[some][:, None] + np.einsum('nij,nkj->nki', rotation[some], knees) - feet
-    points = feet[:, :, None] + _ON_SHIN[:, None] * shins[:, :, None]
-    radius, cell = robot.links['calf'].radius, heights.resolution / 2.0
-    beside = heights.highest_within(points[..., :2], radius + cell)
-    below = heights.highest_within(points[..., :2], cell) + radius
-    room = points[..., 2] - np.fmax(beside, below) - ground.shift
-    room = np.min(np.nan_to_num(room, nan=np.inf), axis=2)
-    least = np.minimum(room[0], 0.0) - robot.relative_size * _NEARER
-    return bool(np.all(room >= least))
-
-
 def _arms(now: Stance, paths: PlannedPaths) -> Array:
     """Return where the feet are in the body frame, shape (n, 4, 3) [m]."""
-    position, rotation = _placement(now, paths)
-    arms: Array = np.einsum('nji,nkj->nki', rotation, paths.feet - position[:, None])
-    return arms
-
-
-def _placement(now: Stance, paths: PlannedPaths) -> tuple[Array, Array]:
-    """Return where the body is, shape (n, 3) [m], and its rotations, shape (n, 3, 3)."""
     start, end, progress = now.body, paths.end, paths.progress
     position = start.position + progress[:, None] * (end.position - start.position)
     turns = np.array([end.roll - start.roll, end.pitch - start.pitch, turned_by(start, end)])
     angles = np.array([start.roll, start.pitch, start.yaw]) + progress[:, None] * turns
-    return position, matrix_from_angles(angles)
+    offsets = paths.feet - position[:, None]
+    arms: Array = np.einsum('nji,nkj->nki', matrix_from_angles(angles), offsets)
+    return arms
 
 
 def _check_speeds(robot: Robot, times: Array, joints: Array, velocities: Array) -> None:

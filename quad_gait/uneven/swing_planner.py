@@ -34,7 +34,7 @@ from quad_gait.uneven.candidates import (
 from quad_gait.uneven.foot_aims import FootAim, FootAims
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.path_motion import PlannedPaths, frees_shins, may_reach, motion_along
+from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along
 from quad_gait.uneven.search_down import ramp, searched
 from quad_gait.uneven.swing_course import SwingCourse, SwingTimes
 from quad_gait.uneven.uneven_options import UnevenOptions
@@ -50,9 +50,6 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
-
-_SHIN = 'a shin would touch the ground'
-"""Reason for a step that is shortened though legs reach."""
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -72,8 +69,6 @@ class PlannedSwing:
     """Sample up to which it is given out as soon as the other feet are seen to stand."""
     depth: float
     """Depth below the expected ground down to which the foot feels for it [m]."""
-    frees_shins: bool = True
-    """Whether no shin touches the ground of the map on the way."""
     limit: str = ''
     """Reason why it is shorter than wanted; empty if it is not."""
 
@@ -166,18 +161,15 @@ class SwingPlanner:
             return self._course(now, ground, swing, _Posture(tilt, lower))
 
         def plan(*kind: float) -> tuple[float, PlannedSwing]:
-            return kind[0], self._swing_along(now, commanded, ground, course(*kind))
+            return kind[0], self._swing_along(now, commanded, course(*kind))
 
         def may_do(*kind: float) -> bool:
             return self._may_reach(now, course(*kind))
 
-        def is_clean(planned: tuple[float, PlannedSwing]) -> bool:
-            return planned[1].frees_shins
-
-        (fraction, swing), problem = first_possible(plan, VARIANTS, may_do, is_clean)
-        if fraction == 1.0:
-            return swing
-        return replace(swing, limit=f'a step was shortened: {problem or _SHIN}')
+        (fraction, swing), problem = first_possible(plan, VARIANTS, may_do)
+        return (
+            swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
+        )
 
     def swing_onto(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
@@ -197,12 +189,12 @@ class SwingPlanner:
             return self._course(now, ground, swing, _Posture(tilt, lower, less > 0.0))
 
         def plan(*kind: float) -> PlannedSwing:
-            return self._swing_along(now, commanded, ground, course(*kind))
+            return self._swing_along(now, commanded, course(*kind))
 
         def may_do(*kind: float) -> bool:
             return self._may_reach(now, course(*kind))
 
-        return first_possible(plan, IN_PLACE, may_do, lambda swing: swing.frees_shins)[0]
+        return first_possible(plan, IN_PLACE, may_do)[0]
 
     def swing_back(
         self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, target: Array
@@ -213,7 +205,7 @@ class SwingPlanner:
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
             course = self._course(now, ground, swing, _Posture(tilt, lower))
-            return self._swing_along(now, commanded, ground, course)
+            return self._swing_along(now, commanded, course)
 
         return first_possible(plan, POSTURES)[0]
 
@@ -337,7 +329,7 @@ class SwingPlanner:
         return SwingCourse(leg, now.feet, swing.aim, body, at, speed, times, stands)
 
     def _swing_along(
-        self, now: Stance, commanded: Array | None, ground: GroundModel, course: SwingCourse
+        self, now: Stance, commanded: Array | None, course: SwingCourse
     ) -> PlannedSwing:
         times, sure = course.times, course.sure
         lifted_at, feels_from = (course.sample_at(t) for t in (course.at.lift, course.at.lift_end))
@@ -352,10 +344,7 @@ class SwingPlanner:
         )
         motion = self._along(now, commanded, paths)
         given = min(given, len(motion.times) - 1)
-        # Below the ground of the map a foot only feels for what the map does not show.
-        joints = motion.positions[: sure + 1]
-        is_free = frees_shins(self._robot, ground, now, paths, joints)
-        return PlannedSwing(motion, lifted_at, feels_from, given, course.aim.depth, is_free)
+        return PlannedSwing(motion, lifted_at, feels_from, given, course.aim.depth)
 
     def _may_reach(self, now: Stance, course: SwingCourse) -> bool:
         """Tell whether legs reach at a few samples: most courses that they do not, show it."""

@@ -3,7 +3,7 @@
 import pytest
 
 from quad_common.errors import FootholdNotFound, GaitError
-from quad_gait.uneven.candidates import MOST_UNCLEAN, first_possible
+from quad_gait.uneven.candidates import first_possible
 
 KINDS = [(float(k),) for k in range(6)]
 
@@ -34,17 +34,3 @@ def test_a_quick_look_changes_nothing_but_how_many_are_planned(possible):
     assert slow[:2] == quick[:2]
     # The first is planned in any case: it is said what was wrong with it.
     assert quick[2] == [0.0, *[kind for kind in possible[:1] if kind > 0.0]]
-
-
-def test_what_is_not_clean_is_done_where_nothing_that_works_is():
-    tried = []
-
-    def plan(number):
-        tried.append(number)
-        return number
-
-    many = [(number,) for number in range(100)]
-    assert first_possible(plan, many, is_clean=lambda number: number == 3) == (3, None)
-    tried.clear()
-    assert first_possible(plan, many, is_clean=lambda number: False) == (0, None)
-    assert len(tried) == MOST_UNCLEAN

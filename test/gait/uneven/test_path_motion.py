@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 from quad_common.errors import GaitError, JointLimitExceeded
-from quad_common.maps.height_map import HeightMap
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.trajectory_gate import JointLimits, velocities_between
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.ground_model import GroundModel
-from quad_gait.uneven.path_motion import PlannedPaths, frees_shins, motion_along
+from quad_gait.uneven.path_motion import PlannedPaths, motion_along
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 ROBOT = load_robot('titan_viii')
@@ -109,39 +107,3 @@ def test_beyond_what_is_sure_a_foot_goes_as_deep_as_its_leg_reaches(depth):
     if count < len(times):
         with pytest.raises(GaitError):
             ROBOT.joint_angles(feet[count])
-
-
-def ground_with(wall, beside):
-    """Level ground with a wall of a height, so far to the left of the left feet."""
-    floor = float(STANCE.feet[0, 2]) - ROBOT.foot_radius
-    level = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.01)
-    heights = np.full(level.heights.shape, floor)
-    heights[round((STANCE.feet[0, 1] + beside - level.origin[1]) / level.resolution)] += wall
-    feet = STANCE.feet - np.array([0.0, 0.0, ROBOT.foot_radius])
-    return GroundModel.through(feet, level.with_heights(heights))
-
-
-def shifted(left):
-    """Paths of a body that goes to the left over standing feet, and the joints' motion."""
-    times = np.linspace(0.0, 1.0, 51)
-    end = BodyPose(np.array([0.0, left, 0.0]), 0.0, 0.0, 0.0)
-    feet = np.repeat(STANCE.feet[None], len(times), axis=0)
-    paths = PlannedPaths(times, end, np.linspace(0.0, 1.0, 51), feet)
-    return paths, motion_along(ROBOT, UnevenOptions(), STANCE, None, paths).positions
-
-
-@pytest.mark.parametrize(
-    ('wall', 'left', 'is_free'),
-    [(0.0, 0.06, True), (0.1, 0.0, True), (0.1, 0.06, False), (0.005, 0.06, True)],
-)
-def test_a_body_that_leans_a_shin_against_an_edge_is_told(wall, left, is_free):
-    ground, (paths, joints) = ground_with(wall, beside=0.035), shifted(left)
-    assert frees_shins(ROBOT, ground, STANCE, paths, joints) == is_free
-    # Where nothing is known of the ground, nothing is in the way.
-    assert frees_shins(ROBOT, replace(ground, height_map=None), STANCE, paths, joints)
-
-
-def test_a_shin_that_touches_something_may_go_away_from_it():
-    ground = ground_with(0.1, beside=0.01)
-    assert frees_shins(ROBOT, ground, STANCE, *shifted(-0.06))
-    assert not frees_shins(ROBOT, ground, STANCE, *shifted(0.06))
