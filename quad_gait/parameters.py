@@ -14,8 +14,7 @@ from quad_gait.cycle.gait import Gait, load_gait, resting, turning_gait_for
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.state.sensor_inputs import InputOptions
 from quad_gait.state.state_estimator import EstimatorOptions
-from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_gait.uneven.uneven_stride import check_suits_uneven_ground
+from quad_gait.uneven.uneven_options import UnevenOptions, check_suits_uneven_ground
 
 
 @dataclass(frozen=True)

@@ -288,7 +288,8 @@ class Guidance:
             self._follower.follow(self.wanted_plan, pose, self._pieces)
         if not self.has_new_plan:
             return
-        self.has_new_plan = False
+        # What was wished for during the motion that failed counts, and not why it failed.
+        self.has_new_plan, self._verdict = False, None
         self._progress.reset()
         self.ways_out.reset()
         if self._report.activity.is_verdict:

@@ -21,8 +21,9 @@ Array = NDArray[np.float64]
 _ALIKE = 5e-3
 """Samples are as good a match as the best one if no joint is off by so much more [rad]."""
 
-_ELSEWHERE = 0.05
-"""Distance of a joint from its command that its drive and its load do not make [rad]."""
+_ELSEWHERE = 0.07
+"""Distance of a joint from its command that drive and load do not make at rest, as for the watch
+over joints that do not answer [rad]."""
 
 _PATIENCE = 1.0
 """Time past its end after which a motion counts as lost [s]."""

@@ -1,12 +1,14 @@
 """
-Options of walking over ground that is not flat.
+Options of walking over ground that is not flat, and gaits that suit it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from quad_common.errors import ParameterError
 from quad_common.footing.foothold_criterion import FootholdCriterion
+from quad_gait.cycle.gait import Gait
 
 
 @dataclass(frozen=True)
@@ -52,3 +54,14 @@ class UnevenOptions:
     """Difference of the heights around a foot on even ground, at most [m]."""
     plans_footsteps: bool = False
     """Whether footholds are planned ahead where strides would not find even ground."""
+
+
+def check_suits_uneven_ground(gait: Gait) -> None:
+    """Raise ParameterError for a gait in which a robot could not stop at any time."""
+    if not gait.is_static:
+        raise ParameterError(
+            'gait',
+            gait.name,
+            'one with three feet on the ground at any time where that is uneven, as crawl and '
+            'wave have',
+        )

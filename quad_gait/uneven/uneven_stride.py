@@ -15,12 +15,11 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import FootholdNotFound, GaitError, ParameterError
+from quad_common.errors import FootholdNotFound, GaitError
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.cycle.gait import Gait
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.candidates import first_possible
 from quad_gait.uneven.felt_ground import FeltGround
@@ -35,18 +34,6 @@ Array = NDArray[np.float64]
 
 _SURE = 3.0
 """Multiple of the load that counts as contact that needs no second measurement."""
-
-
-def check_suits_uneven_ground(gait: Gait) -> None:
-    """Raise ParameterError for a gait in which a robot could not stop at any time."""
-    if not gait.is_static:
-        raise ParameterError(
-            'gait',
-            gait.name,
-            'one with three feet on the ground at any time where that is uneven, as crawl and '
-            'wave have',
-        )
-
 
 _MOST_SEARCHES = 3
 """Searches for the ground before a foot is lifted all the same: the swing may free the others."""
@@ -107,6 +94,7 @@ class UnevenStride:
         self._touched: Stance | None = None
         self._seeking: list[int] = []
         self._sought: set[int] = set()
+        self._hangs = False
         self._searches = self._catches = 0
         self._return_to: Array | None = None
         self._has_lowered = False
@@ -182,7 +170,7 @@ class UnevenStride:
             self._motion = self._motion.followed(now.time, now.joint_positions)
             reaction = self._options.reaction_time
             again = self._motion.repeated(now.time, now.joint_positions, reaction)
-            if again is not None:
+            if again is not None and not self._is_held(now):
                 self._motion = again
                 return again.trajectory(reaction)
         if self._phase is _Phase.SEEKING:
@@ -196,6 +184,12 @@ class UnevenStride:
             with suppress(GaitError):
                 return self._catch(now)
         return self._feel(now, self._swinging)
+
+    def _is_held(self, now: Stance) -> bool:
+        """Tell whether a foot that is to be in the air bears load: it has met something."""
+        legs = self._seeking if self._phase is _Phase.SEEKING else np.flatnonzero(~self.in_contact)
+        least = self._options.contact_fraction
+        return any(load_fraction(self._robot, now, int(leg)) > least for leg in legs)
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
@@ -307,16 +301,28 @@ class UnevenStride:
         unloaded = unloaded_legs(self._robot, now, self._options)
         self._seeking = [leg for leg in unloaded if leg not in self._sought]
         if self._seeking:
-            try:
-                return self._search(now)
-            except GaitError:
-                if self._is_exact:
-                    raise
-                # A leg that is stretched gets no farther down: its foot, in the air, swings first.
-                self._bring_forward(self._seeking)
+            lowering = self._lower(now)
+            if lowering is not None:
+                return lowering
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)
+
+    def _lower(self, now: Stance) -> JointTrajectory | None:
+        """Begin to lower feet, all or one; None where a single one hangs, which swings first."""
+        hanging, problems = self._seeking, []
+        for legs in dict.fromkeys([tuple(hanging), *((leg,) for leg in hanging)]):
+            self._seeking = list(legs)
+            try:
+                return self._search(now)
+            except GaitError as error:
+                problems.append(error)
+        # A stretched leg gets no farther down. No other may be lifted while its foot hangs.
+        if self._is_exact or len(hanging) > 1 or hanging[0] not in self._order[self._next :]:
+            raise problems[0]
+        self._bring_forward(hanging)
+        self._hangs = True
+        return None
 
     def _bring_forward(self, legs: list[int]) -> None:
         """Let legs swing before the others that have not swung."""
@@ -326,7 +332,7 @@ class UnevenStride:
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
-        self._return_to, self._searches = None, 0
+        self._return_to, self._searches, self._hangs = None, 0, False
         self._next += 1
         return self._swing(now) if self._next < len(self._order) else self._finish(now)
 
@@ -348,7 +354,7 @@ class UnevenStride:
             try:
                 swing = self._any_swing(now, ground)
             except GaitError as error:
-                if self._next == 0:
+                if self._next == 0 or self._hangs:
                     raise
                 # Some feet are farther on: the body follows them as far as the others allow.
                 self.stuck = leg
@@ -363,6 +369,8 @@ class UnevenStride:
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
         ahead, plan = self._order[self._next :], self._planner.swing
+        if self._hangs:
+            ahead = ahead[:1]
         if self._is_exact:
             ahead, plan = ahead[:1], self._planner.swing_onto
 

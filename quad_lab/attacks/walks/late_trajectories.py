@@ -93,7 +93,7 @@ def attack_by_lateness(
     with worker_pool() as pool:
         for outcome in pool.map(walk_with_lateness, QUICK_CASES if quick else all_cases(seed)):
             outcomes.append(outcome)
-            if outcome.has_fallen or outcome.refused or not (quick or outcome.has_arrived):
+            if _is_bad(outcome, quick):
                 console.print(f'{outcome}', highlight=False)
     bars = [
         figure('trajectories that came late', sum(o.late for o in outcomes), ''),
@@ -104,8 +104,12 @@ def attack_by_lateness(
     if not quick:
         arrived = sum(o.has_arrived for o in outcomes)
         bars.append(at_least(f'arrived, of {len(outcomes)}', arrived, '', len(outcomes)))
-    bad = [asdict(o) for o in outcomes if o.has_fallen or o.refused or not o.has_arrived]
-    return bars, {'not well': [] if quick else bad}
+    return bars, {'not well': [asdict(o) for o in outcomes if _is_bad(o, quick)]}
+
+
+def _is_bad(outcome: LateOutcome, quick: bool) -> bool:
+    # Quick walks are too short to arrive.
+    return outcome.has_fallen or bool(outcome.refused) or not (quick or outcome.has_arrived)
 
 
 def all_cases(seed: int) -> list[LateCase]:

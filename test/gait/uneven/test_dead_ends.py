@@ -201,13 +201,14 @@ def test_a_turn_that_never_gets_on_ends(monkeypatch):
     assert walk.time < 300.0
 
 
-def test_a_robot_that_was_stopped_in_a_swing_still_says_why_when_it_has_stood_up(monkeypatch):
+def stopped_in_a_swing(monkeypatch, wished=lambda controller: None):
+    """Walk until a foot is in the air, wish for something, and let the last gate refuse."""
     controller, _, _ = controller_of(TITAN)
     walk = ClosedLoop(TITAN, controller, 'kinematic')
     walk.run(0.5)
-    plan = Plan.through([(0.0, 0.0), (1.0, 0.0)], 0.0)
-    controller.set_plan(plan)
+    controller.set_plan(SHORT)
     assert walk.run(5.0, lambda: not controller.in_contact_at(walk.time).all())
+    wished(controller)
 
     def refuses(gate, trajectory, time, measured):
         raise CommandOutsideLimits('lf_knee_pitch_joint', 'velocity', 9.0, (-6.3, 6.3), 'rad/s')
@@ -218,11 +219,42 @@ def test_a_robot_that_was_stopped_in_a_swing_still_says_why_when_it_has_stood_up
     assert walk.run(5.0, lambda: controller.activity is Activity.STANDING_UP)
     assert walk.run(5.0, lambda: controller.activity is not Activity.STANDING_UP)
     walk.run(1.0)
+    return walk, controller
+
+
+SHORT = Plan.through([(0.0, 0.0), (0.3, 0.0)], 0.0)
+
+
+def test_a_robot_that_was_stopped_in_a_swing_still_says_why_when_it_has_stood_up(monkeypatch):
+    walk, controller = stopped_in_a_swing(monkeypatch)
     assert controller.activity is Activity.STOPPED
     assert 'would be commanded a velocity of 9 rad/s' in controller.reason
     # Until something is wished for.
-    controller.set_plan(plan)
+    controller.set_plan(SHORT)
     assert walk.run(5.0, lambda: controller.activity is Activity.WALKING)
+
+
+@pytest.mark.parametrize('wish', ['stop', 'stand', 'sit'])
+def test_what_is_wished_for_after_it_takes_the_place_of_why_it_stopped(monkeypatch, wish):
+    walk, controller = stopped_in_a_swing(monkeypatch)
+    getattr(controller, wish)()
+    walk.run(4.0)
+    assert controller.activity in (Activity.STANDING, Activity.SITTING)
+    assert 'rad/s' not in controller.reason
+
+
+def test_a_wish_of_the_swing_that_failed_counts_and_not_why_it_failed(monkeypatch):
+    _, controller = stopped_in_a_swing(monkeypatch, lambda controller: controller.stop())
+    assert controller.activity is Activity.STANDING
+    assert controller.reason.startswith('stopped on request')
+    walk, controller = stopped_in_a_swing(monkeypatch, lambda c: c.set_plan(BACK))
+    assert walk.run(60.0, lambda: controller.activity is Activity.ARRIVED)
+    controller.stand()
+    walk.run(3.0)
+    assert 'rad/s' not in controller.reason
+
+
+BACK = Plan.through([(0.0, 0.0), (0.2, 0.0)], 0.0)
 
 
 @pytest.mark.parametrize('off', [(-0.08, 0.0, 0.0), (-0.05, 0.04, -0.1)])

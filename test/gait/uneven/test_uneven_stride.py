@@ -24,8 +24,8 @@ from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.swing_planner import SwingPlanner
-from quad_gait.uneven.uneven_options import UnevenOptions
-from quad_gait.uneven.uneven_stride import UnevenStride, check_suits_uneven_ground
+from quad_gait.uneven.uneven_options import UnevenOptions, check_suits_uneven_ground
+from quad_gait.uneven.uneven_stride import UnevenStride
 from quad_lab.closed_loop.closed_loop import ClosedLoop
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.registry import AUTO, ENGINES
@@ -250,12 +250,55 @@ def test_a_foot_in_the_air_that_gets_no_farther_down_swings_first(monkeypatch, l
     legs, stride = Legs(), stride_for()
     legs.ground[leg] -= 0.02
 
-    def gets_no_farther(*_):
-        raise FootholdNotFound(LEGS[leg], 0.0)
-
-    monkeypatch.setattr(SwingPlanner, 'search', gets_no_farther)
+    gets_no_farther(monkeypatch, leg)
     assert stride.update(legs.measure()) is not None
     assert stride.leg == leg
+
+
+@pytest.mark.parametrize('leg', range(4))
+def test_no_other_foot_is_lifted_while_one_hangs_in_the_air(monkeypatch, leg):
+    legs, stride = Legs(), stride_for()
+    legs.ground[leg] -= 0.02
+    gets_no_farther(monkeypatch, leg)
+
+    def swings(planner, now, commanded, ground, swinging, place):
+        if swinging == leg:
+            raise FootholdNotFound(LEGS[leg], 0.1)
+        raise AssertionError('another leg was to swing')
+
+    monkeypatch.setattr(SwingPlanner, 'swing', swings)
+    with pytest.raises(FootholdNotFound):
+        stride.update(legs.measure())
+
+
+def test_a_foot_that_can_be_lowered_is_while_another_one_cannot(monkeypatch):
+    legs, stride = Legs(), stride_for()
+    legs.ground[[1, 3]] -= 0.02
+    gets_no_farther(monkeypatch, 1)
+    trajectory = stride.update(legs.measure())
+    moved = np.abs(trajectory.positions - trajectory.positions[0]).max(axis=0).reshape(4, 3)
+    assert np.flatnonzero(moved.max(axis=1) > 1e-4).tolist() == [3]
+
+
+def test_feet_are_not_swung_where_two_hang(monkeypatch):
+    legs, stride = Legs(), stride_for()
+    legs.ground[[1, 3]] -= 0.02
+    gets_no_farther(monkeypatch, 1, 3)
+    with pytest.raises(FootholdNotFound):
+        stride.update(legs.measure())
+
+
+def gets_no_farther(monkeypatch, *hanging):
+    """Let some legs be stretched to the end."""
+    search = SwingPlanner.search
+
+    def searched(planner, now, commanded, legs, quickly=False):
+        for leg in hanging:
+            if leg in legs:
+                raise FootholdNotFound(LEGS[leg], 0.0)
+        return search(planner, now, commanded, legs, quickly)
+
+    monkeypatch.setattr(SwingPlanner, 'search', searched)
 
 
 @pytest.mark.parametrize('sees', [True, False])

@@ -20,6 +20,7 @@ from quad_lab.closed_loop.disturbed_walk import Disturbance
 def test_the_last_gate_lets_pass_what_follows_on_a_late_trajectory():
     outcome = walk_with_lateness(QUICK_CASES[0])
     assert outcome.late > 10
+    assert outcome.duration >= 32.0, outcome.said
     assert not outcome.refused
     assert not outcome.has_fallen
 
@@ -32,6 +33,7 @@ def test_a_robot_whose_trajectories_are_lost_stays_upright():
         LateCase('genibo', 'kerb', often, seed=1, backend='mujoco', timeout=38.0)
     )
     assert outcome.lost > 1
+    assert outcome.duration >= 38.0, outcome.said
     assert not outcome.refused
     assert outcome.tilt < math.radians(6.0)
 
