@@ -91,8 +91,7 @@ class Guidance:
         self.has_new_plan = False
         """Whether another plan, or none, was wished for that is not followed yet."""
         self._stopped_goal: Pose2D | None = None
-        self._reason_to_stand = ''
-        self._verdict: tuple[Activity, str] | None = None
+        self._stands: tuple[Activity, str] | None = None
         self.wanted_plan: Plan | None = None
         """The plan to follow, also while something blocks the robot; None: there is none."""
         self.plan_waits_for = ''
@@ -130,7 +129,7 @@ class Guidance:
         self._pieces = wish.pieces
         self.has_new_plan = True
         self.steering.end()
-        self._want_anew()
+        self._stands = None
 
     def take_steering(self, wish: Steer, time: float, refusal: str) -> None:
         """Take a velocity that is wanted from a time [s] on; a refusal is said."""
@@ -138,7 +137,7 @@ class Guidance:
             self._report.limit = f'steering is refused: {refusal}'
             return
         self.forget_plan()
-        self._want_anew()
+        self._stands = None
         self.steering.wish(wish.twist, time)
 
     def take_gaits(self, wish: ChangeGaits) -> None:
@@ -149,7 +148,7 @@ class Guidance:
         """Want nothing; a plan to the same goal is no reason to walk again."""
         self.forget_plan()
         self.steering.end()
-        self._want_anew()
+        self._stands = None
 
     def forget_plan(self) -> None:
         """Want no plan; a plan to the same goal is no reason to walk again."""
@@ -161,7 +160,7 @@ class Guidance:
     def give_up(self, activity: Activity, reason: str) -> None:
         """Follow the plan no farther, though it is still wanted, and say why until that changes."""
         self._halt()
-        self._verdict = activity, reason
+        self._stands = activity, reason
         self._report.say(activity, reason)
 
     def give_up_going(self, reason: str) -> bool:
@@ -175,11 +174,7 @@ class Guidance:
         """Follow nothing any more, and want nothing."""
         self.forget_plan()
         self._halt()
-        self._verdict = None
-
-    def _want_anew(self) -> None:
-        """Leave behind why the robot stands: something else is wanted."""
-        self._reason_to_stand, self._verdict = '', None
+        self._stands = None
 
     def _halt(self) -> None:
         self._follower.follow(None, _NOWHERE)
@@ -208,8 +203,7 @@ class Guidance:
         GaitError
             If the plan cannot be followed.
         """
-        was_following = self._use_new_gaits(state)
-        self._use_new_plan(state.pose, joins_again=was_following)
+        self._use_new_plan(state.pose, joins_again=self._use_new_gaits(state))
         if not is_ready or self._is_blocked(state):
             return None
         step = self._next_step(state.time, Departure(state.pose, state.motion_pose))
@@ -288,8 +282,7 @@ class Guidance:
             self._follower.follow(self.wanted_plan, pose, self._pieces)
         if not self.has_new_plan:
             return
-        # What was wished for during the motion that failed counts, and not why it failed.
-        self.has_new_plan, self._verdict = False, None
+        self.has_new_plan, self._stands = False, None
         self._progress.reset()
         self.ways_out.reset()
         if self._report.activity.is_verdict:
@@ -319,7 +312,7 @@ class Guidance:
             return self._steer(time, start)
         if self._follower.plan is None:
             if not entry and not report.activity.is_verdict:
-                report.say(*(self._verdict or (Activity.STANDING, self.why_standing)))
+                report.say(*(self._stands or (Activity.STANDING, self.why_standing)))
             return None
         if self.plan_waits_for:
             if not entry:
@@ -336,8 +329,8 @@ class Guidance:
     @property
     def why_standing(self) -> str:
         """Reason for which the robot stands, as a sentence."""
-        if self._reason_to_stand:
-            return self._reason_to_stand
+        if self._stands is not None:
+            return self._stands[1]
         if self._stopped_goal is not None:
             return 'stopped on request; a plan to another goal makes the robot walk again'
         return 'no plan to follow'
@@ -346,7 +339,7 @@ class Guidance:
         steered = self.steering.next_step(time, start, self.gait_pair)
         self._report.limit = steered.limit
         if self.steering.twist is None:
-            self._reason_to_stand = steered.reason
+            self._stands = (Activity.STANDING, steered.reason) if steered.reason else None
         if steered.reason and not start.entry:
             self._report.say(Activity.STANDING, steered.reason)
         return steered.step

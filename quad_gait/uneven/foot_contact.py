@@ -10,6 +10,9 @@ from quad_common.robot.robot_build import LEGS
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.uneven_options import UnevenOptions
 
+_SURE = 3.0
+"""Multiple of the load that counts as contact that needs no second measurement."""
+
 _LITTLE = 0.2
 """Fraction of the load that counts as contact, below which a foot bears next to nothing."""
 
@@ -19,6 +22,12 @@ def load_fraction(robot: Robot, now: Stance, leg: int) -> float:
     if now.loads is None:
         return 0.0
     return float(now.loads[leg]) / (robot.mass * GRAVITY)
+
+
+def loaded_legs(robot: Robot, now: Stance, options: UnevenOptions) -> list[int]:
+    """Return the legs whose feet are in contact by their load; none where motors do not tell."""
+    least = options.contact_fraction
+    return [leg for leg in range(len(LEGS)) if load_fraction(robot, now, leg) > least]
 
 
 def unloaded_legs(robot: Robot, now: Stance, options: UnevenOptions) -> list[int]:
@@ -61,3 +70,42 @@ def as_touched(
     joints[leg] = touched.joint_positions[leg]
     feet = before.body.transform(robot.foot_positions(joints))
     return Stance(now.time, before.body, feet, joints, lambda: now.loads)
+
+
+class Touch:
+    """
+    Waits until it is sure that a foot has met the ground.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : UnevenOptions
+        How it walks.
+    """
+
+    def __init__(self, robot: Robot, options: UnevenOptions) -> None:
+        self._robot, self._options = robot, options
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin with another swing."""
+        self._before: Stance | None = None
+        self._first: Stance | None = None
+
+    @property
+    def is_felt(self) -> bool:
+        """Whether the foot bore load when it was looked at last, sure or not."""
+        return self._first is not None
+
+    def look(self, now: Stance, leg: int) -> Stance | None:
+        """Return the robot as it was when a leg's foot met the ground; None while not sure."""
+        fraction, least = load_fraction(self._robot, now, leg), self._options.contact_fraction
+        if fraction <= least:
+            self._before, self._first = now, None
+            return None
+        if self._first is None:
+            self._first = now
+            if fraction <= _SURE * least:
+                return None
+        return as_touched(self._robot, leg, self._before, self._first, now)

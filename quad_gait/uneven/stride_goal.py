@@ -53,6 +53,58 @@ class StrideGoal:
         order = tuple(LEGS.index(swing.leg) for swing in gait.swings)
         return cls(order, place.transform(robot.neutral_feet)[:, :2], place)
 
+    def footholds_on(self, height_map: HeightMap | None) -> Array:
+        """Return the footholds on a map of the ground, or even ground, shape (4, 3) [m]."""
+        height: Array = np.zeros(len(LEGS))
+        if height_map is not None:
+            height = height_map.height_at(self.footholds, beyond=0.0)
+        return np.column_stack([self.footholds, height])
+
+
+class LegOrder:
+    """
+    The order in which legs swing in a stride, and how far it has come.
+
+    Parameters
+    ----------
+    legs : tuple of int
+        Their indices.
+    """
+
+    def __init__(self, legs: tuple[int, ...]) -> None:
+        self._legs, self._next = list(legs), 0
+
+    @property
+    def leg(self) -> int:
+        """The leg that swings, or is next; when all have swung, the last."""
+        return self._legs[self._next]
+
+    @property
+    def ahead(self) -> list[int]:
+        """That leg and those after it."""
+        return self._legs[self._next :]
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether a leg has swung."""
+        return self._next > 0
+
+    def bring_forward(self, legs: list[int]) -> None:
+        """Let legs swing before the others that have not swung."""
+        ahead = self.ahead
+        first = [leg for leg in ahead if leg in legs]
+        self._legs[self._next :] = first + [leg for leg in ahead if leg not in legs]
+
+    def advance(self) -> bool:
+        """Go on to the next leg; return whether there is one."""
+        is_last = self._next == len(self._legs) - 1
+        self._next += not is_last
+        return not is_last
+
+    def end(self) -> None:
+        """Let no other leg swing."""
+        self._next = len(self._legs) - 1
+
 
 class Descent:
     """

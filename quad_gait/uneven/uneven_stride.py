@@ -23,17 +23,14 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.candidates import first_possible
 from quad_gait.uneven.felt_ground import FeltGround
-from quad_gait.uneven.foot_contact import as_touched, load_fraction, unloaded_legs
+from quad_gait.uneven.foot_contact import Touch, loaded_legs, unloaded_legs
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.stride_goal import StrideGoal
+from quad_gait.uneven.stride_goal import LegOrder, StrideGoal
 from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-
-_SURE = 3.0
-"""Multiple of the load that counts as contact that needs no second measurement."""
 
 _MOST_SEARCHES = 3
 """Searches for the ground before a foot is lifted all the same: the swing may free the others."""
@@ -82,22 +79,17 @@ class UnevenStride:
         options: UnevenOptions,
         felt: FeltGround | None = None,
     ) -> None:
-        self._robot, self._options = robot, options
+        self._robot, self._options, self._reaction = robot, options, options.reaction_time
         self._felt = felt or FeltGround(robot)
         self._planner = SwingPlanner(robot, options, swing_height)
-        self._order = list(goal.order)
-        self._place, self._footholds = goal.place, goal.footholds
-        self._is_exact = goal.is_exact
+        self._goal, self._order = goal, LegOrder(goal.order)
         self.height_map = height_map
-        self._phase, self._next = _Phase.SEEKING, 0
-        self._untouched: Stance | None = None
-        self._touched: Stance | None = None
+        self._phase, self._touch = _Phase.SEEKING, Touch(robot, options)
         self._seeking: list[int] = []
         self._sought: set[int] = set()
-        self._hangs = False
+        self._hangs = self._has_lowered = False
         self._searches = self._catches = 0
         self._return_to: Array | None = None
-        self._has_lowered = False
         self._swinging: PlannedSwing | None = None
         self._left: Array = np.zeros((len(LEGS), 3))
         self._motion: JointMotion | None = None
@@ -113,7 +105,7 @@ class UnevenStride:
     @property
     def leg(self) -> int:
         """Index of the leg that swings, or is next."""
-        return self._order[self._next]
+        return self._order.leg
 
     @property
     def joint_positions(self) -> Array | None:
@@ -124,10 +116,7 @@ class UnevenStride:
     @property
     def footholds(self) -> Array:
         """Where the feet would stand after it on even ground, shape (4, 3) [m]; z by the map."""
-        height: Array = np.zeros(len(LEGS))
-        if self.height_map is not None:
-            height = self.height_map.height_at(self._footholds, beyond=0.0)
-        return np.column_stack([self._footholds, height])
+        return self._goal.footholds_on(self.height_map)
 
     @property
     def in_contact(self) -> NDArray[np.bool_]:
@@ -136,7 +125,7 @@ class UnevenStride:
         motion, swing = self._motion, self._swinging
         if self._phase is _Phase.SWINGING and motion is not None and swing is not None:
             is_in_the_air = motion.done >= swing.lifted_at or self._return_to is not None
-            standing[self._order[self._next]] = not is_in_the_air
+            standing[self.leg] = not is_in_the_air
         return standing
 
     def update(self, now: Stance) -> JointTrajectory | None:
@@ -168,11 +157,9 @@ class UnevenStride:
             return None
         if self._motion is not None:
             self._motion = self._motion.followed(now.time, now.joint_positions)
-            reaction = self._options.reaction_time
-            again = self._motion.repeated(now.time, now.joint_positions, reaction)
+            again = self._motion.repeated(now.time, now.joint_positions, self._reaction)
             if again is not None and not self._is_held(now):
-                self._motion = again
-                return again.trajectory(reaction)
+                return self._give(again)
         if self._phase is _Phase.SEEKING:
             return self._seek(now)
         if self._phase is _Phase.FINISHING:
@@ -188,17 +175,18 @@ class UnevenStride:
     def _is_held(self, now: Stance) -> bool:
         """Tell whether a foot that is to be in the air bears load: it has met something."""
         legs = self._seeking if self._phase is _Phase.SEEKING else np.flatnonzero(~self.in_contact)
-        least = self._options.contact_fraction
-        return any(load_fraction(self._robot, now, int(leg)) > least for leg in legs)
+        return bool(np.isin(legs, loaded_legs(self._robot, now, self._options)).any())
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
         # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
-        if self.height_map is None or self._catches == _MOST_CATCHES:
+        motion = self._motion
+        if self.height_map is None or motion is None or motion.done < swing.lifted_at:
             return False
-        if self._motion is None or self._motion.done < swing.lifted_at:
-            return False
-        slips = self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        slips = (
+            self._catches < _MOST_CATCHES
+            and self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
+        )
         # Loads last: to find them takes longer than all the rest of a measurement.
         return slips and now.loads is not None
 
@@ -206,36 +194,31 @@ class UnevenStride:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
         self._catches += 1
         legs = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
-        self._motion = self._planner.search(now, self._commanded, legs, True)
+        search = self._planner.search(now, self._commanded, legs, True)
         self._seeking, self._return_to, self._phase = legs, None, _Phase.SEEKING
         self._sought.clear()
         self.limit = f'a foot has slipped, so {LEGS[self.leg]} is put down again'
-        return self._motion.trajectory(self._options.reaction_time)
+        return self._give(search)
 
     def _feel(self, now: Stance, swing: PlannedSwing) -> JointTrajectory | None:
         """Go on when the foot that swings has met the ground, or should have."""
-        motion, leg = self._motion, self._order[self._next]
+        motion, leg = self._motion, self.leg
         assert motion is not None
         if motion.given < swing.given:
-            return self._lift(now, motion, swing, leg)
+            return self._lift(now, motion, swing.given)
         if motion.done < swing.feels_from:
             return None
-        fraction = load_fraction(self._robot, now, leg)
-        if fraction <= self._options.contact_fraction:
-            self._untouched, self._touched = now, None
-        elif self._touched is None:
-            self._touched = now
-        if self._touched is not None:
-            if now is not self._touched or fraction > _SURE * self._options.contact_fraction:
-                met = as_touched(self._robot, leg, self._untouched, self._touched, now)
-                self._felt.note_contact(leg, met, self.height_map)
-                return self._land(met)
+        met = self._touch.look(now, leg)
+        if met is not None:
+            self._felt.note_contact(leg, met, self.height_map)
+            return self._land(met)
+        if self._touch.is_felt:
             return None
         if not motion.is_done:
-            return self._give_more(now)
+            return self._give_more(now, motion)
         if now.loads is None:
             return self._land(now)
-        if now.time < motion.end + self._options.reaction_time:
+        if now.time < motion.end + self._reaction:
             return None
         if self._return_to is not None:
             raise FootholdNotFound(LEGS[leg], swing.depth)
@@ -249,104 +232,79 @@ class UnevenStride:
         self._return_to = self._left[leg]
         return self._swing(now)
 
-    def _lift(
-        self, now: Stance, motion: JointMotion, swing: PlannedSwing, leg: int
-    ) -> JointTrajectory | None:
+    def _lift(self, now: Stance, motion: JointMotion, given: int) -> JointTrajectory | None:
         """
         Have a foot lifted once the three others are seen to stand; lower those that do not.
 
         Where a contact was noticed late, after a pause of the machine for example, that foot stands
         deeper than is known and the one across from it is in the air: on two feet a robot falls.
         """
-        reaction = self._options.reaction_time
-        lifting = motion.extended(now.time, reaction, swing.given - motion.given)
+        lifting = motion.extended(now.time, self._reaction, given - motion.given)
         if lifting is None:
             return None
         unloaded = unloaded_legs(self._robot, now, self._options)
-        self._seeking = [other for other in unloaded if other != leg]
+        self._seeking = [other for other in unloaded if other != self.leg]
         if self._seeking and self._searches < _MOST_SEARCHES:
             self._searches += 1
             # Where the legs have no room for it the foot is lifted all the same.
             with suppress(GaitError):
-                trajectory = self._search(now)
+                search = self._planner.search(now, self._commanded, self._seeking)
                 self._sought.clear()
                 self._phase = _Phase.SEEKING
-                return trajectory
-        self._motion = lifting
-        return lifting.trajectory(reaction)
+                return self._give(search)
+        return self._give(lifting)
 
-    def _search(self, now: Stance) -> JointTrajectory:
-        """Begin to lower the feet that are to be."""
-        self._motion = self._planner.search(now, self._commanded, self._seeking)
-        return self._motion.trajectory(self._options.reaction_time)
-
-    def _give_more(self, now: Stance) -> JointTrajectory | None:
+    def _give_more(self, now: Stance, motion: JointMotion) -> JointTrajectory | None:
         """Let a foot feel on, as nothing was met."""
-        assert self._motion is not None
-        more = self._motion.extended(now.time, self._options.reaction_time, BIT)
-        if more is None:
-            return None
-        self._motion = more
-        return more.trajectory(self._options.reaction_time)
+        more = motion.extended(now.time, self._reaction, BIT)
+        return None if more is None else self._give(more)
 
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
         motion = self._motion
         if motion is not None:
-            least = self._options.contact_fraction
-            found = [leg for leg in self._seeking if load_fraction(self._robot, now, leg) > least]
+            found = set(self._seeking) & set(loaded_legs(self._robot, now, self._options))
             if not found and not motion.is_done:
-                return self._give_more(now)
+                return self._give_more(now, motion)
             self._sought.update(found or self._seeking)
         unloaded = unloaded_legs(self._robot, now, self._options)
         self._seeking = [leg for leg in unloaded if leg not in self._sought]
-        if self._seeking:
-            lowering = self._lower(now)
-            if lowering is not None:
-                return lowering
+        lowering = self._lower(now) if self._seeking else None
+        if lowering is not None:
+            return lowering
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)
 
     def _lower(self, now: Stance) -> JointTrajectory | None:
         """Begin to lower feet, all or one; None where a single one hangs, which swings first."""
-        hanging, problems = self._seeking, []
-        for legs in dict.fromkeys([tuple(hanging), *((leg,) for leg in hanging)]):
-            self._seeking = list(legs)
-            try:
-                return self._search(now)
-            except GaitError as error:
-                problems.append(error)
-        # A stretched leg gets no farther down. No other may be lifted while its foot hangs.
-        if self._is_exact or len(hanging) > 1 or hanging[0] not in self._order[self._next :]:
-            raise problems[0]
-        self._bring_forward(hanging)
-        self._hangs = True
-        return None
-
-    def _bring_forward(self, legs: list[int]) -> None:
-        """Let legs swing before the others that have not swung."""
-        ahead = self._order[self._next :]
-        first = [leg for leg in ahead if leg in legs]
-        self._order[self._next :] = first + [leg for leg in ahead if leg not in legs]
+        hanging = self._seeking
+        try:
+            search, self._seeking = self._planner.search_some(now, self._commanded, hanging)
+        except GaitError:
+            # A stretched leg gets no farther down. No other may be lifted while its foot hangs.
+            if self._goal.is_exact or len(hanging) > 1 or hanging[0] not in self._order.ahead:
+                raise
+            self._order.bring_forward(hanging)
+            self._hangs = True
+            return None
+        return self._give(search)
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
         self._return_to, self._searches, self._hangs = None, 0, False
-        self._next += 1
-        return self._swing(now) if self._next < len(self._order) else self._finish(now)
+        return self._swing(now) if self._order.advance() else self._finish(now)
 
     def _finish(self, now: Stance) -> JointTrajectory:
         """Bring the body to its place; feet that have not swung stay where they are."""
         self._phase = _Phase.FINISHING
-        self._next = len(self._order) - 1
-        ground = self._felt.under(now, self.height_map)
-        self._motion = self._planner.shift(now, self._commanded, ground, self._place)
-        return self._motion.trajectory(self._options.reaction_time)
+        self._order.end()
+        ground, place = self._felt.under(now, self.height_map), self._goal.place
+        return self._give(self._planner.shift(now, self._commanded, ground, place))
 
     def _swing(self, now: Stance) -> JointTrajectory:
         """Swing the leg that is next, or take it back to where it stood."""
-        leg, back_to = self._order[self._next], self._return_to
+        leg, back_to = self.leg, self._return_to
         ground = self._felt.under(now, self.height_map, leg if back_to is not None else None)
         if back_to is not None:
             swing = self._planner.swing_back(now, self._commanded, ground, leg, back_to)
@@ -354,7 +312,7 @@ class UnevenStride:
             try:
                 swing = self._any_swing(now, ground)
             except GaitError as error:
-                if self._next == 0 or self._hangs:
+                if self._hangs or not self._order.has_begun:
                     raise
                 # Some feet are farther on: the body follows them as far as the others allow.
                 self.stuck = leg
@@ -362,30 +320,33 @@ class UnevenStride:
                 return self._finish(now)
         self.limit = self.limit or swing.limit
         self._left = now.feet
-        self._untouched = self._touched = None
+        self._touch.forget()
         self._has_lowered = False
         return self._begin(swing)
 
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
-        ahead, plan = self._order[self._next :], self._planner.swing
-        if self._hangs:
-            ahead = ahead[:1]
-        if self._is_exact:
-            ahead, plan = ahead[:1], self._planner.swing_onto
+        is_exact, ahead = self._goal.is_exact, self._order.ahead
+        plan = self._planner.swing_onto if is_exact else self._planner.swing
+        candidates = ahead[:1] if is_exact or self._hangs else ahead
 
         def planned(leg: int) -> tuple[int, PlannedSwing]:
-            return leg, plan(now, self._commanded, ground, leg, self._footholds[leg])
+            return leg, plan(now, self._commanded, ground, leg, self._goal.footholds[leg])
 
-        (leg, swing), problem = first_possible(planned, [(leg,) for leg in ahead])
+        (leg, swing), problem = first_possible(planned, [(leg,) for leg in candidates])
         if problem is not None:
-            self._bring_forward([leg])
+            self._order.bring_forward([leg])
             self.limit = self.limit or f'another foot goes first: {problem}'
         return swing
 
     def _begin(self, swing: PlannedSwing) -> JointTrajectory:
-        self._swinging, self._motion = swing, swing.motion
-        return swing.motion.trajectory(self._options.reaction_time)
+        self._swinging = swing
+        return self._give(swing.motion)
+
+    def _give(self, motion: JointMotion) -> JointTrajectory:
+        """Give out a motion, or more of it."""
+        self._motion = motion
+        return motion.trajectory(self._reaction)
 
     @property
     def _commanded(self) -> Array | None:
