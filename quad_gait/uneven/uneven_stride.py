@@ -183,10 +183,8 @@ class UnevenStride:
         motion = self._motion
         if self.height_map is None or motion is None or motion.done < swing.lifted_at:
             return False
-        slips = (
-            self._catches < _MOST_CATCHES
-            and self._felt.slip(now, self.leg) > self._robot.relative_size * _SLIP
-        )
+        far = self._robot.relative_size * _SLIP
+        slips = self._catches < _MOST_CATCHES and self._felt.slip(now, self.leg) > far
         # Loads last: to find them takes longer than all the rest of a measurement.
         return slips and now.loads is not None
 
@@ -326,9 +324,9 @@ class UnevenStride:
 
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
-        is_exact, ahead = self._goal.is_exact, self._order.ahead
+        is_exact = self._goal.is_exact
         plan = self._planner.swing_onto if is_exact else self._planner.swing
-        candidates = ahead[:1] if is_exact or self._hangs else ahead
+        candidates = [self.leg] if is_exact or self._hangs else self._order.ahead
 
         def planned(leg: int) -> tuple[int, PlannedSwing]:
             return leg, plan(now, self._commanded, ground, leg, self._goal.footholds[leg])
