@@ -93,19 +93,14 @@ class Touch:
         self._before: Stance | None = None
         self._first: Stance | None = None
 
-    @property
-    def is_felt(self) -> bool:
-        """Whether the foot bore load when it was looked at last, sure or not."""
-        return self._first is not None
-
-    def look(self, now: Stance, leg: int) -> Stance | None:
-        """Return the robot as it was when a leg's foot met the ground; None while not sure."""
+    def look(self, now: Stance, leg: int) -> tuple[bool, Stance | None]:
+        """Return whether a foot bears load, and the robot as it met the ground, once sure."""
         fraction, least = load_fraction(self._robot, now, leg), self._options.contact_fraction
         if fraction <= least:
             self._before, self._first = now, None
-            return None
+            return False, None
         if self._first is None:
             self._first = now
             if fraction <= _SURE * least:
-                return None
-        return as_touched(self._robot, leg, self._before, self._first, now)
+                return True, None
+        return True, as_touched(self._robot, leg, self._before, self._first, now)

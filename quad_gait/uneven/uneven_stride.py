@@ -206,11 +206,11 @@ class UnevenStride:
             return self._lift(now, motion, swing.given)
         if motion.done < swing.feels_from:
             return None
-        met = self._touch.look(now, leg)
+        is_felt, met = self._touch.look(now, leg)
         if met is not None:
             self._felt.note_contact(leg, met, self.height_map)
             return self._land(met)
-        if self._touch.is_felt:
+        if is_felt:
             return None
         if not motion.is_done:
             return self._give_more(now, motion)
