@@ -30,8 +30,9 @@ from quad_common.ros.pose_conversions import (
 )
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
+from quad_gait.gait_services import GaitServices
 from quad_gait.gait_status import GaitStatus
-from quad_gait.gait_topics import GaitServices, GaitTopics
+from quad_gait.gait_topics import GaitTopics
 from quad_gait.parameters import GaitParameters
 from quad_gait.plan_topics import PlanTopics
 from quad_gait.planner_watch import PlannerWatch
@@ -132,8 +133,7 @@ class GaitNode(QuadNode[GaitParameters]):
         if state is None:
             return
         self._odom_frame = message.header.frame_id
-        pose, odometry = self._map.locate(message)
-        state = state.placed(pose, odometry)
+        state = state.placed(*self._map.locate(message))
         doubt = _DOUBT if frame.doubt else ''
         self._supervisor.hold_plan(self._planner.problem or doubt)
         trajectory = self._supervisor.update(state)
@@ -141,7 +141,7 @@ class GaitNode(QuadNode[GaitParameters]):
         name = self._odom_frame if frame.correction is None else frame.name
         self._topics.publish_decision(trajectory, state, name, stamp)
         self._actions.update(state, message)
-        if self._diagnosis.has_changed(pose):
+        if self._diagnosis.has_changed(state.pose):
             self.update_status()
 
 

@@ -1,12 +1,10 @@
 """
-What ``gait_node`` publishes, and its services.
+What ``gait_node`` publishes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,12 +14,10 @@ from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import Bool, Float64, Header
-from std_srvs.srv import SetBool, Trigger
+from std_msgs.msg import Float64, Header
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from visualization_msgs.msg import MarkerArray
 
-from quad_common.errors import QuadError
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_message
@@ -95,7 +91,6 @@ class GaitTopics:
             self._felt = node.create_publisher(PointCloud2, 'height_map/felt', _LATCHED)
         self._last_heartbeat = self._last_polygon = -math.inf
         self._polygon_contacts = b''
-        self._emergency_stop = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
 
     def problems(self) -> tuple[str, ...]:
         """Say what is wrong with who publishes what, as sentences; empty ones if nothing is."""
@@ -149,10 +144,6 @@ class GaitTopics:
             message = trajectory_message(trajectory)
             self._trajectories.publish(message)
             self._goals.send(message, is_last)
-
-    def publish_emergency_stop(self, is_on: bool) -> None:
-        """Publish whether the emergency stop is on."""
-        self._emergency_stop.publish(Bool(data=is_on))
 
     def publish_leg_odometry(self, odometry: LegOdometry, frame: str, stamp: Time) -> None:
         """Publish the pose by legs, for whoever subscribes."""
@@ -233,70 +224,3 @@ class GaitTopics:
             return False
         self._last_polygon, self._polygon_contacts = state.time, contacts
         return True
-
-
-class GaitServices:
-    """
-    The services of the gait: each wishes for something.
-
-    Parameters
-    ----------
-    node : QuadNode
-        The node.
-    supervisor : Supervisor
-        What decides.
-    topics : GaitTopics
-        What is published of it.
-    """
-
-    def __init__(self, node: QuadNode[Any], supervisor: Supervisor, topics: GaitTopics) -> None:
-        self._node = node
-        self._supervisor = supervisor
-        self._topics = topics
-        self._decides_stop = False
-        node.create_service(SetBool, 'emergency_stop', self._on_emergency_stop)
-        node.create_subscription(Bool, 'emergency_stop/held', self._on_held_joints, _LATCHED)
-        node.create_service(Trigger, 'stand', partial(self._on_request, supervisor.stand))
-        node.create_service(Trigger, 'sit', partial(self._on_request, supervisor.sit))
-        node.create_service(Trigger, 'stop', partial(self._on_request, supervisor.stop))
-
-    def _on_request(
-        self, request: Callable[[], str], _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
-        """Stand, sit or stop."""
-        try:
-            response.message, response.success = request(), True
-        except QuadError as error:
-            response.message, response.success = str(error), False
-        self._topics.publish_followed()
-        return response
-
-    def _on_emergency_stop(
-        self, request: SetBool.Request, response: SetBool.Response
-    ) -> SetBool.Response:
-        """Freeze the robot at once, or release it."""
-        response.success = True
-        if request.data:
-            self._freeze()
-            response.message = 'all joints hold until the emergency stop is released'
-        else:
-            response.message = self._supervisor.release()
-            self._tell(False)
-        return response
-
-    def _on_held_joints(self, message: Bool) -> None:
-        """Take over a stop that a gait node before this one was asked for."""
-        # What is said of its own stops comes late: it may be released by now.
-        if message.data and not self._decides_stop:
-            self._freeze()
-
-    def _freeze(self) -> None:
-        self._topics.publish_trajectory(self._supervisor.freeze(), is_last=True)
-        self._tell(True)
-
-    def _tell(self, is_on: bool) -> None:
-        """Say whether the emergency stop is on: from now on it is this node that knows."""
-        self._decides_stop = True
-        self._topics.publish_emergency_stop(is_on)
-        self._topics.publish_followed()
-        self._node.update_status()

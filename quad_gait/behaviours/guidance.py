@@ -91,6 +91,7 @@ class Guidance:
         self.has_new_plan = False
         """Whether another plan, or none, was wished for that is not followed yet."""
         self._stopped_goal: Pose2D | None = None
+        self._was_stopped = False
         self._stands: tuple[Activity, str] | None = None
         self.wanted_plan: Plan | None = None
         """The plan to follow, also while something blocks the robot; None: there is none."""
@@ -115,19 +116,18 @@ class Guidance:
     def take_plan(self, wish: FollowPlan, refusal: str) -> None:
         """Take a plan, or none, from the next cycle on; a refusal is said."""
         plan = wish.plan
+        if plan and not wish.is_asked and _is_same_goal(plan.poses[-1], self._stopped_goal):
+            return
+        # A planner that takes its plan back knows of the stop: the next plan was asked for.
+        self._stopped_goal = None
         if plan is None and self.wanted_plan is None:
             # There is none to take back: whatever else the robot does goes on.
             return
-        if plan is not None and self._stopped_goal is not None:
-            if not wish.is_asked and _is_same_goal(plan.poses[-1], self._stopped_goal):
-                return
-            self._stopped_goal = None
         if plan is not None and refusal:
             self._report.limit = f'the plan is refused: {refusal}'
             return
-        self.wanted_plan = plan
-        self._pieces = wish.pieces
-        self.has_new_plan = True
+        self.wanted_plan, self._pieces = plan, wish.pieces
+        self.has_new_plan, self._was_stopped = True, False
         self.steering.end()
         self._stands = None
 
@@ -153,7 +153,7 @@ class Guidance:
     def forget_plan(self) -> None:
         """Want no plan; a plan to the same goal is no reason to walk again."""
         if self.wanted_plan is not None:
-            self._stopped_goal = self.wanted_plan.poses[-1]
+            self._stopped_goal, self._was_stopped = self.wanted_plan.poses[-1], True
             self.wanted_plan = None
             self.has_new_plan = True
 
@@ -331,8 +331,8 @@ class Guidance:
         """Reason for which the robot stands, as a sentence."""
         if self._stands is not None:
             return self._stands[1]
-        if self._stopped_goal is not None:
-            return 'stopped on request; a plan to another goal makes the robot walk again'
+        if self._was_stopped:
+            return 'stopped on request; a new goal makes the robot walk again'
         return 'no plan to follow'
 
     def _steer(self, time: float, start: Departure) -> Step | None:
@@ -345,5 +345,5 @@ class Guidance:
         return steered.step
 
 
-def _is_same_goal(a: Pose2D, b: Pose2D) -> bool:
-    return a.distance_to(b) < 1e-3 and abs(wrap_angle(a.yaw - b.yaw)) < 1e-3
+def _is_same_goal(a: Pose2D, b: Pose2D | None) -> bool:
+    return b is not None and a.distance_to(b) < 1e-3 and abs(wrap_angle(a.yaw - b.yaw)) < 1e-3

@@ -134,18 +134,25 @@ class CommandTracker:
 
     def commanded(self, time: float) -> Array | None:
         """Return where the joints are commanded to be, shape (n,) [rad]; None if unknown."""
-        if not self._candidates:
-            return None
-        followed = self._candidates[-1] if self._followed is None else self._followed
-        return followed.path.at(time - followed.delay)[0]
+        followed = self.followed
+        return None if followed is None else followed.path.at(time - followed.delay)[0]
+
+    @property
+    def followed(self) -> Candidate | None:
+        """The trajectory that the joints follow, or the latest; None if none is known."""
+        if self._followed is None and self._candidates:
+            return self._candidates[-1]
+        return self._followed
 
     def latest(self, time: float) -> tuple[Array, Array] | None:
         """
         Return where the latest trajectory that has begun has the joints, and what they may be off.
 
-        Each of shape (n,) [rad]; None if none has begun.
+        Each of shape (n,) [rad]; None if none has begun, or the latest was never followed.
         """
         for candidate in reversed(self._candidates):
+            if candidate.is_outdated:
+                return None
             if candidate.path.given <= time and candidate.path.begin <= time:
                 return candidate.path.at(time - candidate.delay)
         return None

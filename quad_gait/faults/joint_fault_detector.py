@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.faults.command_tracker import CommandTracker, Explanation, TrackerOptions
+from quad_gait.faults.execution_check import StandstillCheck
 from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_path import JointPath
 from quad_gait.faults.powerless_check import PowerlessCheck
@@ -47,10 +48,6 @@ class FaultDetectorOptions:
     """Time for which a joint may approach its command [s]."""
     compliance: float = 0.35
     """Distance from its command at which a position drive gives all its torque [rad]."""
-    turning: float = 0.3
-    """Speed that joints are commanded from which on they must be seen to turn [rad/s]."""
-    resting: float = 0.15
-    """Fraction of that speed below which they rest."""
     longest_gap: float = 0.03
     """Two measurements farther apart count as if they were so near [s]."""
     saturated: float = 0.95
@@ -93,6 +90,7 @@ class JointFaultDetector:
         self._tracker = CommandTracker(self._options.tracker)
         self._turning = TurningCheck(self._largest)
         self._powerless = PowerlessCheck()
+        self._standstill = StandstillCheck()
         self.forget()
 
     def forget(self) -> None:
@@ -104,6 +102,7 @@ class JointFaultDetector:
         self._slack_for: Array = np.zeros(len(self._largest))
         self._turning.forget()
         self._powerless.forget()
+        self._standstill.forget()
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
         self._unfollowed_at: Array | None = None
@@ -165,10 +164,11 @@ class JointFaultDetector:
             self._tracker.hold(*last)
             self._knows_posture = True
         step = min(dt, self._options.longest_gap)
+        self._standstill.update(time, positions, moved / dt)
         strictness = self._strictness(efforts, step)
         found = self._tracker.explain(time, positions, strictness)
         powerless = self._hidden(found, time, positions, strictness, step)
-        if powerless >= 0:
+        if powerless >= 0 and not self._have_stopped(powerless, positions, step):
             assert found is not None
             self._off_from = self._powerless.since
             commanded = float(found.posture[powerless])
@@ -234,7 +234,7 @@ class JointFaultDetector:
         if np.count_nonzero(far) > 1 or self._on_latest_for < options.settling - 1e-9:
             return None
         joint = self._turning.update(found.posture, positions, efforts, step)
-        if joint < 0:
+        if joint < 0 or self._have_stopped(joint, positions, step):
             return None
         self._off_from = float(positions[joint])
         return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
@@ -285,10 +285,8 @@ class JointFaultDetector:
         if joint != self._suspect:
             self._suspect, self._off_from = joint, float(positions[joint])
             self._off_for = self._approaching_for = 0.0
-        if self._nothing_moves(joint, velocities, time):
-            # Then it is not this joint: the trajectory is not executed.
+        if self._have_stopped(joint, positions, step):
             self._off_for = 0.0
-            self._count_unfollowed(positions, step)
             return None
         error = float(found.posture[joint] - positions[joint])
         is_slack = False
@@ -320,13 +318,12 @@ class JointFaultDetector:
             return None
         return self._fault(joint, time, positions, float(found.posture[joint]), efforts)
 
-    def _nothing_moves(self, joint: int, velocities: Array, time: float) -> bool:
-        """Return whether all other joints rest though they are commanded to turn."""
-        asked = np.delete(self._tracker.speeds(time), joint)
-        done = np.delete(np.abs(velocities), joint)
-        if not len(asked) or asked.max() < self._options.turning:
-            return False
-        return bool(done.max() < self._options.resting * asked.max())
+    def _have_stopped(self, joint: int, positions: Array, step: float) -> bool:
+        """Return whether it is not this joint, but a trajectory that no joint executes."""
+        has_stopped = self._standstill.has_stopped(joint, self._tracker)
+        if has_stopped:
+            self._count_unfollowed(positions, step)
+        return has_stopped
 
     def _fault(
         self, joint: int, time: float, positions: Array, commanded: float, efforts: Array | None

@@ -49,6 +49,7 @@ SHARED = {
     'batch_topics': ('sim_node',),
     'camera_topics': ('ceiling_camera_node',),
     'gait_topics': ('gait_node',),
+    'gait_services': ('gait_node',),
     'plan_topics': ('gait_node',),
     'entity_services': ('sim_node',),
     'gait_actions': ('gait_node',),
@@ -71,6 +72,7 @@ QUALITIES = {
     '500': 'reliable, volatile, depth 500',
     '_LATCHED': 'reliable, transient local, depth 1',
     '_EVERY_PLAN': 'reliable, transient local, depth 10',
+    '_EVERY_ONE': 'reliable, transient local, depth 10',
     '_STATIC': 'reliable, transient local, depth 100',
     '_CLOCK': 'best effort, volatile, depth 1',
     '_NEWEST': 'best effort, volatile, depth 1',
@@ -395,7 +397,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
     from quad_common.ros import map_frame_listener, transform_publisher
-    from quad_gait import gait_node, gait_topics, plan_topics
+    from quad_gait import gait_node, gait_services, gait_topics, plan_topics
     from quad_perception import camera_topics, ceiling_camera_node
     from quad_planner import map_topics, planner_topics
     from quad_sim import sim_topics, simulated_robot_topics
@@ -410,6 +412,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
             for module in (
                 camera_topics,
                 gait_node,
+                gait_services,
                 gait_topics,
                 map_topics,
                 plan_topics,
@@ -421,6 +424,7 @@ def test_the_profiles_mean_what_the_pages_call_them():
             )
         ],
         '_EVERY_PLAN': [planner_topics._EVERY_PLAN],
+        '_EVERY_ONE': [gait_services._EVERY_ONE],
         '_STATIC': [map_frame_listener._STATIC],
         '_CLOCK': [sim_topics._CLOCK],
         '_NEWEST': [ceiling_camera_node._NEWEST, robot_topics._NEWEST],

@@ -838,6 +838,24 @@ def test_in_mid_walk_the_robot_stops_on_four_feet_first(gait, wish):
     assert controller.activity is Activity.WALKING
 
 
+def test_a_goal_that_was_stopped_counts_again_once_the_planner_knows_of_the_stop():
+    walk = steady_walk()
+    plan = Plan.through([[0.0, 0.0], [3.0, 0.0]], 0.0)
+    walk.controller.set_plan(plan)
+    walk.run_for(2.0)
+    walk.controller.stop()
+    walk.run(walk.stands, 20.0)
+    # A plan that was under way when the robot was stopped.
+    walk.controller.set_plan(plan)
+    walk.run_for(1.0)
+    assert walk.controller.activity is Activity.STANDING
+    # The planner takes it back, and is given the goal again.
+    walk.controller.set_plan(None)
+    walk.controller.set_plan(plan)
+    walk.run_for(1.0)
+    assert walk.controller.activity is Activity.WALKING
+
+
 @each_steady_gait
 def test_while_it_comes_to_rest_the_robot_does_not_say_that_it_stands_and_walks(gait):
     walk = steady_walk(gait=gait)

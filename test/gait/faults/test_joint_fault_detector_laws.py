@@ -273,3 +273,37 @@ def test_joints_that_follow_again_are_followed_again():
         robot.advance()
         assert robot.watch.update(robot.time, robot.joints, np.full(12, 20.0)) is None
     assert robot.watch.unfollowed == 0.0
+
+
+@pytest.mark.parametrize('seed', range(12))
+@pytest.mark.parametrize('has_torque', [True, False])
+def test_joints_that_are_all_held_in_a_slow_motion_are_sound(seed, has_torque):
+    # As a switch does that stops all drives while the robot stands up.
+    rng = np.random.default_rng(seed)
+    watch = JointFaultDetector(ROBOT)
+    executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE)
+    times = np.arange(0.1, 4.01, 0.02)
+    turn = rng.uniform(-0.3, 0.3, 12)
+    share = (times / times[-1])[:, None]
+    motion = JointTrajectory(
+        ROBOT.joint_names,
+        0.5,
+        times,
+        POSTURE + turn * share**2 * (3.0 - 2.0 * share),
+        turn * 6.0 * share * (1.0 - share) / times[-1],
+    )
+    held_from = rng.uniform(1.0, 2.5)
+    efforts = rng.uniform(0.1, 0.5, 12) * ROBOT.effort.reshape(-1)
+    if not has_torque:
+        efforts[rng.random(12) < 0.5] = 0.0
+    # It has stood for a while, on a trajectory that is void by now.
+    watch.update(0.0, POSTURE, efforts)
+    watch.expect(motion, 0.2)
+    executor.accept(motion, 0.2)
+    joints = POSTURE
+    for time in np.arange(0.2, 8.0, STEP):
+        if time < held_from:
+            joints, _ = executor.command(time)
+        measured = joints + rng.normal(0.0, 0.0005, 12)
+        assert watch.update(time, measured, efforts) is None
+    assert watch.unfollowed > 1.0

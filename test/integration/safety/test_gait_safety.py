@@ -76,6 +76,44 @@ def test_an_emergency_stop_outlives_the_gait_node_that_was_asked_for_it(bench: B
     )
 
 
+def test_a_stop_that_somebody_else_publishes_is_taken_over_in_mid_step(composed_bench: Bench):
+    bench = composed_bench
+    bench.start_robot(backend=PHYSICS, real_time_factor=2.0)
+    # It has decided on a stop of its own before.
+    for is_on in (True, False):
+        assert bench.call('emergency_stop', SetBool, SetBool.Request(data=is_on)).success
+    assert bench.call('stand').success
+    bench.give_goal(GOAL)
+    bench.wait_for_walking()
+    bench.wait_until('a leg swings', lambda: fastest_joint(bench) > 0.5)
+    bench.publisher(Bool, 'emergency_stop/active', LATCHED).publish(Bool(data=True))
+    bench.wait_for_status('gait_node', 'all joints hold until it is released', level=ERROR)
+    assert not bench.call('stand').success
+
+    assert bench.call('emergency_stop', SetBool, SetBool.Request(data=False)).success
+    bench.wait_for_status('gait_node', 'it waits for stand', level=ERROR)
+    assert bench.call('stand').success
+    bench.give_goal(GOAL)
+    bench.wait_for_arrival(GOAL)
+
+
+def test_a_driver_that_holds_the_joints_by_itself_stops_the_robot(bench: Bench):
+    bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
+    bench.start('gait_node')
+    bench.wait_for_status('gait_node', 'standing', level=OK)
+    for is_on in (True, False):
+        assert bench.call('emergency_stop', SetBool, SetBool.Request(data=is_on)).success
+    assert bench.call('stand').success
+    driver = bench.publisher(Bool, 'emergency_stop/held', LATCHED)
+
+    def is_stopped() -> bool:
+        # What comes soon after its own stop is taken for an echo of it.
+        driver.publish(Bool(data=True))
+        return 'all joints hold' in bench.statuses['gait_node'].message
+
+    bench.wait_until('the gait takes the stop over', is_stopped)
+
+
 def test_the_planner_remembers_an_emergency_stop_where_no_simulator_does(bench: Bench):
     bench.start('planner_node', use_sim_time=False)
     bench.start('gait_node', use_sim_time=False)
