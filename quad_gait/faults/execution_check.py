@@ -106,6 +106,8 @@ class StandstillOptions:
     """Angle that joints are commanded from which on they must be seen to have turned [rad]."""
     response: float = 0.1
     """Time in which a drive answers to that [s]."""
+    slow_response: float = 0.4
+    """The same while a trajectory starts on arrival: it is not known when that was [s]."""
     window: float = 1.0
     """Time for which it is remembered where the joints were [s]."""
     spacing: float = 0.02
@@ -171,7 +173,8 @@ class StandstillCheck:
         assert followed is not None
         # Before it began the joints did something else.
         began = followed.path.begin + followed.delay
-        past = [(t, there) for t, there in self._past if began <= t <= time - options.response]
+        answered = time - (options.response if tracker.is_exact else options.slow_response)
+        past = [(t, there) for t, there in self._past if began <= t <= answered]
         if not past:
             return False
         times = np.array([*(t for t, _ in past), time])
@@ -180,4 +183,7 @@ class StandstillCheck:
         # How far they should have turned, and did, since each moment that is remembered.
         wanted = np.abs(commands[-1] - commands[:-1]).max(axis=1)
         turned = np.abs(positions[others] - places).max(axis=1)
-        return bool(((wanted >= options.distance) & (turned < options.resting * wanted)).any())
+        is_at_rest = (wanted >= options.distance) & (turned < options.resting * wanted)
+        # Those that are where they should be have got there.
+        behind = float(np.abs(commands[-1] - positions[others]).max())
+        return bool((is_at_rest & (behind > 0.5 * wanted)).any())

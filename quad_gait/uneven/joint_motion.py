@@ -25,6 +25,10 @@ _ELSEWHERE = 0.07
 """Distance of a joint from its command that drive and load do not make at rest, as for the watch
 over joints that do not answer [rad]."""
 
+_THERE = 0.03
+"""Distance from its command at which a joint is there: where all but one are, a motion has come and
+that one may have failed [rad]."""
+
 _PATIENCE = 1.0
 """Time past its end after which a motion counts as lost [s]."""
 
@@ -90,9 +94,7 @@ class JointMotion:
             The same, with :attr:`done` brought up to date: the last sample that the joints may
             be at by their angles and by the clock.
         """
-        if time > self.end + _PATIENCE and (
-            self.repeats == _MOST_REPEATS or self._is_near(self.given, joint_positions)
-        ):
+        if time > self.end + _PATIENCE and not self._is_lost(joint_positions):
             return replace(self, done=self.given)
         period = self.times[1]
         latest = min(self.given, int((time - self.start) / period + 1e-6))
@@ -125,13 +127,16 @@ class JointMotion:
         due = self.start + float(self.times[self.given])
         if time <= due + _PATIENCE or self.done == self.given:
             return None
-        if self.repeats == _MOST_REPEATS or self._is_near(self.given, joint_positions):
+        if not self._is_lost(joint_positions):
             return None
         start = time + reaction_time - float(self.times[self.done])
         return replace(self, since=self.done, start=start, repeats=self.repeats + 1)
 
-    def _is_near(self, sample: int, joint_positions: Array) -> bool:
-        return bool(np.all(np.abs(self.positions[sample] - joint_positions) <= _ELSEWHERE))
+    def _is_lost(self, joint_positions: Array) -> bool:
+        """Tell of joints that should be at the end whether they never began, as far as is known."""
+        off = np.sort(np.abs(self.positions[self.given] - joint_positions), axis=None)
+        is_elsewhere = off[-1] > _ELSEWHERE and off[-2] > _THERE
+        return bool(is_elsewhere and self.repeats < _MOST_REPEATS)
 
     def extended(self, time: float, reaction_time: float, samples: int) -> JointMotion | None:
         """

@@ -277,7 +277,8 @@ def test_joints_that_follow_again_are_followed_again():
 
 @pytest.mark.parametrize('seed', range(12))
 @pytest.mark.parametrize('has_torque', [True, False])
-def test_joints_that_are_all_held_in_a_slow_motion_are_sound(seed, has_torque):
+@pytest.mark.parametrize('stamp', [0.5, 0.0])
+def test_joints_that_are_all_held_in_a_slow_motion_are_sound(seed, has_torque, stamp):
     # As a switch does that stops all drives while the robot stands up.
     rng = np.random.default_rng(seed)
     watch = JointFaultDetector(ROBOT)
@@ -287,7 +288,7 @@ def test_joints_that_are_all_held_in_a_slow_motion_are_sound(seed, has_torque):
     share = (times / times[-1])[:, None]
     motion = JointTrajectory(
         ROBOT.joint_names,
-        0.5,
+        stamp,
         times,
         POSTURE + turn * share**2 * (3.0 - 2.0 * share),
         turn * 6.0 * share * (1.0 - share) / times[-1],

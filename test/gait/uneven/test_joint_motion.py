@@ -75,3 +75,14 @@ def test_a_motion_that_is_late_is_not_given_out_twice():
     assert late.repeated(1.4, motion.positions[15], 0.06) is None
     near = motion.positions[29] + 0.02
     assert motion.followed(1.7, near).repeated(1.7, near, 0.06) is None
+
+
+@pytest.mark.parametrize('joint', [0, 4, 11])
+def test_a_motion_that_all_joints_but_one_made_is_over_and_not_given_out_again(joint):
+    motion = steady_motion(0.5, given=20)
+    joints = motion.positions[20].copy()
+    joints.flat[joint] = motion.positions[0].flat[joint]
+    motion = motion.followed(1.0, joints)
+    after = motion.end + 1.1
+    assert motion.repeated(after, joints, 0.06) is None
+    assert motion.followed(after, joints).done == 20
