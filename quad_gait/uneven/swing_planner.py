@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
@@ -147,11 +148,11 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
-        shins = aims.shins(leg, place - start[:2], now.body.yaw)
+        shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
         @cache
         def aim(fraction: float, clearance: float) -> FootAim:
-            target = aims.target(ground, start, place, fraction, shins)
+            target = aims.target(ground, start, place, fraction, shin)
             return aims.aim(ground, start, target, feels, clearance)
 
         @cache
