@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.faults.command_tracker import CommandTracker, Explanation, TrackerOptions
-from quad_gait.faults.execution_check import StandstillCheck
 from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_path import JointPath
 from quad_gait.faults.powerless_check import PowerlessCheck
+from quad_gait.faults.standstill_check import StandstillCheck
 from quad_gait.faults.turning_check import TurningCheck
 
 Array = NDArray[np.float64]

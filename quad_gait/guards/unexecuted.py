@@ -8,7 +8,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, PASS, Command, Done, Shared
 from quad_gait.behaviours.routine import Routine
-from quad_gait.faults.execution_check import ExecutionCheck
+from quad_gait.guards.execution_check import ExecutionCheck
 from quad_gait.guards.guard import Guard
 from quad_gait.state.robot_state import RobotState
 

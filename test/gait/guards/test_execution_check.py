@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from quad_gait.faults.execution_check import ExecutionCheck
+from quad_gait.guards.execution_check import ExecutionCheck
 
 
 def states(check, unfollowed, begin=0.0, seconds=20.0):
