@@ -24,7 +24,7 @@ from quad_gait.supervisor import Supervisor
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _EVERY_ONE = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""For what is said of the stop: what was said by this node is told apart by its order."""
+"""For what is said of the stop: what this node has said is told apart by its order."""
 
 _ECHO_TIME = 2.0
 """Time within which others have said that they hold the joints, as they were told to [s]."""
@@ -81,8 +81,8 @@ class EmergencyStop:
         self._node = node
         self._supervisor = supervisor
         self._topics = topics
-        self._said: deque[bool] = deque()
-        """What this node has said, and not heard yet."""
+        # What this node has said, and not heard yet; what is older is not heard any more.
+        self._said: deque[bool] = deque(maxlen=_EVERY_ONE.depth)
         self._told_to_hold_at = -math.inf
         self._active = node.create_publisher(Bool, 'emergency_stop/active', _LATCHED)
         node.create_subscription(Bool, 'emergency_stop/active', self._on_active, _EVERY_ONE)

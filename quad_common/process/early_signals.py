@@ -6,8 +6,10 @@ This module imports what Python has loaded anyway, so that nothing comes before 
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
+from collections.abc import Callable
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """An interrupt, a request to end, and a terminal that was closed."""
@@ -24,8 +26,25 @@ def end_command_at_once() -> None:
 
 
 def _end_at_once(base: int, factor: int) -> None:
+    def end(number: int, frame: object = None) -> None:
+        os._exit(base + factor * number)
+
+    # Python looks for signals between its own instructions. One that comes just before the main
+    # thread begins to wait in the kernel, for a slow disk perhaps, is seen by another thread.
+    received, wakeup = os.pipe()
+    os.set_blocking(wakeup, False)
+    signal.set_wakeup_fd(wakeup, warn_on_full_buffer=False)
+    _thread.start_new_thread(_watch, (received, end))
     for number in SIGNALS:
         # What nohup started is not to react to its terminal. Interrupts are ignored by
         # whatever a shell starts in the background, and yet meant for whom they are sent to.
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, lambda number, frame: os._exit(base + factor * number))
+            signal.signal(number, end)
+
+
+def _watch(received: int, end: Callable[[int], None]) -> None:
+    """Wait for the first signal, until others wait for it and close the pipe."""
+    while number := os.read(received, 1):
+        if number[0] in SIGNALS:
+            end(number[0])
+    os.close(received)

@@ -73,7 +73,10 @@ class EndSignals:
         """Receive signals from now on; those that were blocked meanwhile are handled at once."""
         self._wakeup = os.pipe()
         os.set_blocking(self._wakeup[1], False)
-        signal.set_wakeup_fd(self._wakeup[1], warn_on_full_buffer=False)
+        before = signal.set_wakeup_fd(self._wakeup[1], warn_on_full_buffer=False)
+        if before != -1:
+            # That of early_signals, whose thread waits no longer.
+            os.close(before)
         threading.Thread(target=self._watch, name='end_signals', daemon=True).start()
         for number in SIGNALS:
             # As in early_signals: a terminal that nohup has cut off stays cut off.

@@ -112,22 +112,41 @@ def test_a_node_that_looks_whether_it_is_to_end_ends_in_good_order(tmp_path, num
     assert process.returncode == 0
 
 
+def executable(module: str, imports: str) -> str:
+    """Write code that starts an executable, and does something in place of its next import."""
+    name = 'entry' if module == 'quad_gait' else 'end_signals'
+    return (
+        'import runpy, signal, sys, threading, time\n'
+        'class Slow:\n    def find_spec(self, name, path=None, target=None):\n'
+        f"        if name == 'quad_common.process.{name}':\n"
+        f'            {imports}\n            time.sleep(60)\n'
+        'def take(number):\n    time.sleep(0.3)\n'
+        "    print('begun', flush=True)\n"
+        '    signal.pthread_kill(threading.get_ident(), number)\n'
+        'sys.meta_path.insert(0, Slow())\n'
+        f"runpy.run_module('{module}', run_name='__main__')\n"
+    )
+
+
 @pytest.mark.parametrize('module', ['quad_gait', 'quad_cli'])
 @pytest.mark.parametrize('number', SIGNALS)
 def test_an_executable_hears_signals_before_it_imports_anything(tmp_path, module, number):
     # Whatever it imports next is made to take forever.
-    name = 'entry' if module == 'quad_gait' else 'end_signals'
-    code = (
-        'import runpy, sys, time\n'
-        'class Slow:\n    def find_spec(self, name, path=None, target=None):\n'
-        f"        if name == 'quad_common.process.{name}':\n"
-        "            print('begun', flush=True)\n            time.sleep(60)\n"
-        'sys.meta_path.insert(0, Slow())\n'
-        f"runpy.run_module('{module}', run_name='__main__')\n"
-    )
-    process = start(code, tmp_path)
+    process = start(executable(module, "print('begun', flush=True)"), tmp_path)
     assert send(process, number) == ''
     assert process.returncode == (0 if module == 'quad_gait' else 128 + number)
+
+
+@pytest.mark.parametrize('module', ['quad_gait', 'quad_cli'])
+@pytest.mark.parametrize('number', SIGNALS)
+def test_an_executable_hears_signals_while_an_import_waits_in_the_kernel(tmp_path, module, number):
+    # A signal just before the wait, or one that another thread takes, does not end the wait.
+    taken = f'threading.Thread(target=take, args=({number:d},)).start()'
+    process = start(executable(module, taken), tmp_path)
+    began = time.monotonic()
+    assert send(process) == ''
+    assert process.returncode == (0 if module == 'quad_gait' else 128 + number)
+    assert time.monotonic() - began < 40.0
 
 
 def test_a_node_that_hangs_is_ended_with_0_and_says_where_it_hung(tmp_path):
