@@ -10,13 +10,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.planar_pose import wrap_angle
+from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_common.rotations import matrix_from_angles
 
 Array = NDArray[np.float64]
 
 _LEVEL = np.zeros(2)
+
+_AROUND = (0, 1, 3, 2)
+"""Legs in their order around the body, clockwise as seen from above."""
+
+_MOST_PROJECTIONS, _NEGLIGIBLE = 40, 1e-4
+"""Number of corrections of a point that is too near to edges, and how far it may be off [m]."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,18 @@ class BodyPose:
         """Bring points (..., 3) from the body's frame into this one [m]."""
         moved: Array = self.position + points @ self.rotation.T
         return moved
+
+    def lowered(self, depth: float) -> BodyPose:
+        """Return the pose that is lower by so much [m]."""
+        position = self.position - np.array([0.0, 0.0, depth])
+        return BodyPose(position, self.roll, self.pitch, self.yaw)
+
+    def leaning_to(self, place: Pose2D, fraction: float, farthest: float) -> BodyPose:
+        """Return the pose that is nearer to a place, by a fraction of at most a distance [m]."""
+        offset = np.array([place.x, place.y]) - self.position[:2]
+        offset *= min(1.0, farthest / max(float(np.hypot(*offset)), 1e-9))
+        position = self.position + np.array([*(fraction * offset), 0.0])
+        return BodyPose(position, self.roll, self.pitch, self.yaw)
 
 
 def heading_over(robot: Robot, feet: Array) -> float:
@@ -144,6 +162,37 @@ def balanced(point: Array, triangle: Array, margin: float) -> Array:
     nearest = [_nearest_on(point, inner[k], inner[(k + 1) % 3]) for k in range(3)]
     best: Array = min(nearest, key=lambda other: float(np.hypot(*(other - point))))
     return best
+
+
+def balanced_on_four(point: Array, feet: Array, margin: float) -> Array:
+    """
+    Find a point near another one that is well inside the feet of all four legs.
+
+    Parameters
+    ----------
+    point : ndarray, shape (2,)
+        Where the center of mass would be [m].
+    feet : ndarray, shape (4, 2)
+        In the order of the legs [m].
+    margin : float
+        Wanted distance from the edges [m]; less where the feet are too near to one another.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        The point itself where it is inside; the nearest one where one edge is too near.
+    """
+    corners = feet[list(_AROUND)]
+    edges = np.roll(corners, -1, axis=0) - corners
+    inwards = np.column_stack([edges[:, 1], -edges[:, 0]])
+    inwards /= np.maximum(np.linalg.norm(inwards, axis=1, keepdims=True), 1e-9)
+    for _ in range(_MOST_PROJECTIONS):
+        lacking = margin - np.einsum('ij,ij->i', point - corners, inwards)
+        worst = int(np.argmax(lacking))
+        if lacking[worst] <= _NEGLIGIBLE:
+            break
+        point = point + lacking[worst] * inwards[worst]
+    return point
 
 
 def _is_inside(point: Array, triangle: Array) -> bool:

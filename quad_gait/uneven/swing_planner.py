@@ -7,6 +7,7 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import NamedTuple
@@ -18,7 +19,13 @@ from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
-from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
+from quad_gait.state.body_placement import (
+    BodyPose,
+    balanced,
+    balanced_on_four,
+    body_over,
+    heading_over,
+)
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.body_pace import BodyPace
 from quad_gait.uneven.candidates import (
@@ -243,7 +250,7 @@ class SwingPlanner:
     ) -> PlannedSwing:
         """Plan how the body is lowered, so that a foot gets farther down."""
         speed = self._scale * self._options.search_speed
-        target = _lowered(now.body, self._scale * LOWEST)
+        target = now.body.lowered(self._scale * LOWEST)
         shift = self._body_pace.duration(now.body, target)
         times = self._times(shift + depth / speed + ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
@@ -286,12 +293,16 @@ class SwingPlanner:
         yaw = heading_over(self._robot, now.feet)
         lean = wrap_angle(place.yaw - yaw)
         lean = float(np.clip(lean, -_LARGEST_LEAN, _LARGEST_LEAN))
+        # Feet that were left behind may be behind the place, too.
+        margin = self._scale * self._options.margin
+        inside = partial(balanced_on_four, feet=now.feet[:, :2], margin=margin)
 
         def plan(fraction: float, tilt: float, lower: float) -> JointMotion:
             heading = yaw + fraction * lean
             target = body_over(self._robot, now.feet, heading, ground.slope, tilt)
-            target = _lowered(target, self._scale * lower)
-            target = self._leaning(target, place, fraction)
+            target = target.lowered(self._scale * lower)
+            target = target.leaning_to(place, fraction, self._scale * self._options.foothold_reach)
+            target = self._balanced(target, now, inside)
             duration = self._body_pace.duration(now.body, target)
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
@@ -299,14 +310,6 @@ class SwingPlanner:
             return self._along(now, commanded, PlannedPaths(times, target, progress, feet))
 
         return first_possible(plan, LEANS)[0]
-
-    def _leaning(self, body: BodyPose, place: Pose2D, fraction: float) -> BodyPose:
-        """Move the body beside the middle of its feet, towards its place."""
-        offset = np.array([place.x, place.y]) - body.position[:2]
-        farthest = self._scale * self._options.foothold_reach
-        offset *= min(1.0, farthest / max(float(np.hypot(*offset)), 1e-9))
-        position = body.position + np.array([*(fraction * offset), 0.0])
-        return BodyPose(position, body.roll, body.pitch, body.yaw)
 
     def _course(
         self, now: Stance, ground: GroundModel, swing: _Swing, posture: _Posture
@@ -319,11 +322,12 @@ class SwingPlanner:
         feet[leg] = 0.5 * (start + target)
         feet[leg, 2] = target[2]
         yaw = heading_over(robot, feet)
-        body = _lowered(
-            body_over(robot, feet, yaw, ground.slope, posture.tilt), scale * posture.lower
-        )
+        body = body_over(robot, feet, yaw, ground.slope, posture.tilt)
+        body = body.lowered(scale * posture.lower)
         margin = options.least_margin if posture.has_less_margin else options.margin
-        body = self._balanced_over(body, now, leg, margin)
+        triangle = np.delete(now.feet[:, :2], leg, axis=0)
+        inside = partial(balanced, triangle=triangle, margin=scale * margin)
+        body = self._balanced(body, now, inside)
 
         shift = self._body_pace.duration(now.body, body)
         # The body need not be quite there: it is slow at the end of its motion.
@@ -364,12 +368,10 @@ class SwingPlanner:
         paths = PlannedPaths(times, course.body, course.progress(times), course.feet(times))
         return may_reach(self._robot, now, paths)
 
-    def _balanced_over(self, body: BodyPose, now: Stance, leg: int, margin: float) -> BodyPose:
-        """Move the body so that its center of mass is inside the other three feet."""
+    def _balanced(self, body: BodyPose, now: Stance, inside: Callable[[Array], Array]) -> BodyPose:
+        """Move the body so that its center of mass is inside feet."""
         offset = (body.rotation @ self._center_of_mass(now))[:2]
-        center = body.position[:2] + offset
-        triangle = np.delete(now.feet[:, :2], leg, axis=0)
-        moved = balanced(center, triangle, self._scale * margin) - offset
+        moved = inside(body.position[:2] + offset) - offset
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
 
     def _center_of_mass(self, now: Stance) -> Array:
@@ -387,7 +389,3 @@ class SwingPlanner:
     def _times(self, duration: float) -> Array:
         count = max(2, round(duration / self._options.sample_period))
         return np.linspace(0.0, duration, count + 1, dtype=np.float64)
-
-
-def _lowered(body: BodyPose, depth: float) -> BodyPose:
-    return BodyPose(body.position - np.array([0.0, 0.0, depth]), body.roll, body.pitch, body.yaw)

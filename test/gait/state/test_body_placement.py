@@ -7,7 +7,7 @@ import pytest
 
 from quad_common.robot_files.robot_file import available_robots, load_robot
 from quad_gait.cycle.stability import stability_margin
-from quad_gait.state.body_placement import BodyPose, balanced, body_over
+from quad_gait.state.body_placement import BodyPose, balanced, balanced_on_four, body_over
 
 TRIANGLE = np.array([[0.0, 0.0], [0.6, 0.0], [0.0, 0.4]])
 
@@ -52,3 +52,25 @@ def test_in_a_triangle_that_is_too_small_the_middle_is_best():
 def test_it_does_not_matter_which_way_round_the_feet_are_given():
     point = np.array([0.3, 0.3])
     assert balanced(point, TRIANGLE[::-1], 0.03) == pytest.approx(balanced(point, TRIANGLE, 0.03))
+
+
+@pytest.mark.parametrize('point', [(0.1, 0.05), (0.5, 0.0), (0.4, 0.5), (0.0, -0.4), (-0.9, 0.9)])
+def test_a_body_is_kept_inside_four_feet(point):
+    feet = np.array([[0.35, 0.2], [0.3, -0.25], [-0.2, 0.2], [-0.3, -0.2]])
+    kept = balanced_on_four(np.array(point), feet, 0.03)
+    corners = feet[[0, 1, 3, 2]]
+    edges = np.roll(corners, -1, axis=0) - corners
+    arms = kept - corners
+    # Counted clockwise the inside is to the right of each edge.
+    far = (edges[:, 1] * arms[:, 0] - edges[:, 0] * arms[:, 1]) / np.linalg.norm(edges, axis=1)
+    assert far.min() > 0.03 - 2e-4
+    if point == (0.1, 0.05):
+        assert kept.tolist() == list(point)
+    if point == (0.5, 0.0):
+        assert kept[0] == pytest.approx(0.297, abs=0.01)
+
+
+def test_a_body_between_feet_that_are_too_near_to_one_another_is_not_moved_away_from_them():
+    feet = np.array([[0.01, 0.2], [0.01, -0.2], [-0.01, 0.2], [-0.01, -0.2]])
+    kept = balanced_on_four(np.array([0.3, 0.0]), feet, 0.03)
+    assert abs(kept[0]) < 0.05

@@ -5,6 +5,7 @@ import pytest
 
 from quad_common.errors import GaitError
 from quad_common.maps.height_map import HeightMap
+from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
@@ -56,3 +57,19 @@ def test_a_foothold_is_looked_for_once_for_each_length_of_a_step(monkeypatch):
     # The leg gets to none of them but that where the foot stands.
     planned(hole(0.4), 0.5, 'swing')
     assert len(looked) == len(set(looked)) > 2
+
+
+@pytest.mark.parametrize('behind', [0.1, 0.14])
+def test_the_body_stays_over_feet_that_were_left_behind(behind):
+    # Fore feet that did not swing are behind, and the place of the body is far ahead.
+    feet = FEET.copy()
+    feet[:2, 0] -= behind
+    joints = ROBOT.joint_angles(feet)
+    now = Stance(0.0, BodyPose(np.zeros(3), 0.0, 0.0, 0.0), feet, joints, lambda: np.ones(4))
+    under = feet - [0.0, 0.0, ROBOT.foot_radius]
+    options = UnevenOptions(foothold_reach=0.3)
+    planner = SwingPlanner(ROBOT, options, 0.06)
+    motion = planner.shift(now, None, GroundModel.through(under), Pose2D(0.9, 0.0, 0.0))
+    end = motion.positions[-1]
+    center, ends = ROBOT.center_of_mass(end), ROBOT.foot_positions(end)
+    assert ends[:2, 0].min() - center[0] > 0.8 * options.margin
