@@ -197,6 +197,60 @@ class JointMotion:
         )
 
 
+class MotionOutput:
+    """
+    Gives out one motion after the other, and knows how far the joints are.
+
+    Parameters
+    ----------
+    reaction_time : float
+        In which a trajectory comes to the joints [s].
+    """
+
+    def __init__(self, reaction_time: float) -> None:
+        self._reaction = reaction_time
+        self.motion: JointMotion | None = None
+        """Motion that was given out last; None before the joints move."""
+
+    @property
+    def end(self) -> float:
+        """Time at which what was planned last is done; minus infinity if nothing was [s]."""
+        return -np.inf if self.motion is None else self.motion.end
+
+    @property
+    def commanded(self) -> Array | None:
+        """Where the joints are commanded to be by now, shape (4, 3) [rad]; None at first."""
+        return None if self.motion is None else self.motion.commanded
+
+    @property
+    def last(self) -> Array | None:
+        """Where the joints are commanded to end, shape (4, 3) [rad]; None at first."""
+        return None if self.motion is None else self.motion.positions[self.motion.given]
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the joints have got to the end of a motion."""
+        return self.motion is not None and self.motion.is_done
+
+    def follow(self, time: float, joint_positions: Array) -> JointMotion | None:
+        """Look how far the joints are; return the motion again if it seems to be lost."""
+        if self.motion is None:
+            return None
+        self.motion = self.motion.followed(time, joint_positions)
+        return self.motion.repeated(time, joint_positions, self._reaction)
+
+    def give(self, motion: JointMotion) -> JointTrajectory:
+        """Give out a motion, or more of it."""
+        self.motion = motion
+        return motion.trajectory(self._reaction)
+
+    def more(self, time: float, samples: int) -> JointMotion | None:
+        """Return the motion with more samples; None if nothing is to be given out yet."""
+        if self.motion is None:
+            return None
+        return self.motion.extended(time, self._reaction, samples)
+
+
 def braking_time(displacement: Array, velocity: Array, fastest: Array) -> float:
     """
     Return the shortest time in which joints come to rest after a displacement, within their speeds.

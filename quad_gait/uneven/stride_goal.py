@@ -73,6 +73,8 @@ class LegOrder:
 
     def __init__(self, legs: tuple[int, ...]) -> None:
         self._legs, self._next = list(legs), 0
+        self.hangs = False
+        """Whether the foot of the leg that is next hangs in the air, so that no other may swing."""
 
     @property
     def leg(self) -> int:
@@ -95,8 +97,17 @@ class LegOrder:
         first = [leg for leg in ahead if leg in legs]
         self._legs[self._next :] = first + [leg for leg in ahead if leg not in legs]
 
+    def bring_hanging(self, legs: list[int]) -> bool:
+        """Let a leg swing next whose foot hangs, if it is the only one, and has not swung yet."""
+        if len(legs) > 1 or legs[0] not in self.ahead:
+            return False
+        self.bring_forward(legs)
+        self.hangs = True
+        return True
+
     def advance(self) -> bool:
         """Go on to the next leg; return whether there is one."""
+        self.hangs = False
         is_last = self._next == len(self._legs) - 1
         self._next += not is_last
         return not is_last

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.uneven.foot_aims import FootAim
+from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.search_down import searched
 
 Array = NDArray[np.float64]
@@ -102,3 +103,23 @@ class SwingCourse:
         samples = [self.sample_at(t) for t in (self.at.lift, self.at.lift_end)]
         chosen: Array = self.times[[min(k, last) for k in (*samples, self.sure)]]
         return chosen
+
+
+@dataclass(frozen=True)
+class PlannedSwing:
+    """A motion in which one foot swings, or feels for the ground."""
+
+    motion: JointMotion
+    """Motion of all joints."""
+    lifted_at: int
+    """Sample from which on the foot is in the air."""
+    feels_from: int
+    """Sample from which on it may meet the ground."""
+    falls_from: int
+    """Sample from which on it is lowered."""
+    given: int
+    """Sample up to which it is given out as soon as the other feet are seen to stand."""
+    depth: float
+    """Depth below the expected ground down to which the foot feels for it [m]."""
+    limit: str = ''
+    """Reason why it is shorter than wanted; empty if it is not."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import NamedTuple
 
@@ -43,7 +43,7 @@ from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along
 from quad_gait.uneven.search_down import ramp, searched
-from quad_gait.uneven.swing_course import SwingCourse, SwingTimes
+from quad_gait.uneven.swing_course import PlannedSwing, SwingCourse, SwingTimes
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -60,24 +60,6 @@ BIT = 3
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
-
-
-@dataclass(frozen=True)
-class PlannedSwing:
-    """A motion in which one foot swings, or feels for the ground."""
-
-    motion: JointMotion
-    """Motion of all joints."""
-    lifted_at: int
-    """Sample from which on the foot is in the air."""
-    feels_from: int
-    """Sample from which on it may meet the ground."""
-    given: int
-    """Sample up to which it is given out as soon as the other feet are seen to stand."""
-    depth: float
-    """Depth below the expected ground down to which the foot feels for it [m]."""
-    limit: str = ''
-    """Reason why it is shorter than wanted; empty if it is not."""
 
 
 class _Swing(NamedTuple):
@@ -126,7 +108,13 @@ class SwingPlanner:
         self._body_pace = BodyPace(robot, options)
 
     def swing(
-        self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
+        self,
+        now: Stance,
+        commanded: Array | None,
+        ground: GroundModel,
+        leg: int,
+        place: Array,
+        stands: bool = True,
     ) -> PlannedSwing:
         """
         Plan a swing, shorter or with the body at a tilt if the legs do not reach.
@@ -143,6 +131,8 @@ class SwingPlanner:
             Which one swings.
         place : ndarray, shape (2,)
             Where its foot should stand then [m].
+        stands : bool
+            Whether the foot still stands, and is lifted only when the others do.
 
         Returns
         -------
@@ -164,7 +154,7 @@ class SwingPlanner:
 
         @cache
         def course(fraction: float, tilt: float, lower: float, clearance: float) -> SwingCourse:
-            swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=True)
+            swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=stands)
             return self._course(now, ground, swing, _Posture(tilt, lower))
 
         def plan(*kind: float) -> tuple[float, PlannedSwing]:
@@ -179,7 +169,13 @@ class SwingPlanner:
         )
 
     def swing_onto(
-        self, now: Stance, commanded: Array | None, ground: GroundModel, leg: int, place: Array
+        self,
+        now: Stance,
+        commanded: Array | None,
+        ground: GroundModel,
+        leg: int,
+        place: Array,
+        stands: bool = True,
     ) -> PlannedSwing:
         """Plan a swing just to a foothold that was chosen, or none; else as `swing`."""
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
@@ -192,7 +188,7 @@ class SwingPlanner:
         @cache
         def course(*kind: float) -> SwingCourse:
             tilt, lower, clearance, pace, less = kind
-            swing = _Swing(leg, aim(clearance), pace, stands=True)
+            swing = _Swing(leg, aim(clearance), pace, stands=stands)
             return self._course(now, ground, swing, _Posture(tilt, lower, less > 0.0))
 
         def plan(*kind: float) -> PlannedSwing:
@@ -258,7 +254,7 @@ class SwingPlanner:
         sure, progress = int(np.searchsorted(times, shift)), minimum_jerk(0.0, shift, times)[0]
         paths = PlannedPaths(times, target, progress, path, sure + 1, sure)
         motion = self._along(now, commanded, paths)
-        return PlannedSwing(motion, lifted_at=0, feels_from=0, given=motion.given, depth=depth)
+        return PlannedSwing(motion, 0, 0, 0, given=motion.given, depth=depth)
 
     def shift(
         self, now: Stance, commanded: Array | None, ground: GroundModel, place: Pose2D
@@ -348,7 +344,8 @@ class SwingPlanner:
         self, now: Stance, commanded: Array | None, course: SwingCourse
     ) -> PlannedSwing:
         times, sure = course.times, course.sure
-        lifted_at, feels_from = (course.sample_at(t) for t in (course.at.lift, course.at.lift_end))
+        at = course.at
+        lifted_at, feels, falls = map(course.sample_at, (at.lift, at.lift_end, at.fall))
         given = len(times) - 1
         if now.loads is not None:
             # Without a map the ground may be anywhere on the way down.
@@ -360,7 +357,7 @@ class SwingPlanner:
         )
         motion = self._along(now, commanded, paths)
         given = min(given, len(motion.times) - 1)
-        return PlannedSwing(motion, lifted_at, feels_from, given, course.aim.depth)
+        return PlannedSwing(motion, lifted_at, feels, falls, given, course.aim.depth)
 
     def _may_reach(self, now: Stance, course: SwingCourse) -> bool:
         """Tell whether legs reach at a few samples: most courses that they do not, show it."""

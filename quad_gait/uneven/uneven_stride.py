@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import enum
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +26,10 @@ from quad_gait.uneven.candidates import first_possible
 from quad_gait.uneven.felt_ground import FeltGround
 from quad_gait.uneven.foot_contact import Touch, loaded_legs, unloaded_legs
 from quad_gait.uneven.ground_model import GroundModel
-from quad_gait.uneven.joint_motion import JointMotion
+from quad_gait.uneven.joint_motion import MotionOutput
 from quad_gait.uneven.stride_goal import LegOrder, StrideGoal
-from quad_gait.uneven.swing_planner import BIT, PlannedSwing, SwingPlanner
+from quad_gait.uneven.swing_course import PlannedSwing
+from quad_gait.uneven.swing_planner import BIT, SwingPlanner
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -41,6 +43,10 @@ _SLIP = 0.02
 
 _MOST_CATCHES = 4
 """Number of slips in a stride at which feet are put down."""
+
+
+_MOST_RAISES = 2
+"""Number of times that a foot is lifted over what it meets on its way."""
 
 
 class _Phase(enum.Enum):
@@ -79,7 +85,7 @@ class UnevenStride:
         options: UnevenOptions,
         felt: FeltGround | None = None,
     ) -> None:
-        self._robot, self._options, self._reaction = robot, options, options.reaction_time
+        self._robot, self._options = robot, options
         self._felt = felt or FeltGround(robot)
         self._planner = SwingPlanner(robot, options, swing_height)
         self._goal, self._order = goal, LegOrder(goal.order)
@@ -87,12 +93,12 @@ class UnevenStride:
         self._phase, self._touch = _Phase.SEEKING, Touch(robot, options)
         self._seeking: list[int] = []
         self._sought: set[int] = set()
-        self._hangs = self._has_lowered = False
-        self._searches = self._catches = 0
+        self._has_lowered = False
+        self._searches = self._catches = self._raises = 0
         self._return_to: Array | None = None
         self._swinging: PlannedSwing | None = None
         self._left: Array = np.zeros((len(LEGS), 3))
-        self._motion: JointMotion | None = None
+        self._output = MotionOutput(options.reaction_time)
         self.is_over = False
         """Whether all legs have swung and the body is where it was to go."""
         self.end = -np.inf
@@ -110,8 +116,7 @@ class UnevenStride:
     @property
     def joint_positions(self) -> Array | None:
         """Where the joints are commanded to end, shape (4, 3) [rad]; None before they move."""
-        motion = self._motion
-        return None if motion is None else motion.positions[motion.given]
+        return self._output.last
 
     @property
     def footholds(self) -> Array:
@@ -122,7 +127,7 @@ class UnevenStride:
     def in_contact(self) -> NDArray[np.bool_]:
         """Which feet stand, by what was measured last, shape (4,)."""
         standing = np.ones(len(LEGS), dtype=bool)
-        motion, swing = self._motion, self._swinging
+        motion, swing = self._output.motion, self._swinging
         if self._phase is _Phase.SWINGING and motion is not None and swing is not None:
             is_in_the_air = motion.done >= swing.lifted_at or self._return_to is not None
             standing[self.leg] = not is_in_the_air
@@ -149,21 +154,19 @@ class UnevenStride:
         """
         trajectory = self._decide(now)
         self.is_over = self._phase is _Phase.OVER
-        self.end = -np.inf if self._motion is None else self._motion.end
+        self.end = self._output.end
         return trajectory
 
     def _decide(self, now: Stance) -> JointTrajectory | None:
         if self._phase is _Phase.OVER:
             return None
-        if self._motion is not None:
-            self._motion = self._motion.followed(now.time, now.joint_positions)
-            again = self._motion.repeated(now.time, now.joint_positions, self._reaction)
-            if again is not None and not self._is_held(now):
-                return self._give(again)
+        again = self._output.follow(now.time, now.joint_positions)
+        if again is not None and not self._is_held(now):
+            return self._output.give(again)
         if self._phase is _Phase.SEEKING:
             return self._seek(now)
         if self._phase is _Phase.FINISHING:
-            if self._motion is not None and self._motion.is_done:
+            if self._output.is_done:
                 self._phase = _Phase.OVER
             return None
         assert self._swinging is not None
@@ -180,7 +183,7 @@ class UnevenStride:
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
         # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
-        motion = self._motion
+        motion = self._output.motion
         if self.height_map is None or motion is None or motion.done < swing.lifted_at:
             return False
         far = self._robot.relative_size * _SLIP
@@ -192,52 +195,64 @@ class UnevenStride:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
         self._catches += 1
         legs = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
-        search = self._planner.search(now, self._commanded, legs, True)
+        search = self._planner.search(now, self._output.commanded, legs, True)
         self._seeking, self._return_to, self._phase = legs, None, _Phase.SEEKING
         self._sought.clear()
         self.limit = f'a foot has slipped, so {LEGS[self.leg]} is put down again'
-        return self._give(search)
+        return self._output.give(search)
 
     def _feel(self, now: Stance, swing: PlannedSwing) -> JointTrajectory | None:
         """Go on when the foot that swings has met the ground, or should have."""
-        motion, leg = self._motion, self.leg
+        motion, leg = self._output.motion, self.leg
         assert motion is not None
         if motion.given < swing.given:
-            return self._lift(now, motion, swing.given)
+            return self._lift(now, swing.given - motion.given)
         if motion.done < swing.feels_from:
             return None
         is_felt, met = self._touch.look(now, leg)
         if met is not None:
             self._felt.note_contact(leg, met, self.height_map)
+            if motion.done < swing.falls_from and self._raises < _MOST_RAISES:
+                with suppress(GaitError):
+                    return self._over(now)
             return self._land(met)
         if is_felt:
             return None
         if not motion.is_done:
-            return self._give_more(now, motion)
+            return self._feel_on(now)
         if now.loads is None:
             return self._land(now)
-        if now.time < motion.end + self._reaction:
+        if now.time < motion.end + self._options.reaction_time:
             return None
         if self._return_to is not None:
             raise FootholdNotFound(LEGS[leg], swing.depth)
         if not self._has_lowered:
             self._has_lowered = True
             with suppress(GaitError):
-                deeper = self._planner.search_deeper(now, self._commanded, leg, swing.depth)
+                deeper = self._planner.search_deeper(now, self._output.commanded, leg, swing.depth)
                 return self._begin(deeper)
         # No ground here: back to where the foot stood.
         self._felt.note_gap(leg, now, self.height_map)
         self._return_to = self._left[leg]
         return self._swing(now)
 
-    def _lift(self, now: Stance, motion: JointMotion, given: int) -> JointTrajectory | None:
+    def _over(self, now: Stance) -> JointTrajectory:
+        """Lift a foot over what it has met on its way: beside an edge it bears next to nothing."""
+        self._raises += 1
+        self._has_lowered = False
+        self._touch.forget()
+        ground = self._felt.under(now, self.height_map, self.leg)
+        swing = self._planned(now, ground, self.leg, stands=False)
+        return self._begin(replace(swing, lifted_at=0))
+
+    def _lift(self, now: Stance, samples: int) -> JointTrajectory | None:
         """
         Have a foot lifted once the three others are seen to stand; lower those that do not.
 
         Where a contact was noticed late, after a pause of the machine for example, that foot stands
         deeper than is known and the one across from it is in the air: on two feet a robot falls.
         """
-        lifting = motion.extended(now.time, self._reaction, given - motion.given)
+        lifting = self._output.more(now.time, samples)
         if lifting is None:
             return None
         unloaded = unloaded_legs(self._robot, now, self._options)
@@ -246,24 +261,23 @@ class UnevenStride:
             self._searches += 1
             # Where the legs have no room for it the foot is lifted all the same.
             with suppress(GaitError):
-                search = self._planner.search(now, self._commanded, self._seeking)
+                search = self._planner.search(now, self._output.commanded, self._seeking)
                 self._sought.clear()
                 self._phase = _Phase.SEEKING
-                return self._give(search)
-        return self._give(lifting)
+                return self._output.give(search)
+        return self._output.give(lifting)
 
-    def _give_more(self, now: Stance, motion: JointMotion) -> JointTrajectory | None:
+    def _feel_on(self, now: Stance) -> JointTrajectory | None:
         """Let a foot feel on, as nothing was met."""
-        more = motion.extended(now.time, self._reaction, BIT)
-        return None if more is None else self._give(more)
+        more = self._output.more(now.time, BIT)
+        return None if more is None else self._output.give(more)
 
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
-        motion = self._motion
-        if motion is not None:
+        if self._output.motion is not None:
             found = set(self._seeking) & set(loaded_legs(self._robot, now, self._options))
-            if not found and not motion.is_done:
-                return self._give_more(now, motion)
+            if not found and not self._output.is_done:
+                return self._feel_on(now)
             self._sought.update(found or self._seeking)
         unloaded = unloaded_legs(self._robot, now, self._options)
         self._seeking = [leg for leg in unloaded if leg not in self._sought]
@@ -278,19 +292,17 @@ class UnevenStride:
         """Begin to lower feet, all or one; None where a single one hangs, which swings first."""
         hanging = self._seeking
         try:
-            search, self._seeking = self._planner.search_some(now, self._commanded, hanging)
+            search, self._seeking = self._planner.search_some(now, self._output.commanded, hanging)
         except GaitError:
             # A stretched leg gets no farther down. No other may be lifted while its foot hangs.
-            if self._goal.is_exact or len(hanging) > 1 or hanging[0] not in self._order.ahead:
+            if self._goal.is_exact or not self._order.bring_hanging(hanging):
                 raise
-            self._order.bring_forward(hanging)
-            self._hangs = True
             return None
-        return self._give(search)
+        return self._output.give(search)
 
     def _land(self, now: Stance) -> JointTrajectory:
         """Go on with the next leg, or bring the body to its place."""
-        self._return_to, self._searches, self._hangs = None, 0, False
+        self._return_to, self._searches, self._raises = None, 0, 0
         return self._swing(now) if self._order.advance() else self._finish(now)
 
     def _finish(self, now: Stance) -> JointTrajectory:
@@ -298,19 +310,19 @@ class UnevenStride:
         self._phase = _Phase.FINISHING
         self._order.end()
         ground, place = self._felt.under(now, self.height_map), self._goal.place
-        return self._give(self._planner.shift(now, self._commanded, ground, place))
+        return self._output.give(self._planner.shift(now, self._output.commanded, ground, place))
 
     def _swing(self, now: Stance) -> JointTrajectory:
         """Swing the leg that is next, or take it back to where it stood."""
         leg, back_to = self.leg, self._return_to
         ground = self._felt.under(now, self.height_map, leg if back_to is not None else None)
         if back_to is not None:
-            swing = self._planner.swing_back(now, self._commanded, ground, leg, back_to)
+            swing = self._planner.swing_back(now, self._output.commanded, ground, leg, back_to)
         else:
             try:
                 swing = self._any_swing(now, ground)
             except GaitError as error:
-                if self._hangs or not self._order.has_begun:
+                if self._order.hangs or not self._order.has_begun:
                     raise
                 # Some feet are farther on: the body follows them as far as the others allow.
                 self.stuck = leg
@@ -324,28 +336,23 @@ class UnevenStride:
 
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
         """Plan the swing of the leg that is next, or of one after it if that is not possible."""
-        is_exact = self._goal.is_exact
-        plan = self._planner.swing_onto if is_exact else self._planner.swing
-        candidates = [self.leg] if is_exact or self._hangs else self._order.ahead
-
-        def planned(leg: int) -> tuple[int, PlannedSwing]:
-            return leg, plan(now, self._commanded, ground, leg, self._goal.footholds[leg])
-
-        (leg, swing), problem = first_possible(planned, [(leg,) for leg in candidates])
+        must_be_next = self._goal.is_exact or self._order.hangs
+        candidates = [self.leg] if must_be_next else self._order.ahead
+        (leg, swing), problem = first_possible(
+            lambda leg: (leg, self._planned(now, ground, leg)), [(leg,) for leg in candidates]
+        )
         if problem is not None:
             self._order.bring_forward([leg])
             self.limit = self.limit or f'another foot goes first: {problem}'
         return swing
 
+    def _planned(
+        self, now: Stance, ground: GroundModel, leg: int, stands: bool = True
+    ) -> PlannedSwing:
+        """Plan a swing, just onto its foothold or near to it."""
+        plan = self._planner.swing_onto if self._goal.is_exact else self._planner.swing
+        return plan(now, self._output.commanded, ground, leg, self._goal.footholds[leg], stands)
+
     def _begin(self, swing: PlannedSwing) -> JointTrajectory:
         self._swinging = swing
-        return self._give(swing.motion)
-
-    def _give(self, motion: JointMotion) -> JointTrajectory:
-        """Give out a motion, or more of it."""
-        self._motion = motion
-        return motion.trajectory(self._reaction)
-
-    @property
-    def _commanded(self) -> Array | None:
-        return None if self._motion is None else self._motion.commanded
+        return self._output.give(swing.motion)

@@ -78,7 +78,7 @@ def swings_only_if(monkeypatch, is_possible):
     """Let swings be planned only where a function of leg, start and place allows it."""
     swing = SwingPlanner.swing
 
-    def planned(self, now, commanded, ground, leg, place):
+    def planned(self, now, commanded, ground, leg, place, stands=True):
         if not is_possible(LEGS[leg], now.feet[leg, :2], place):
             raise NoSwing(f'{LEGS[leg]} cannot swing')
         return swing(self, now, commanded, ground, leg, place)
@@ -192,7 +192,7 @@ def test_a_turn_that_never_gets_on_ends(monkeypatch):
     # The feet swing, but are put down where they stood: no swing has any effect.
     swing = SwingPlanner.swing
 
-    def in_place(self, now, commanded, ground, leg, place):
+    def in_place(self, now, commanded, ground, leg, place, stands=True):
         return swing(self, now, commanded, ground, leg, now.feet[leg, :2])
 
     monkeypatch.setattr(SwingPlanner, 'swing', in_place)

@@ -93,11 +93,15 @@ class Legs:
         self.orientation = LEVEL
         self.edge = math.inf
         """Beyond this x there is no ground [m]."""
+        self.bearing = None
+        """Legs whose feet bear load in any case, and no others; None: those that are down."""
 
     def stance(self):
         feet = TITAN.foot_positions(self.joints)
         ground = np.where(feet[:, 0] > self.edge, -1.0, self.ground)
         under = np.clip(ground - feet[:, 2] + SOFT, 0.0, None)
+        if self.bearing is not None:
+            under = np.isin(np.arange(4), self.bearing)
         return Stance.measured(
             TITAN, self.time, ORIGIN, self.orientation, self.joints.reshape(-1), None
         ), np.where(under > 0.0, 0.3 * WEIGHT, 0.0)
@@ -198,6 +202,41 @@ def test_feet_are_put_down_at_once_where_another_one_slips(lean, has_map, slips)
     assert legs.run(stride, 30.0)
 
 
+def meet_something(legs, stride):
+    """Let the first foot bear load while it is on its way to its place."""
+    start = top = legs.measure().feet[2, 2]
+    while top < start + 0.02 or legs.measure().feet[2, 2] > top + 1e-5:
+        top = legs.measure().feet[2, 2]
+        legs.run(stride, 0.02)
+    legs.run(stride, 0.06)
+    legs.bearing = [0, 1, 2, 3]
+    legs.run(stride, 0.04)
+    legs.bearing = None
+    return top
+
+
+def test_a_foot_is_lifted_over_what_it_meets_on_its_way():
+    legs, stride = Legs(), stride_for()
+    top = meet_something(legs, stride)
+    assert not stride.in_contact[2]
+    heights = []
+    while not stride.in_contact[2]:
+        legs.run(stride, 0.02)
+        heights.append(legs.measure().feet[2, 2])
+    assert max(heights) > top + 0.02
+    assert heights[-1] == pytest.approx(legs.ground[2], abs=0.008)
+    assert legs.run(stride, 30.0)
+
+
+def test_a_foot_that_meets_something_again_and_again_stands_on_it():
+    legs, stride = Legs(), stride_for()
+    for _ in range(2):
+        meet_something(legs, stride)
+        assert not stride.in_contact[2]
+    meet_something(legs, stride)
+    assert stride.in_contact[2]
+
+
 def test_a_step_up_is_no_slip_where_motors_tell_no_loads():
     level = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
     kerb = level.with_heights(np.where(level.centers[..., 0] > 0.3, 0.05, 0.0))
@@ -261,7 +300,7 @@ def test_no_other_foot_is_lifted_while_one_hangs_in_the_air(monkeypatch, leg):
     legs.ground[leg] -= 0.02
     gets_no_farther(monkeypatch, leg)
 
-    def swings(planner, now, commanded, ground, swinging, place):
+    def swings(planner, now, commanded, ground, swinging, place, stands=True):
         if swinging == leg:
             raise FootholdNotFound(LEGS[leg], 0.1)
         raise AssertionError('another leg was to swing')
