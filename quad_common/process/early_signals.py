@@ -14,6 +14,9 @@ from collections.abc import Callable
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """An interrupt, a request to end, and a terminal that was closed."""
 
+_wakeups: list[int] = []
+"""Where the thread that waits for signals is told of them, as long as it waits."""
+
 
 def end_node_at_once() -> None:
     """End this process with code 0 at a signal: there is nothing yet to be given back."""
@@ -34,6 +37,7 @@ def _end_at_once(base: int, factor: int) -> None:
     received, wakeup = os.pipe()
     os.set_blocking(wakeup, False)
     signal.set_wakeup_fd(wakeup, warn_on_full_buffer=False)
+    _wakeups.append(wakeup)
     _thread.start_new_thread(_watch, (received, end))
     for number in SIGNALS:
         # What nohup started is not to react to its terminal. Interrupts are ignored by
@@ -43,8 +47,14 @@ def _end_at_once(base: int, factor: int) -> None:
 
 
 def _watch(received: int, end: Callable[[int], None]) -> None:
-    """Wait for the first signal, until others wait for it and close the pipe."""
+    """Wait for the first signal, until others do."""
     while number := os.read(received, 1):
         if number[0] in SIGNALS:
             end(number[0])
     os.close(received)
+
+
+def hand_over() -> None:
+    """Wait for signals no longer: others do, and have said where they are told of them."""
+    while _wakeups:
+        os.close(_wakeups.pop())

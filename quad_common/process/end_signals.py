@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 
-from quad_common.process.early_signals import SIGNALS
+from quad_common.process.early_signals import SIGNALS, hand_over
 
 _AGAIN = 0.02
 """Time until a signal that was swallowed, or has not reached Python, is sent again [s]."""
@@ -73,10 +73,8 @@ class EndSignals:
         """Receive signals from now on; those that were blocked meanwhile are handled at once."""
         self._wakeup = os.pipe()
         os.set_blocking(self._wakeup[1], False)
-        before = signal.set_wakeup_fd(self._wakeup[1], warn_on_full_buffer=False)
-        if before != -1:
-            # That of early_signals, whose thread waits no longer.
-            os.close(before)
+        signal.set_wakeup_fd(self._wakeup[1], warn_on_full_buffer=False)
+        hand_over()
         threading.Thread(target=self._watch, name='end_signals', daemon=True).start()
         for number in SIGNALS:
             # As in early_signals: a terminal that nohup has cut off stays cut off.

@@ -212,7 +212,8 @@ class UnevenStride:
         is_felt, met = self._touch.look(now, leg)
         if met is not None:
             self._felt.note_contact(leg, met, self.height_map)
-            if motion.done < swing.falls_from and self._raises < _MOST_RAISES:
+            is_new = self._return_to is None and self._raises < _MOST_RAISES
+            if is_new and motion.done < swing.falls_from:
                 with suppress(GaitError):
                     return self._over(now)
             return self._land(met)
@@ -339,16 +340,14 @@ class UnevenStride:
         must_be_next = self._goal.is_exact or self._order.hangs
         candidates = [self.leg] if must_be_next else self._order.ahead
         (leg, swing), problem = first_possible(
-            lambda leg: (leg, self._planned(now, ground, leg)), [(leg,) for leg in candidates]
+            lambda leg: (leg, self._planned(now, ground, leg, True)), [(leg,) for leg in candidates]
         )
         if problem is not None:
             self._order.bring_forward([leg])
             self.limit = self.limit or f'another foot goes first: {problem}'
         return swing
 
-    def _planned(
-        self, now: Stance, ground: GroundModel, leg: int, stands: bool = True
-    ) -> PlannedSwing:
+    def _planned(self, now: Stance, ground: GroundModel, leg: int, stands: bool) -> PlannedSwing:
         """Plan a swing, just onto its foothold or near to it."""
         plan = self._planner.swing_onto if self._goal.is_exact else self._planner.swing
         return plan(now, self._output.commanded, ground, leg, self._goal.footholds[leg], stands)

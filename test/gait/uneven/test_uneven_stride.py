@@ -267,6 +267,21 @@ def test_a_foot_that_finds_no_ground_goes_back_to_where_it_stood():
     assert legs.measure().feet[2, 2] == pytest.approx(start[2], abs=0.01)
 
 
+def test_a_foot_on_its_way_back_stands_on_what_it_meets():
+    legs, stride = Legs(), stride_for()
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    legs.edge = legs.measure().feet[2, 0] + 0.1
+    farthest = -math.inf
+    while legs.measure().feet[2, 0] > farthest - 0.03:
+        farthest = max(farthest, legs.measure().feet[2, 0])
+        legs.run(stride, 0.02)
+    legs.bearing = [0, 1, 2, 3]
+    legs.run(stride, 0.3)
+    # It does not go again to where there was no ground.
+    assert stride.in_contact[2]
+
+
 def test_a_foot_that_finds_no_ground_anywhere_is_named():
     legs, stride = Legs(), stride_for()
     while stride.in_contact[2]:
