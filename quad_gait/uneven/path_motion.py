@@ -23,6 +23,9 @@ from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
 
+_MOST_SAG = 0.05
+"""Angle by which load pulls a joint out of its range, at most [rad]."""
+
 
 @dataclass(frozen=True)
 class PlannedPaths:
@@ -76,9 +79,11 @@ def motion_along(
         If a leg does not reach, a joint is too slow or parts come too near to one another.
     """
     times, arms = paths.times, _arms(now, paths)
-    joints = _reached_joints(robot, arms, len(times) if paths.sure is None else paths.sure)
+    sagged = _sagged(robot, now.joint_positions)
+    sure = len(times) if paths.sure is None else paths.sure
+    joints = _reached_joints(robot, arms, sure, sagged)
     times = times[: len(joints)]
-    commanded = now.joint_positions if commanded is None else commanded
+    commanded = now.joint_positions - sagged if commanded is None else commanded
     blend = minimum_jerk(0.0, min(options.shift_time, float(times[-1])), times)[0]
     joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
     velocities = np.gradient(joints, times, axis=0)
@@ -100,7 +105,7 @@ def motion_along(
 def may_reach(robot: Robot, now: Stance, paths: PlannedPaths) -> bool:
     """Tell whether all legs reach at the samples of some paths, which may be a few of a motion."""
     try:
-        robot.joint_angles(_arms(now, paths))
+        _joint_angles(robot, _arms(now, paths), _sagged(robot, now.joint_positions))
     except GaitError:
         return False
     return True
@@ -128,19 +133,42 @@ def _check_speeds(robot: Robot, times: Array, joints: Array, velocities: Array) 
         robot.check_joint_speeds(kept / (1.0 + VELOCITY_TOLERANCE))
 
 
-def _reached_joints(robot: Robot, feet: Array, sure: int) -> Array:
+def _sagged(robot: Robot, joint_positions: Array) -> Array:
+    """Return how far load pulls joints out of their ranges, shape (4, 3) [rad]; mostly zeros."""
+    outside = joint_positions - np.clip(joint_positions, robot.lower, robot.upper)
+    sagged: Array = np.clip(outside, -_MOST_SAG, _MOST_SAG)
+    return sagged
+
+
+def _joint_angles(robot: Robot, feet: Array, sagged: Array) -> Array:
+    """
+    Find the joints for feet in the body frame, which begin where feet are measured.
+
+    A stretched leg that bears load is beyond the end of a joint's range by a little, and so is
+    what is planned from there. It is commanded to the end of the range, as it was before.
+    """
+    if not sagged.any():
+        return robot.joint_angles(feet)
+    angles = robot.stacked_legs.inverse(feet)
+    outside = angles - np.clip(angles, robot.lower, robot.upper)
+    angles = angles - np.clip(outside, np.minimum(sagged, 0.0), np.maximum(sagged, 0.0))
+    robot.check_joint_limits(angles)
+    return angles
+
+
+def _reached_joints(robot: Robot, feet: Array, sure: int, sagged: Array) -> Array:
     """Find the joints for feet in the body frame (n, 4, 3); beyond what is sure while reached."""
     needed = min(sure, len(feet))
     # Mostly all are reached: at once that is several times as fast, and the same bit for bit.
     with suppress(GaitError):
-        return robot.joint_angles(feet)
-    joints = robot.joint_angles(feet[:needed])
+        return _joint_angles(robot, feet, sagged)
+    joints = _joint_angles(robot, feet[:needed], sagged)
     # Beyond what is sure the foot goes only as deep as the leg reaches: that is found by halving.
     missed = len(feet)
     while missed - needed > 1:
         middle = (needed + missed) // 2
         try:
-            joints = robot.joint_angles(feet[:middle])
+            joints = _joint_angles(robot, feet[:middle], sagged)
             needed = middle
         except GaitError:
             missed = middle

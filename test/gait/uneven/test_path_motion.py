@@ -107,3 +107,38 @@ def test_beyond_what_is_sure_a_foot_goes_as_deep_as_its_leg_reaches(depth):
     if count < len(times):
         with pytest.raises(GaitError):
             ROBOT.joint_angles(feet[count])
+
+
+def stretched(beyond):
+    """A stance whose left front knee load has pulled out of its range by an angle."""
+    joints = JOINTS.copy()
+    joints[0, 2] = ROBOT.lower[0, 2] - beyond
+    return replace(STANCE, feet=ROBOT.foot_positions(joints), joint_positions=joints)
+
+
+def still(stance, lower=0.0):
+    """Paths of feet that stand, the left front one of which goes down by a distance [m]."""
+    times = np.linspace(0.0, 1.0, 51)
+    feet = np.repeat(stance.feet[None], len(times), axis=0)
+    feet[:, 0, 2] -= lower * np.sin(0.5 * np.pi * times) ** 2
+    return PlannedPaths(times, stance.body, np.zeros(len(times)), feet)
+
+
+@pytest.mark.parametrize('is_commanded', [True, False])
+def test_a_leg_that_load_stretches_beyond_a_joints_range_moves_on_within_the_range(is_commanded):
+    stance = stretched(0.01)
+    in_range = np.clip(stance.joint_positions, ROBOT.lower, ROBOT.upper)
+    commanded = in_range if is_commanded else None
+    motion = motion_along(ROBOT, UnevenOptions(), stance, commanded, still(stance))
+    ROBOT.check_joint_limits(motion.positions)
+    np.testing.assert_allclose(motion.positions[:, 0, 2], ROBOT.lower[0, 2], atol=1e-9)
+    np.testing.assert_allclose(motion.positions[:, 1:], JOINTS[None, 1:].repeat(51, 0), atol=1e-9)
+
+
+def test_what_stretches_a_leg_farther_than_load_has_is_refused():
+    stance = stretched(0.01)
+    with pytest.raises(GaitError):
+        motion_along(ROBOT, UnevenOptions(), stance, None, still(stance, lower=0.02))
+    far = stretched(0.1)
+    with pytest.raises(JointLimitExceeded):
+        motion_along(ROBOT, UnevenOptions(), far, None, still(far))
