@@ -40,6 +40,29 @@ class Stance:
         """Vertical force on each foot, shape (4,) [N]; None where motors do not tell."""
         return self.find_loads()
 
+    def place_in(self, later: Stance, leg: int) -> Array:
+        """
+        Return where the place lies, in a later stance, on which a foot stood in this one.
+
+        Heights are from base_link, which is raised and lowered: they are known beside the others,
+        which have stood since.
+
+        Parameters
+        ----------
+        later : Stance
+            The robot as it stands then.
+        leg : int
+            Index of the leg whose foot has been lifted since.
+
+        Returns
+        -------
+        ndarray, shape (3,)
+            Center of the foot where it stood, in the frame of that stance [m].
+        """
+        risen = np.median(np.delete(later.feet[:, 2] - self.feet[:, 2], leg))
+        place: Array = self.feet[leg] + np.array([0.0, 0.0, risen])
+        return place
+
     @classmethod
     def measured(
         cls,

@@ -97,7 +97,7 @@ class UnevenStride:
         self._searches = self._catches = self._raises = 0
         self._return_to: Array | None = None
         self._swinging: PlannedSwing | None = None
-        self._left: Array = np.zeros((len(LEGS), 3))
+        self._stood: Stance | None = None
         self._output = MotionOutput(options.reaction_time)
         self.is_over = False
         """Whether all legs have swung and the body is where it was to go."""
@@ -234,7 +234,8 @@ class UnevenStride:
                 return self._begin(deeper)
         # No ground here: back to where the foot stood.
         self._felt.note_gap(leg, now, self.height_map)
-        self._return_to = self._left[leg]
+        assert self._stood is not None
+        self._return_to = self._stood.place_in(now, leg)
         return self._swing(now)
 
     def _over(self, now: Stance) -> JointTrajectory:
@@ -330,7 +331,7 @@ class UnevenStride:
                 self.limit = self.limit or f'a foot stays where it is: {error}'
                 return self._finish(now)
         self.limit = self.limit or swing.limit
-        self._left = now.feet
+        self._stood = now
         self._touch.forget()
         self._has_lowered = False
         return self._begin(swing)
