@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
@@ -145,11 +144,11 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
-        shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
+        shins = aims.shins(leg, place - start[:2], now.body.yaw)
 
         @cache
         def aim(fraction: float, clearance: float) -> FootAim:
-            target = aims.target(ground, start, place, fraction, shin)
+            target = aims.target(ground, start, place, fraction, shins)
             return aims.aim(ground, start, target, feels, clearance)
 
         @cache
