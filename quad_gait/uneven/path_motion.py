@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 _MOST_SAG = 0.05
 """Angle by which load pulls a joint out of its range, at most [rad]."""
 
+_OVERSHOOT = 4.0 / 27.0
+"""Distance by which a joint overshoots that ends at rest where it began, by a cubic, over its first
+velocity times the duration."""
+
 
 @dataclass(frozen=True)
 class PlannedPaths:
@@ -86,6 +90,10 @@ def motion_along(
     commanded = now.joint_positions - sagged if commanded is None else commanded
     blend = minimum_jerk(0.0, min(options.shift_time, float(times[-1])), times)[0]
     joints = joints + (1.0 - blend)[:, None, None] * (commanded - joints[0])
+    # What drives are off is made up for within their ranges: a leg may be near the end of one.
+    joints = np.clip(joints, robot.lower, robot.upper)
+    joints = joints[: _stoppable(robot, joints, sure, options.reaction_time / times[1])]
+    times = times[: len(joints)]
     velocities = np.gradient(joints, times, axis=0)
     velocities[0] = velocities[-1] = 0.0
     _check_speeds(robot, times, joints, velocities)
@@ -173,6 +181,21 @@ def _reached_joints(robot: Robot, feet: Array, sure: int, sagged: Array) -> Arra
         except GaitError:
             missed = middle
     return joints
+
+
+def _stoppable(robot: Robot, joints: Array, sure: int, samples: float) -> int:
+    """
+    Count the samples beyond what is sure up to which joints stay in their ranges wherever they end.
+
+    What replaces a motion begins at its end, at rest, so many samples later: a joint that is still
+    fast overshoots on its way there, and one that stretches a leg to the end is fastest there.
+    """
+    first = max(sure, 1)
+    steps = joints[first:] - joints[first - 1 : -1]
+    farthest = joints[first:] + _OVERSHOOT * samples * steps
+    goes_out = (farthest < robot.lower) | (farthest > robot.upper)
+    out = np.flatnonzero(goes_out.any(axis=(1, 2)))
+    return first + int(out[0]) if len(out) else len(joints)
 
 
 def turned_by(start: BodyPose, end: BodyPose) -> float:

@@ -142,3 +142,42 @@ def test_what_stretches_a_leg_farther_than_load_has_is_refused():
     far = stretched(0.1)
     with pytest.raises(JointLimitExceeded):
         motion_along(ROBOT, UnevenOptions(), far, None, still(far))
+
+
+def stretching(knee, duration):
+    """Stance and paths in which the left front knee alone turns from an angle to others [rad]."""
+    joints = np.repeat(JOINTS[None], len(knee), axis=0)
+    joints[:, 0, 2] = knee
+    feet = ROBOT.foot_positions(joints)
+    stance = replace(STANCE, feet=feet[0], joint_positions=joints[0])
+    times = np.linspace(0.0, duration, len(knee))
+    return stance, PlannedPaths(times, stance.body, np.zeros(len(times)), feet)
+
+
+def test_a_leg_whose_drive_lags_is_stretched_to_the_end_of_its_range_and_no_farther():
+    end = ROBOT.lower[0, 2]
+    stance, paths = stretching(end + np.interp(np.arange(26), [0, 10], [0.05, 0.005]), 0.5)
+    commanded = stance.joint_positions.copy()
+    commanded[0, 2] = end
+    motion = motion_along(ROBOT, UnevenOptions(), stance, commanded, paths)
+    ROBOT.check_joint_limits(motion.positions)
+    assert motion.positions[0, 0, 2] == end
+    assert motion.positions[-1, 0, 2] == pytest.approx(end + 0.005)
+
+
+def test_a_search_ends_where_a_fast_joint_would_overshoot_its_range_if_something_replaced_it():
+    end, options = ROBOT.lower[0, 2], UnevenOptions()
+    # The last sample is fast, and near the end of the range.
+    knee = end + np.array([0.5, 0.49, 0.48, 0.45, 0.4, 0.3, 0.2, 0.1, 0.005])
+    stance, paths = stretching(knee, 0.16)
+    motion = motion_along(ROBOT, options, stance, None, replace(paths, sure=3))
+    assert 3 <= len(motion.times) < len(knee)
+    for last in range(3, len(motion.times)):
+        place, speed = motion.positions[last, 0, 2], (knee[last] - knee[last - 1]) / 0.02
+        # A cubic that begins with that speed and ends at rest, where it began.
+        s = np.linspace(0.0, 1.0, 101)
+        course = place + options.reaction_time * speed * s * (1.0 - s) ** 2
+        assert course.min() > end - 1e-9
+    # What is sure is not left out.
+    whole = motion_along(ROBOT, options, stance, None, replace(paths, sure=len(knee)))
+    assert len(whole.times) == len(knee)
