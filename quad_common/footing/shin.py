@@ -4,6 +4,7 @@ Where the shin of a standing foot passes, so that nothing is in its way.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,16 @@ _AND_SWAYS = (0.5, -0.5)
 
 _ASIDE = 0.02
 """Distance by which a foot is put aside to see how its shin leans then [m, of TITAN-VIII]."""
+
+
+_SWAY = 0.06
+"""Distance by which the body is beside its path at times, of TITAN-VIII [m]: it goes over three
+feet for each swing, and to the middle of feet that were put aside."""
+
+_AROUND = np.array(
+    [[math.cos(angle), math.sin(angle)] for angle in np.linspace(0.0, 2.0 * math.pi, 8, False)]
+)
+"""Directions in which it goes aside."""
 
 
 class Shin(NamedTuple):
@@ -58,6 +69,40 @@ class Shin(NamedTuple):
         """
         moved: Array = self.points + np.einsum('nij,mj->mni', self.rates, offsets)
         return moved
+
+
+class StandingShin(NamedTuple):
+    """Points on foot and shin while a foot stands, and the body is on its path or beside it."""
+
+    on_path: Shin
+    """Points while the body goes on along its path."""
+    swayed: Shin
+    """Points while it is beside it."""
+
+
+def standing_shin(robot: Robot, leg: int, stride: Array, yaw: float) -> StandingShin:
+    """
+    Place points of foot and shin while the foot stands, wherever it is put and the body sways.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    leg : int
+        Index of the leg.
+    stride : ndarray, shape (2,)
+        Motion of the body until the foot is lifted again [m].
+    yaw : float
+        Heading of the body [rad].
+
+    Returns
+    -------
+    StandingShin
+    """
+    sways = robot.relative_size * _SWAY * _AROUND
+    return StandingShin(
+        leaning_shin(robot, leg, stride, yaw), leaning_shin(robot, leg, stride, yaw, sways)
+    )
 
 
 def leaning_shin(

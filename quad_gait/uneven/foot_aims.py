@@ -6,28 +6,17 @@ None of that depends on the body's posture, of which many are tried: it is found
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import Shin, leaning_shin
+from quad_common.footing.shin import StandingShin
 from quad_common.robot.robot import Robot
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-
-
-_SWAY = 0.06
-"""Distance by which the body is beside its path at times, of TITAN-VIII [m]: it goes over three
-feet for each swing, and to the middle of feet that were put aside."""
-
-_AROUND = np.array(
-    [[math.cos(angle), math.sin(angle)] for angle in np.linspace(0.0, 2.0 * math.pi, 8, False)]
-)
-"""Directions in which it goes aside."""
 
 
 class FootAim(NamedTuple):
@@ -43,15 +32,6 @@ class FootAim(NamedTuple):
     """Depth below its place down to which it feels [m]."""
     is_certain: bool
     """Whether the ground is at one height by the map, and not somewhere between two."""
-
-
-class Shins(NamedTuple):
-    """Points on foot and shin while a foot stands."""
-
-    on_path: Shin
-    """While the body goes on along its path."""
-    swayed: Shin
-    """While it is beside it."""
 
 
 class FootAims:
@@ -71,34 +51,13 @@ class FootAims:
     def __init__(self, robot: Robot, options: UnevenOptions, swing_height: float) -> None:
         self._robot, self._scale = robot, robot.relative_size
         self._options, self._swing_height = options, swing_height
-        self._sways = robot.relative_size * _SWAY * _AROUND
-
-    def shins(self, leg: int, stride: Array, yaw: float) -> Shins:
-        """
-        Place points of foot and shin while a foot stands.
-
-        Parameters
-        ----------
-        leg : int
-            Index of the leg.
-        stride : ndarray, shape (2,)
-            Motion of the body until the foot is lifted again [m].
-        yaw : float
-            Heading of the body [rad].
-
-        Returns
-        -------
-        Shins
-        """
-        on_path = leaning_shin(self._robot, leg, stride, yaw)
-        return Shins(on_path, leaning_shin(self._robot, leg, stride, yaw, self._sways))
 
     def foot_on(self, ground: GroundModel, place: Array) -> Array:
         """Return the center of a foot on the ground at a place (2,), shape (3,) [m]."""
         return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
 
     def target(
-        self, ground: GroundModel, start: Array, place: Array, fraction: float, shins: Shins
+        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: StandingShin
     ) -> Array:
         """
         Choose where a foot goes.
@@ -113,7 +72,7 @@ class FootAims:
             Where it should stand after the whole step [m].
         fraction : float
             Of the step; 0 puts it down where it stood.
-        shins : Shins
+        shin : StandingShin
             Points on foot and shin.
 
         Returns
@@ -129,8 +88,8 @@ class FootAims:
                 max(scale * options.foothold_radius, self._robot.foot_radius),
                 scale * options.largest_step,
                 self._robot.roughness + scale * self._swing_height,
-                shins.on_path,
-                shins.swayed,
+                shin.on_path,
+                shin.swayed,
                 0.5 * self._robot.foot_radius,
                 self._robot.foot_radius + scale * options.shin_clearance,
             )

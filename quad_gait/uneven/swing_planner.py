@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.footing.shin import standing_shin
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
@@ -144,11 +145,11 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
-        shins = aims.shins(leg, place - start[:2], now.body.yaw)
+        shin = standing_shin(self._robot, leg, place - start[:2], now.body.yaw)
 
         @cache
         def aim(fraction: float, clearance: float) -> FootAim:
-            target = aims.target(ground, start, place, fraction, shins)
+            target = aims.target(ground, start, place, fraction, shin)
             return aims.aim(ground, start, target, feels, clearance)
 
         @cache
