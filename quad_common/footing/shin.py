@@ -5,14 +5,12 @@ Where the shin of a standing foot passes, so that nothing is in its way.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
 from quad_common.robot.robot import Robot
-from quad_common.rotations import matrix_from_angles
 
 Array = NDArray[np.float64]
 
@@ -23,131 +21,9 @@ _ON_SHIN = np.linspace(0.0, 0.7, 8)
 """Points between foot and knee, higher than which no step is."""
 
 
-_AND_SWAYS = (0.5, -0.5)
-"""The same where the body sways: when the foot has landed, and halfway to where it is lifted."""
-
-_ASIDE = 0.02
-"""Distance by which a foot is put aside to see how its shin leans then [m, of TITAN-VIII]."""
-
-
-_SWAY = 0.06
-"""Distance by which the body is beside its path at times, of TITAN-VIII [m]: it goes over three
-feet for each swing, and to the middle of feet that were put aside."""
-
-_AROUND = np.array(
-    [[math.cos(angle), math.sin(angle)] for angle in np.linspace(0.0, 2.0 * math.pi, 8, False)]
-)
-"""Directions in which it goes aside."""
-
-
-class Shin(NamedTuple):
-    """Points on foot and shin while a foot stands, from the point of the ground below the foot."""
-
-    points: Array
-    """Where they are if it stands where it was to stand, shape (n, 3) [m]."""
-    rates: Array
-    """How far they move as the foot is put aside along x and y, shape (n, 3, 2) [1]."""
-
-    @classmethod
-    def empty(cls) -> Shin:
-        """Return no points."""
-        return cls(np.empty((0, 3)), np.empty((0, 3, 2)))
-
-    def beside(self, offsets: Array) -> Array:
-        """
-        Return the points for feet that stand aside from where they were to stand.
-
-        Parameters
-        ----------
-        offsets : ndarray, shape (m, 2)
-            By how far [m].
-
-        Returns
-        -------
-        ndarray, shape (m, n, 3)
-            [m]
-        """
-        moved: Array = self.points + np.einsum('nij,mj->mni', self.rates, offsets)
-        return moved
-
-
-class StandingShin(NamedTuple):
-    """Points on foot and shin while a foot stands, and the body is on its path or beside it."""
-
-    on_path: Shin
-    """Points while the body goes on along its path."""
-    swayed: Shin
-    """Points while it is beside it."""
-
-
-def standing_shin(robot: Robot, leg: int, stride: Array, yaw: float) -> StandingShin:
-    """
-    Place points of foot and shin while the foot stands, wherever it is put and the body sways.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    leg : int
-        Index of the leg.
-    stride : ndarray, shape (2,)
-        Motion of the body until the foot is lifted again [m].
-    yaw : float
-        Heading of the body [rad].
-
-    Returns
-    -------
-    StandingShin
-    """
-    sways = robot.relative_size * _SWAY * _AROUND
-    return StandingShin(
-        leaning_shin(robot, leg, stride, yaw), leaning_shin(robot, leg, stride, yaw, sways)
-    )
-
-
-def leaning_shin(
-    robot: Robot, leg: int, stride: Array, yaw: float, sways: Array | None = None
-) -> Shin:
-    """
-    Place points of foot and shin while the foot stands, wherever it is put.
-
-    A foot that is put aside is followed by its shin in part only: the hip stays where it is.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    leg : int
-        Index of the leg.
-    stride : ndarray, shape (2,)
-        Motion of the body until the foot is lifted again [m].
-    yaw : float
-        Heading of the body [rad].
-    sways : ndarray, shape (m, 2), optional
-        How far the body is beside its path at times, in its own axes [m]; only its path counts if
-        not given.
-
-    Returns
-    -------
-    Shin
-    """
-    stance = _STANCE if sways is None else _AND_SWAYS
-    shifts = np.zeros((1, 2)) if sways is None else sways
-    far = robot.relative_size * _ASIDE
-    turn = _turn(yaw)
-    # The foot where it was to stand, and put aside: ahead, behind, to the left, to the right.
-    aside = far * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
-    feet = _feet(robot, leg, stride @ turn[:2, :2], stance, shifts)
-    points = np.array([_points(robot, leg, feet + offset) for offset in aside])
-    here, ahead, behind, left, right = points[:, ~np.isnan(points[0, :, 0])]
-    rates = np.stack([ahead - behind, left - right], axis=-1) / (2.0 * far)
-    # Beside the edge of its reach a leg is followed as one that keeps its posture.
-    return Shin(here @ turn.T, turn @ np.nan_to_num(rates) @ turn[:2, :2].T)
-
-
 def shin_points(robot: Robot, leg: int, stride: Array, yaw: float) -> Array:
     """
-    Place points of foot and shin while the foot stands where it was to stand.
+    Place points of foot and shin while the foot stands.
 
     The body goes on by one stride until the foot is lifted again; how it sways meanwhile
     does not count.
@@ -168,49 +44,23 @@ def shin_points(robot: Robot, leg: int, stride: Array, yaw: float) -> Array:
     ndarray, shape (n, 3)
         Points, measured from the point of the ground below the foot [m].
     """
-    turn = _turn(yaw)
-    points = _points(
-        robot, leg, _feet(robot, leg, stride @ turn[:2, :2], _STANCE, np.zeros((1, 2)))
-    )
-    turned: Array = points[~np.isnan(points[:, 0])] @ turn.T
-    return turned
-
-
-def _turn(yaw: float) -> Array:
-    """Return the rotation about z from the body's axes, shape (3, 3)."""
-    return matrix_from_angles(np.array([0.0, 0.0, yaw]))
-
-
-def _feet(robot: Robot, leg: int, stride: Array, stance: tuple[float, ...], shifts: Array) -> Array:
-    """Place the foot in the body's axes, of a body that is beside its path, (n, 3) [m]."""
-    feet = np.tile(robot.neutral_feet[leg], (len(shifts), len(stance), 1))
-    feet[..., :2] += np.multiply.outer(np.array(stance), stride) - shifts[:, None]
-    return feet.reshape(-1, 3)
-
-
-def _points(robot: Robot, leg: int, feet: Array) -> Array:
-    """Place the points of feet (n, 3) [m] in the body's axes; NaN beyond the leg's reach."""
-    shins = _shins(robot, leg, feet)[:, None]
-    points = _ON_SHIN[:, None] * shins
-    # The foot rolls under its shin, from where it has landed on.
-    landed = shins[~np.isnan(shins[:, 0, 0])][:1]
-    if len(landed):
-        points[..., :2] += robot.foot_radius * (_lean(shins) - _lean(landed))
+    c, s = math.cos(yaw), math.sin(yaw)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    stride_in_body = np.array([*stride, 0.0]) @ turn
+    shins = []
+    for fraction in _STANCE:
+        foot = robot.neutral_feet[leg] + fraction * stride_in_body
+        try:
+            shins.append(robot.legs[leg].chain(robot.legs[leg].inverse(foot))[1] - foot)
+        except GaitError:
+            continue
+    shin = np.array(shins).reshape(-1, 1, 3)
+    points = _ON_SHIN[:, None] * shin
+    # The foot rolls under its shin.
+    points[..., :2] += robot.foot_radius * (_lean(shin) - _lean(shin[:1]))
     points[..., 2] += robot.foot_radius
-    return points.reshape(-1, 3)
-
-
-def _shins(robot: Robot, leg: int, feet: Array) -> Array:
-    """Return the way from foot to knee, shape (n, 3) [m]; NaN beyond the leg's reach."""
-    kinematics = robot.legs[leg]
-    try:
-        shins: Array = kinematics.chain(kinematics.inverse(feet))[1] - feet
-    except GaitError:
-        if len(feet) == 1:
-            return np.full((1, 3), np.nan)
-        halves = np.array_split(feet, 2)
-        shins = np.concatenate([_shins(robot, leg, half) for half in halves])
-    return shins
+    turned: Array = points.reshape(-1, 3) @ turn.T
+    return turned
 
 
 def _lean(shin: Array) -> Array:

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import StandingShin
 from quad_common.robot.robot import Robot
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.uneven_options import UnevenOptions
@@ -57,7 +56,7 @@ class FootAims:
         return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
 
     def target(
-        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: StandingShin
+        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: Array
     ) -> Array:
         """
         Choose where a foot goes.
@@ -72,8 +71,8 @@ class FootAims:
             Where it should stand after the whole step [m].
         fraction : float
             Of the step; 0 puts it down where it stood.
-        shin : StandingShin
-            Points on foot and shin.
+        shin : ndarray, shape (n, 3)
+            Points on foot and shin from the point below the foot [m].
 
         Returns
         -------
@@ -88,9 +87,7 @@ class FootAims:
                 max(scale * options.foothold_radius, self._robot.foot_radius),
                 scale * options.largest_step,
                 self._robot.roughness + scale * self._swing_height,
-                shin.on_path,
-                shin.swayed,
-                0.5 * self._robot.foot_radius,
+                shin,
                 self._robot.foot_radius + scale * options.shin_clearance,
             )
             wanted = ground.best_foothold(wanted, choice)

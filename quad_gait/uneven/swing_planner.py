@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import standing_shin
+from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
@@ -145,7 +145,7 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
-        shin = standing_shin(self._robot, leg, place - start[:2], now.body.yaw)
+        shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
 
         @cache
         def aim(fraction: float, clearance: float) -> FootAim:
