@@ -78,7 +78,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self.create_subscription(JointState, 'joint_states', self._on_joint_states, sensor)
         self.create_subscription(Imu, 'imu', self._on_imu, sensor)
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, sensor)
-        if p.is_uneven:
+        if p.uses_height_map:
             self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
         GaitServices(self, supervisor, self._topics)
         plans = PlanTopics(self, supervisor, self._topics, frame, self._planner)

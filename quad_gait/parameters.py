@@ -47,7 +47,8 @@ class GaitParameters:
     balance: bool = parameter(
         False,
         'Whether the robot keeps its balance in gaits with two feet down, as the trot: decisions '
-        'are made at every measurement, by joints and imu, and not once a cycle.',
+        'are made at every measurement, by joints and imu, and not once a cycle. Feet are put down '
+        'on the ground of height_map where there is one.',
     )
     balance_reaction_time: float = parameter(
         0.02,
@@ -217,6 +218,11 @@ class GaitParameters:
     def is_uneven(self) -> bool:
         """Whether the ground is."""
         return self.ground == 'uneven'
+
+    @property
+    def uses_height_map(self) -> bool:
+        """Whether the robot goes by a map of the ground where there is one."""
+        return self.is_uneven or self.balance
 
     @property
     def has_odometry_by_legs(self) -> bool:

@@ -247,7 +247,7 @@ class Supervisor:
         answer = ''
         for guard in self._guards:
             answer = guard.take(wish) or answer
-        self._routine.walk.take(wish)
+        self._routine.take(wish)
         match wish:
             case FollowPlan():
                 guidance.take_plan(wish, self._refusal())

@@ -13,11 +13,12 @@ from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
-from quad_gait.balance.feet import Demand, FootPlan
+from quad_gait.balance.feet import UNKNOWN, Demand, FootPlan, GroundAhead
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
 from quad_gait.balance.foot_plan import FootPlanner, March
 from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
+from quad_gait.balance.known_ground import KnownGround
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
 
@@ -126,7 +127,9 @@ class BalancedMotion:
         """Let no foot lift any more after what holds at a time [s]."""
         self.clock = self.clock._replace(end=self._time_of(self._index_at(time)))
 
-    def update(self, time: float, body: BodyEstimate, pace: Pace) -> JointTrajectory | None:
+    def update(
+        self, time: float, body: BodyEstimate, pace: Pace, ground: KnownGround | None = None
+    ) -> JointTrajectory | None:
         """
         Answer to a measurement.
 
@@ -138,6 +141,8 @@ class BalancedMotion:
             How the body moves.
         pace : Pace
             Velocity that is wanted.
+        ground : KnownGround, optional
+            What is known of the ground ahead.
 
         Returns
         -------
@@ -154,9 +159,15 @@ class BalancedMotion:
         else:
             self._adapt_trim(body, self._knots[place].pace, pace)
         times = [self._time_of(index + k) for k in range(self._options.knots + 1)]
-        answers = self._answers(times, place, time, body, pace)
+        plan = self._planner.met(self._knots[place], self.clock, time, body)
+        ahead = UNKNOWN
+        if ground is not None:
+            landings = self._planner.landings(plan, self.clock, times[0], body)
+            ahead = ground.ahead(times[0] - time, body, landings)
+        answers = self._answers(plan, times, time, body, pace, ahead)
         knots = answers.plans()
-        rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body)
+        sunk = self._planner.risen(ahead, times[-1] - times[0])
+        rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body, ahead.after(sunk))
         before = max(place - 1, 0)
         held = slice(before, place + 1)
         given = self._given
@@ -180,20 +191,25 @@ class BalancedMotion:
         )
 
     def _answers(
-        self, times: list[float], place: int, time: float, body: BodyEstimate, pace: Pace
+        self,
+        plan: FootPlan,
+        times: list[float],
+        time: float,
+        body: BodyEstimate,
+        pace: Pace,
+        ground: GroundAhead,
     ) -> March:
         """Return the knot that still holds, and those after it that answer to a measurement."""
-        plan = self._planner.met(self._knots[place], self.clock, time, body)
         roll, pitch = body.tilt_in(times[0] - time)
         slope = body.slope
         demand = Demand(
             pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
-            slope, self._trim, body.roughness,
+            slope, self._trim, body.roughness, ground=ground,
         )  # fmt: skip
         return self._planner.march(plan, self.clock, times, demand)
 
     def _coming_to_rest(
-        self, plan: FootPlan, time: float, body: BodyEstimate
+        self, plan: FootPlan, time: float, body: BodyEstimate, ground: GroundAhead
     ) -> tuple[March, list[float]]:
         """Return a plan at a time [s] and the knots after it that bring the robot to rest."""
         options, clock = self._options, self.clock
@@ -209,8 +225,9 @@ class BalancedMotion:
         # A body that is slowed down has its feet ahead, as if it were faster than it is to be.
         lead = self._planner.height / GRAVITY * slowing / max(self._planner.capture_time, 1e-6)
         demand = Demand(
-            STILL, STILL, slope=slope, trim=self._trim, roughness=body.roughness, lead=lead
-        )
+            STILL, STILL, slope=slope, trim=self._trim, roughness=body.roughness, lead=lead,
+            ground=ground,
+        )  # fmt: skip
         count = math.ceil((end + clock.longest_swing - time) / options.rest_knot_time) + 1
         times = [time]
         for _ in range(count):

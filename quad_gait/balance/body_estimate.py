@@ -115,6 +115,8 @@ class BodyEstimator:
         self._bias: Array = np.zeros(2)
         self.loads: Array | None = None
         """Vertical forces on the feet at the last measurement, shape (4,) [N]; None if unknown."""
+        self.feet: Array = np.zeros((4, 3))
+        """Centers of the feet beside the level body at the last measurement, shape (4, 3) [m]."""
         self.bears: NDArray[np.bool_] = np.ones(4, dtype=bool)
         """Which feet stood and bore load at the last measurement, shape (4,)."""
 
@@ -142,8 +144,8 @@ class BodyEstimator:
             self._velocity += dt * (mean - self._bias)
             self._acceleration = acceleration
         feet = self._robot.foot_positions(reading.joints)
-        standing = feet[self.bears & reading.tells_slope] @ rotation.T
-        self._slope.update(dt, turn, standing)
+        self.feet = feet @ rotation.T
+        self._slope.update(dt, turn, self.feet[self.bears & reading.tells_slope])
         slope = self._slope.slope
         if weights.any():
             by_legs = leg_velocity(

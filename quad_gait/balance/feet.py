@@ -83,6 +83,31 @@ class FootPlan(NamedTuple):
         return self._replace(records=np.array(list(feet), dtype=FOOT))
 
 
+class GroundAhead(NamedTuple):
+    """What is known of the ground ahead, over the plane on which feet are planned at first [m]."""
+
+    is_known: bool
+    """Whether anything is."""
+    rises: tuple[float, float, float, float]
+    """Heights of the places on which the feet land next."""
+    bumps: tuple[float, float, float, float]
+    """Heights of what is highest on their ways, over the straight lines to there."""
+    body: float
+    """Mean height of the ground under the body."""
+
+    def after(self, sunk: float) -> GroundAhead:
+        """Return the same over a plane that has risen by a height [m]."""
+        a, b, c, d = self.rises
+        rises = a - sunk, b - sunk, c - sunk, d - sunk
+        return self._replace(rises=rises, body=self.body - sunk)
+
+
+_NOWHERE = (0.0, 0.0, 0.0, 0.0)
+
+UNKNOWN = GroundAhead(False, _NOWHERE, _NOWHERE, 0.0)
+"""Nothing is known: feet land on the plane."""
+
+
 class Demand(NamedTuple):
     """What is to be done from one knot to the next."""
 
@@ -103,3 +128,5 @@ class Demand(NamedTuple):
     lead: float = math.nan
     """Velocity by which a body that is slowed down is to be taken for faster than it is: so its
     feet are ahead [m/s]; nan for one that is not slowed down."""
+    ground: GroundAhead = UNKNOWN
+    """The ground ahead."""

@@ -78,6 +78,11 @@ class _Law(NamedTuple):
     """Velocity with which standing feet go."""
     excess: tuple[float, float]
     """Step to the capture point [m]."""
+    settling: float
+    """Height by which the body as a whole is to rise; nan where each foot that stands goes over to
+    the plane of the ground [m]."""
+    risen: float
+    """Height by which that plane has risen since the first knot [m]."""
 
 
 @compiled_loop
@@ -114,21 +119,24 @@ def march(
     legs : Legs
         With which legs.
     """
+    risen = 0.0
     for k in range(len(times) - 1):
         begin, end = times[k], times[k + 1]
         here = _here(demand, paces[k], begin >= clock.end)
         pace = _pace_after(paces[k], here.pace, end - begin, manner)
         paces[k + 1, 0], paces[k + 1, 1], paces[k + 1, 2] = pace.forward, pace.left, pace.turn
-        law = _law(pace, here, pendulum_factor(clock, (begin + end) / 2.0, manner.rate), manner)
         before = knots[k]
-        is_rough = here.roughness > manner.rough_from
-        settling = _mean_rise(before) if is_rough else math.nan
+        settling = _settling(before, here, risen, manner)
+        if here.ground.is_known:
+            risen += (1.0 - _kept(end - begin, manner)) * settling
+        factor = pendulum_factor(clock, (begin + end) / 2.0, manner.rate)
+        law = _law(pace, here, factor, settling, risen, manner)
         if begin < clock.start and (here.slope.ahead != 0.0 or here.slope.aside != 0.0):
             law = _leaning(before, law, manner, legs)
         for leg in range(len(before)):
             foot = knots[k + 1][leg]
             _copy(before[leg], foot)
-            _advance(foot, leg, begin, end, settling, law, here, clock, manner, legs)
+            _advance(foot, leg, begin, end, law, here, clock, manner, legs)
             x, y, z = tilted_back(foot.x, foot.y, foot.z, foot.roll, foot.pitch)
             places[k + 1, leg, 0], places[k + 1, leg, 1], places[k + 1, leg, 2] = x, y, z
 
@@ -145,7 +153,7 @@ def _here(demand: Demand, pace: Array, no_more_lifts: bool) -> Demand:
     measured = Pace(ahead * pace[0] - x, ahead * pace[1] - y, pace[2])
     return Demand(
         demand.pace, measured, demand.roll, demand.pitch, demand.slope, (x, y),
-        demand.roughness, demand.lead,
+        demand.roughness, demand.lead, demand.ground,
     )  # fmt: skip
 
 
@@ -167,7 +175,9 @@ def _toward(value: float, wanted: float, step: float) -> float:
 
 
 @compiled_part
-def _law(pace: Pace, demand: Demand, factor: float, manner: Manner) -> _Law:
+def _law(
+    pace: Pace, demand: Demand, factor: float, settling: float, risen: float, manner: Manner
+) -> _Law:
     """Return how feet move, for a body that is to be faster than on average by a factor."""
     measured = demand.measured
     mean = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
@@ -184,7 +194,7 @@ def _law(pace: Pace, demand: Demand, factor: float, manner: Manner) -> _Law:
         manner.capture_time * ex + leaning * mean.left,
         manner.capture_time * ey - leaning * mean.forward,
     )
-    return _Law(mean, given_way, excess)
+    return _Law(mean, given_way, excess, settling, risen)
 
 
 @compiled_part
@@ -195,7 +205,22 @@ def _leaning(feet: Feet, law: _Law, manner: Manner, legs: Legs) -> _Law:
     for leg in range(len(feet)):
         x += rate * (feet[leg].x - legs.neutral[leg, 0])
         y += rate * (feet[leg].y - legs.neutral[leg, 1])
-    return _Law(law.mean, Pace(x, y, law.given_way.turn), (0.0, 0.0))
+    given_way = Pace(x, y, law.given_way.turn)
+    return _Law(law.mean, given_way, (0.0, 0.0), law.settling, law.risen)
+
+
+@compiled_part
+def _kept(dt: float, manner: Manner) -> float:
+    """Return which part of what a leg rights is left after a time [s]."""
+    return math.exp(-dt / manner.righting_time)
+
+
+@compiled_part
+def _settling(feet: Feet, demand: Demand, risen: float, manner: Manner) -> float:
+    """Return by what height the body is to rise as a whole [m]; nan if each foot goes its way."""
+    if demand.ground.is_known:
+        return demand.ground.body - risen
+    return _mean_rise(feet) if demand.roughness > manner.rough_from else math.nan
 
 
 @compiled_part
@@ -223,7 +248,6 @@ def _advance(
     leg: int,
     begin: float,
     end: float,
-    settling: float,
     law: _Law,
     demand: Demand,
     clock: PhaseClock,
@@ -234,7 +258,7 @@ def _advance(
     dt = end - begin
     fraction, left = swing_phase(clock, leg, end)
     if foot.has_landed != 0.0 or (fraction == STANDS and foot.swings == 0.0):
-        _stand(foot, leg, dt, settling, law, demand, manner, legs)
+        _stand(foot, leg, dt, law, demand, manner, legs)
         if fraction == STANDS:
             foot.has_landed = 0.0
         return
@@ -242,8 +266,8 @@ def _advance(
     duration = clock.swing_fractions[leg] * clock.period
     if foot.swings == 0.0:
         swung = min(dt, fraction * duration)
-        _stand(foot, leg, dt - swung, settling, law, demand, manner, legs)
-        foot.lift = lift_over(demand.roughness, manner)
+        _stand(foot, leg, dt - swung, law, demand, manner, legs)
+        foot.lift = lift_over(leg, demand, manner)
     elif fraction == STANDS:
         until = swing_phase(clock, leg, begin)[1]
         swung = min(dt, until) if until > 0.0 else dt
@@ -254,7 +278,7 @@ def _advance(
     )
     _swing(foot, leg, swing, law, demand, manner, legs)
     if swung < dt and fraction == STANDS:
-        _stand(foot, leg, dt - swung, settling, law, demand, manner, legs)
+        _stand(foot, leg, dt - swung, law, demand, manner, legs)
 
 
 class SwingTime(NamedTuple):
@@ -273,9 +297,12 @@ class SwingTime(NamedTuple):
 
 
 @compiled_part
-def lift_over(roughness: float, manner: Manner) -> float:
-    """Return how high a foot is lifted over ground that is rough by a height [m]."""
-    more = manner.rough_lift * max(roughness - manner.rough_from, 0.0)
+def lift_over(leg: int, demand: Demand, manner: Manner) -> float:
+    """Return how high a foot is lifted: over what is on its way, or by how rough the ground is."""
+    if demand.ground.is_known:
+        more = demand.ground.bumps[leg]
+    else:
+        more = manner.rough_lift * max(demand.roughness - manner.rough_from, 0.0)
     return max(manner.lift, min(manner.lift + more, manner.most_lift))
 
 
@@ -295,7 +322,6 @@ def _stand(
     foot: Any,
     leg: int,
     dt: float,
-    settling: float,
     law: _Law,
     demand: Demand,
     manner: Manner,
@@ -304,11 +330,11 @@ def _stand(
     """Let a foot stand for a time [s], and its leg right the body."""
     slope = demand.slope
     foot.vx, foot.vy = _drift(leg, foot.x, foot.y, law.given_way, legs)
-    kept = math.exp(-dt / manner.righting_time)
+    kept = _kept(dt, manner)
     foot.x += dt * foot.vx
     foot.y += dt * foot.vy
     # On level ground and slopes each foot goes over to the plane; else the body as a whole.
-    foot.rise -= (1.0 - kept) * (foot.rise if math.isnan(settling) else settling)
+    foot.rise -= (1.0 - kept) * (foot.rise if math.isnan(law.settling) else law.settling)
     foot.z = legs.neutral[leg, 2] + (slope.ahead * foot.x + slope.aside * foot.y) + foot.rise
     foot.roll = slope.roll + kept * (foot.roll - slope.roll)
     foot.pitch = slope.pitch + kept * (foot.pitch - slope.pitch)
@@ -344,7 +370,11 @@ def _swing(
     height = 0.0
     if swing.fraction != STANDS:
         height = foot.lift * swing_height(swing.fraction, manner.easing)
-    foot.rise *= swing.left / (swing.left + dt)
+    landing = 0.0
+    if demand.ground.is_known:
+        landing = demand.ground.rises[leg] - law.risen
+        foot.rise -= (1.0 - _kept(dt, manner)) * law.settling
+    foot.rise = landing + swing.left / (swing.left + dt) * (foot.rise - landing)
     foot.z = z + (slope.ahead * foot.x + slope.aside * foot.y) + foot.rise + height
     foot.roll = slope.roll + manner.leveling * demand.roll
     foot.pitch = slope.pitch + manner.leveling * demand.pitch

@@ -15,12 +15,13 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import matrix_from_angles
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
-from quad_gait.balance.feet import FOOT, Demand, Foot, FootPlan
+from quad_gait.balance.feet import FOOT, Demand, Foot, FootPlan, GroundAhead
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, pendulum_time
 from quad_gait.balance.foot_march import Legs, Manner, march
 from quad_gait.balance.ground_slope import LEVEL, Slope
+from quad_gait.balance.known_ground import Landings
 from quad_gait.balance.leg_rates import lift_height, rolling_factors, swing_use
-from quad_gait.balance.phase_clock import PhaseClock
+from quad_gait.balance.phase_clock import STANDS, PhaseClock
 from quad_gait.cycle.gait import Gait
 
 Array = NDArray[np.float64]
@@ -191,6 +192,46 @@ class FootPlanner:
                     swings=False, has_landed=True, rise=rise, target_x=foot.x, target_y=foot.y
                 )
         return plan.with_feet(feet)
+
+    def landings(
+        self, plan: FootPlan, clock: PhaseClock, time: float, body: BodyEstimate
+    ) -> Landings:
+        """
+        Return where feet land next, by how fast the body is.
+
+        Parameters
+        ----------
+        plan : FootPlan
+            The plan of a knot.
+        clock : PhaseClock
+            When feet swing.
+        time : float
+            Time of the knot [s].
+        body : BodyEstimate
+            How the body moves, and over which plane.
+
+        Returns
+        -------
+        Landings
+        """
+        records, slope = plan.records, body.slope
+        feet = np.stack([records['x'], records['y']], axis=-1)
+        rises = np.array(records['rise'])
+        if slope != plan.slope:
+            rises += feet @ (np.array(plan.slope[:2]) - np.array(slope[:2]))
+        neutral = self._neutral_on(slope)[:, :2]
+        targets = neutral + 0.5 * clock.stance_times[0] * np.array(body.velocity)
+        stand = records['swings'] == 0.0
+        times = np.empty(len(feet))
+        for leg, (fraction, left) in enumerate(clock.swing_phases(time)):
+            times[leg] = left if fraction != STANDS else clock.until_landing(leg, time)
+            if fraction != STANDS and not stand[leg]:
+                targets[leg] = records['target_x'][leg], records['target_y'][leg]
+        return Landings(feet, rises, stand, targets, times, neutral, clock.stance_times[0], slope)
+
+    def risen(self, ground: GroundAhead, time: float) -> float:
+        """Return by what height the plane of the ground rises in a time [s], under a body [m]."""
+        return ground.body * (1.0 - math.exp(-time / self._manner.righting_time))
 
     def _neutral_on(self, slope: Slope) -> Array:
         """

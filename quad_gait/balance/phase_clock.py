@@ -60,6 +60,11 @@ class PhaseClock(NamedTuple):
         """Return which feet are to stand at a time [s], shape (4,)."""
         return np.array([fraction == STANDS for fraction, _ in self.swing_phases(time)])
 
+    def until_landing(self, leg: int, time: float) -> float:
+        """Return after what time a foot that stands at a time has swung and landed [s]."""
+        phase = ((time - self.start) / self.period - self.offsets[leg]) % 1.0
+        return (1.0 - phase + self.swing_fractions[leg]) * self.period
+
     @property
     def stance_times(self) -> tuple[float, ...]:
         """Durations of the feet's stances [s]."""

@@ -10,16 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import GaitError
+from quad_common.maps.height_map import HeightMap
+from quad_common.maps.height_map_parts import are_alike
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
 from quad_gait.balance.course import Course, Guide
 from quad_gait.balance.foot_laws import Pace
+from quad_gait.balance.known_ground import KnownGround
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import GO_ON, Command, Done, Shared, Walk
 from quad_gait.behaviours.guidance import PlannedMotion
-from quad_gait.behaviours.wishes import Wish
+from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Departure, Step
 from quad_gait.state.robot_state import RobotState
@@ -46,6 +49,8 @@ class BalancedTrot(Walk):
         self._estimator = BodyEstimator(shared.robot, self._balance.estimate)
         self._motion: BalancedMotion | None = None
         self._course: Course | None = None
+        self._height_map: HeightMap | None = None
+        self._ground: KnownGround | None = None
         self._steered: Twist2D | None = None
         self._pose = Pose2D(0.0, 0.0, 0.0)
         self._stops_since = self._calm_since = math.inf
@@ -53,7 +58,14 @@ class BalancedTrot(Walk):
         self._is_ending = False
 
     def take(self, wish: Wish) -> None:
-        """Take notice of nothing: the ground is flat."""
+        """Take a map of the ground."""
+        if isinstance(wish, UseHeightMap) and not are_alike(self._height_map, wish.height_map):
+            self._height_map = wish.height_map
+            self._ground = self._known_ground()
+
+    def _known_ground(self) -> KnownGround | None:
+        heights = self._height_map
+        return None if heights is None else KnownGround(heights, self._robot)
 
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
@@ -62,9 +74,11 @@ class BalancedTrot(Walk):
         return self._motion.clock.in_stance(time)
 
     def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
-        """Return which feet stand and bear at a time [s], (4,), on a slope; else None."""
+        """Return which feet stand and bear at a time [s], (4,); None on level ground."""
         motion = self._motion
-        if motion is None or time >= self._joints.busy_until or motion.slope.is_level:
+        if motion is None or time >= self._joints.busy_until:
+            return None
+        if self._ground is None and motion.slope.is_level:
             return None
         return motion.clock.in_stance(time) & self._estimator.bears
 
@@ -77,6 +91,7 @@ class BalancedTrot(Walk):
     def forget(self) -> None:
         """Know of no motion."""
         self._motion = self._course = None
+        self._ground = self._known_ground()
 
     def come_to_rest(self, state: RobotState) -> bool:
         """Give nothing more out: what was given out brings the robot to rest."""
@@ -131,7 +146,12 @@ class BalancedTrot(Walk):
         )
         pace = course.pace(state.time, state.motion_pose, guide)
         self._stop_when_calm(state, motion, body, pace)
-        trajectory = motion.update(state.time, body, pace)
+        ground = self._ground
+        if ground is not None:
+            poses = state.pose, state.motion_pose
+            stance = motion.clock.stance_times[0]
+            ground.locate(state.time, poses, self._estimator.feet, self._estimator.bears, stance)
+        trajectory = motion.update(state.time, body, pace, ground)
         if trajectory is not None:
             self._joints.busy_until = trajectory.end
         return Command(trajectory)

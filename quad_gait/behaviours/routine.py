@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.behaviour import Behaviour, Command, Done, Shared, Walk
 from quad_gait.behaviours.options import SupervisorOptions
+from quad_gait.behaviours.wishes import Wish
 from quad_gait.state.robot_state import RobotState
 
 
@@ -59,6 +60,12 @@ class Routine:
         walk = self._behaviours[Activity.WALKING]
         assert isinstance(walk, Walk)
         return walk
+
+    def take(self, wish: Wish) -> None:
+        """Let all behaviours that walk take notice of a wish: any of them may be the next."""
+        for behaviour in self._behaviours.values():
+            if isinstance(behaviour, Walk):
+                behaviour.take(wish)
 
     def update(self, state: RobotState) -> Command:
         """Let the behaviour that acts decide, and those that it hands over to."""

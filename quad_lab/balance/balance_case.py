@@ -62,6 +62,8 @@ class BalanceCase:
     """Whether its sensors err."""
     keeps_balance: bool = True
     """Whether it keeps its balance; or walks by cycles that are planned as a whole."""
+    knows_ground: bool = False
+    """Whether it has a height map of the ground, and goes by it where its own legs take it."""
 
     def __str__(self) -> str:
         """Name it."""
@@ -74,6 +76,8 @@ class BalanceCase:
         words += [name.rpartition('_')[2] for name in names if getattr(self, name)]
         if not self.keeps_balance:
             words.append('planned')
+        if self.knows_ground:
+            words.append('with a height map')
         return ' '.join(words)
 
     def hardest(self) -> BalanceCase:
@@ -118,6 +122,8 @@ class BalanceWalk:
             friction=_SLIPPERY if case.is_slippery else 0.8,
             terrain=None if ground is None else ground(robot),
         )
+        if case.knows_ground and world.terrain is not None:
+            controller.set_height_map(world.terrain.height_map)
         delay = (LATENCY if case.keeps_balance else 0.0) + _DELAY * case.is_late
         noise = NOISY if case.is_noisy else NO_NOISE
         self.loop = BalanceLoop(robot, controller, delay, noise, seed, world=world)

@@ -258,12 +258,13 @@ def _silence(console: Console, quick: bool, seed: int) -> Bars:
 
 
 def _slopes(console: Console, quick: bool, seed: int) -> Bars:
-    """Trot up, down and across slopes, and over the edges where they begin."""
-    return _over_ground({**dict.fromkeys(SLOPES, 20), **dict.fromkeys(RAMPS)}, quick, seed)
+    """Trot up, down and across slopes, and over their edges, blind and with a height map."""
+    grounds = {**dict.fromkeys(SLOPES, 20), **dict.fromkeys(RAMPS)}
+    return _over_ground(grounds, quick, seed)
 
 
 def _bumps(console: Console, quick: bool, seed: int) -> Bars:
-    """Trot over bumps."""
+    """Trot over bumps, blind and with a height map."""
     return _over_ground({BUMPS: 19}, quick, seed)
 
 
@@ -271,8 +272,8 @@ def _over_ground(grounds: dict[str, int | None], quick: bool, seed: int) -> Bars
     """Trot over each ground, as often as is wanted of it, with sensors that err; planned too."""
     count = 2 if quick else _WALKS
     cases = [
-        BalanceCase(robot, speed=_ON_GROUND, is_noisy=True, keeps_balance=keeps)
-        for keeps in (True, False)
+        BalanceCase(robot, None, _ON_GROUND, is_noisy=True, keeps_balance=keeps, knows_ground=knows)
+        for keeps, knows in ((True, False), (True, True), (False, False))
         for robot in (_ON_GROUND_QUICK if quick else _WALKERS)
     ]
     whats = [(case, ground) for case in cases for ground in grounds]

@@ -1,5 +1,5 @@
 """
-Trots over slopes and bumps, by robots that do not know of them.
+Trots over slopes and bumps, by robots that do not know of them, or have a map.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """A robot that keeps its balance: pushed, left alone, without its imu, and at a goal."""
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -61,6 +62,14 @@ def test_slopes_are_walked(name, ground, seed):
 def test_bumps_that_are_higher_than_feet_are_lifted_on_level_ground_are_walked():
     # It fell where feet were lifted higher only after the ground had been rough by 0.9 of that.
     assert trot_over(BalanceCase('cuhk', speed=0.6, is_noisy=True), 'bumps', 1).succeeds
+
+
+def test_with_a_height_map_feet_go_over_bumps_as_if_the_ground_were_level():
+    blind = BalanceCase('a1', speed=0.6, is_noisy=True)
+    trots = [trot_over(replace(blind, knows_ground=knows), 'bumps', 3) for knows in (True, False)]
+    assert trots[0].succeeds
+    assert trots[0].tilt < 0.5 * trots[1].tilt
+    assert math.degrees(trots[0].tilt) < 2.5
 
 
 def test_a_robot_that_receives_nothing_more_comes_to_stand_on_four_feet():

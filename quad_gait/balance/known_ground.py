@@ -1,0 +1,132 @@
+"""
+The ground ahead of a trotting robot's feet, by a height map.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quad_common.maps.height_map import HeightMap
+from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot import Robot
+from quad_gait.balance.body_estimate import BodyEstimate
+from quad_gait.balance.feet import UNKNOWN, GroundAhead
+from quad_gait.balance.ground_match import GroundMatch
+from quad_gait.balance.ground_slope import Slope
+
+Array = NDArray[np.float64]
+
+_ON_THE_WAY = np.linspace(0.0, 1.0, 7)
+"""Where the ground is looked at on a foot's way, from its liftoff to its touchdown."""
+
+
+class Landings(NamedTuple):
+    """Feet at a knot, and where each lands next; places are beside the level body."""
+
+    feet: Array
+    """Where they are, shape (4, 2) [m]."""
+    rises: Array
+    """Heights of what they stand on, or have left, over the plane of the ground, shape (4,) [m]."""
+    stand: NDArray[np.bool_]
+    """Which of them stand, shape (4,)."""
+    targets: Array
+    """Where they land next, beside the body as it will be by then, shape (4, 2) [m]."""
+    times: Array
+    """Times until they do, shape (4,) [s]."""
+    neutral: Array
+    """Their places under a standing body, shape (4, 2) [m]."""
+    stance: float
+    """Duration of a stance [s]."""
+    slope: Slope
+    """The plane of the ground."""
+
+
+class KnownGround:
+    """
+    What a height map tells of the ground ahead.
+
+    Parameters
+    ----------
+    heights : HeightMap
+        The map.
+    robot : Robot
+        The robot.
+    """
+
+    def __init__(self, heights: HeightMap, robot: Robot) -> None:
+        self._map = heights
+        self._match = GroundMatch(heights, robot)
+        self._pose = Pose2D(0.0, 0.0, 0.0)
+
+    @property
+    def match(self) -> GroundMatch:
+        """Where on the map the robot is."""
+        return self._match
+
+    def locate(
+        self,
+        time: float,
+        poses: tuple[Pose2D, Pose2D],
+        feet: Array,
+        bears: NDArray[np.bool_],
+        stance: float,
+    ) -> None:
+        """Find out where on the map the robot is, as :meth:`GroundMatch.update` says."""
+        self._match.update(time, poses, feet, bears, stance)
+        x, y = self._match.shift
+        self._pose = Pose2D(poses[0].x + x, poses[0].y + y, poses[0].yaw)
+
+    def ahead(self, time: float, body: BodyEstimate, landings: Landings) -> GroundAhead:
+        """
+        Tell of the ground under feet.
+
+        Parameters
+        ----------
+        time : float
+            Time from the measurement to the knot at which they are planned [s].
+        body : BodyEstimate
+            How the body moves.
+        landings : Landings
+            The feet.
+
+        Returns
+        -------
+        GroundAhead
+            Unknown where the map does not tell, or does not fit what the feet have met.
+        """
+        if not self._match.is_sure:
+            return UNKNOWN
+        here = self._places(landings.feet, np.full(4, time), body)
+        there = self._places(landings.targets, time + landings.times, body)
+        # The body goes over the ground on which its feet will stand in the middle of a stance.
+        middle = landings.stance / 2.0
+        under = self._places(landings.neutral, np.full(4, time + middle), body)
+        way = here[:, None] + _ON_THE_WAY[:, None] * (there - here)[:, None]
+        places = np.concatenate([here, there, under, way.reshape(-1, 2)])
+        heights = self._map.height_at(places)
+        if not np.isfinite(heights).all() or not landings.stand.any():
+            return UNKNOWN
+        slope = np.array(landings.slope[:2])
+        at_feet = heights[:4] - landings.rises - landings.feet @ slope
+        plane = float(at_feet[landings.stand].mean())
+        begin, end = heights[:4, None], heights[4:8, None]
+        straight = begin + _ON_THE_WAY * (end - begin)
+        bumps = np.maximum((heights[12:].reshape(4, -1) - straight).max(axis=1), 0.0)
+        # A body that goes along a slope takes the plane with it.
+        climbing = float(slope @ body.velocity)
+        rises = heights[4:8] - plane - landings.targets @ slope - climbing * landings.times
+        body_rise = (heights[8:12] - landings.neutral @ slope).mean() - plane - climbing * middle
+        a, b, c, d = rises.tolist()
+        e, f, g, h = bumps.tolist()
+        return GroundAhead(True, (a, b, c, d), (e, f, g, h), float(body_rise))
+
+    def _places(self, places: Array, times: Array, body: BodyEstimate) -> Array:
+        """Return where on the map places beside the body are after times, (4, 2) [m]."""
+        points = []
+        for place, time in zip(places, times.tolist()):
+            moved = Pose2D(body.velocity[0] * time, body.velocity[1] * time, body.turn * time)
+            points.append((self._pose @ moved).transform(place))
+        return np.array(points)
