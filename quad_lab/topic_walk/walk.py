@@ -18,7 +18,9 @@ from quad_common.errors import QuadError
 from quad_common.maps.map_file import load_map
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
+from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
+from quad_gait.cycle.gait import load_gait
 from quad_lab.closed_loop.guided_end import GuidedEnd
 from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain, subnet_domain
 from quad_lab.topic_walk.standstill import STALL_TIMEOUT, Standstill, TimeStandsStill
@@ -242,9 +244,10 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
         simulator |= {'terrain': options.terrain, 'terrain_seed': options.seed}
         if not options.real_time_factor:
             simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
-        gait['ground'] = 'uneven'
-        if needs_footholds(options.terrain):
-            gait['footsteps'] = planner['footsteps'] = True
+        if not _keeps_balance(options):
+            gait['ground'] = 'uneven'
+            if needs_footholds(options.terrain):
+                gait['footsteps'] = planner['footsteps'] = True
     if options.lead_time is not None:
         gait['lead_time'] = options.lead_time
     if options.safety_distance is not None:
@@ -267,6 +270,11 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
     nodes.start('sim_node', **simulator)
     nodes.start('planner_node', **planner)
     nodes.start('gait_node', **gait)
+
+
+def _keeps_balance(options: WalkOptions) -> bool:
+    """Return whether the robot keeps its balance in its gait, on any ground."""
+    return options.balance and not load_gait(options.gait, load_robot(options.robot)).is_static
 
 
 def camera_over(grid: OccupancyGrid) -> dict[str, object]:
