@@ -119,7 +119,7 @@ class FootPlanner:
             level = places @ matrix_from_angles(np.array([roll, pitch, 0.0])).T
         feet = []
         for (x, y, z), neutral in zip(level.tolist(), self._neutral.tolist()):
-            rise = 0.0 if slope.is_level else z - neutral[2] - slope.rise(x, y)
+            rise = z - neutral[2] - slope.rise(x, y)
             feet.append(Foot(x, y, z, rise=rise, roll=roll, pitch=pitch, target_x=x, target_y=y))
         return FootPlan(np.array(feet, dtype=FOOT), STILL, slope)
 

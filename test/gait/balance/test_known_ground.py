@@ -187,3 +187,14 @@ def test_a_foot_is_lifted_over_what_is_on_its_way_and_no_higher_than_joints_can(
 def test_blind_feet_land_on_the_plane():
     assert marched(UNKNOWN, 2.0).tobytes() == marched(GroundAhead(*UNKNOWN), 2.0).tobytes()
     assert np.ptp(marched(UNKNOWN, 2.0)['rise']) == 0.0
+
+
+def test_a_robot_that_stands_on_uneven_ground_begins_to_trot_without_a_jump():
+    places = NEUTRAL + [[0.0, 0.0, z] for z in (0.03, 0.0, -0.02, 0.01)]
+    planner = FootPlanner(ROBOT, GAIT, BalanceOptions())
+    after = CLOCK._replace(start=1.0)
+    times = [k * KNOT for k in range(40)]
+    feet = planner.march(planner.at_rest(places), after, times, Demand(STILL, STILL)).feet
+    assert feet[0]['z'] == pytest.approx(places[:, 2], abs=1e-9)
+    assert np.abs(np.diff(feet['z'], axis=0)).max() < 0.03 * KNOT / 0.09
+    assert feet[-1]['z'] == pytest.approx(NEUTRAL[:, 2], abs=1e-3)
