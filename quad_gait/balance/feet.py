@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from quad_gait.balance.foot_laws import Pace, tilted_back
 from quad_gait.balance.ground_slope import LEVEL, Slope
 
+Array = NDArray[np.float64]
+
 FOOT = np.dtype(
     (
         np.record,
@@ -81,6 +83,27 @@ class FootPlan(NamedTuple):
     def with_feet(self, feet: Iterable[Foot]) -> FootPlan:
         """Return the same plan with other feet."""
         return self._replace(records=np.array(list(feet), dtype=FOOT))
+
+
+class Landings(NamedTuple):
+    """Feet at a knot, and where each lands next; places are beside the level body."""
+
+    feet: Array
+    """Where they are, shape (4, 2) [m]."""
+    rises: Array
+    """Heights of what they stand on, or have left, over the plane of the ground, shape (4,) [m]."""
+    stand: NDArray[np.bool_]
+    """Which of them stand, shape (4,)."""
+    targets: Array
+    """Where they land next, beside the body as it will be by then, shape (4, 2) [m]."""
+    times: Array
+    """Times until they do, shape (4,) [s]."""
+    neutral: Array
+    """Their places under a standing body, shape (4, 2) [m]."""
+    stance: float
+    """Duration of a stance [s]."""
+    slope: Slope
+    """The plane of the ground."""
 
 
 class GroundAhead(NamedTuple):

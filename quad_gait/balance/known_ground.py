@@ -4,8 +4,6 @@ The ground ahead of a trotting robot's feet, by a height map.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,35 +11,13 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.balance.body_estimate import BodyEstimate
-from quad_gait.balance.feet import UNKNOWN, GroundAhead
+from quad_gait.balance.feet import UNKNOWN, GroundAhead, Landings
 from quad_gait.balance.ground_match import GroundMatch
-from quad_gait.balance.ground_slope import Slope
 
 Array = NDArray[np.float64]
 
 _ON_THE_WAY = np.linspace(0.0, 1.0, 7)
 """Where the ground is looked at on a foot's way, from its liftoff to its touchdown."""
-
-
-class Landings(NamedTuple):
-    """Feet at a knot, and where each lands next; places are beside the level body."""
-
-    feet: Array
-    """Where they are, shape (4, 2) [m]."""
-    rises: Array
-    """Heights of what they stand on, or have left, over the plane of the ground, shape (4,) [m]."""
-    stand: NDArray[np.bool_]
-    """Which of them stand, shape (4,)."""
-    targets: Array
-    """Where they land next, beside the body as it will be by then, shape (4, 2) [m]."""
-    times: Array
-    """Times until they do, shape (4,) [s]."""
-    neutral: Array
-    """Their places under a standing body, shape (4, 2) [m]."""
-    stance: float
-    """Duration of a stance [s]."""
-    slope: Slope
-    """The plane of the ground."""
 
 
 class KnownGround:
