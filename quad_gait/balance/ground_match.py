@@ -83,6 +83,7 @@ class GroundMatch:
         self._height = 0.0
         self._last: tuple[float, Pose2D, Pose2D, Array, NDArray[np.bool_]] | None = None
         self._misfit = 0.0
+        self._is_placed = False
 
     @property
     def shift(self) -> tuple[float, float]:
@@ -124,7 +125,11 @@ class GroundMatch:
         known = bears & np.isfinite(ground) & np.isfinite(slope).all(axis=1)
         over = self._radius * np.sqrt(1.0 + (slope**2).sum(axis=1))
         felt = self._height + feet[:, 2] - over
-        usual = (_FELT * self._size) ** 2 * stance / max(dt, 1e-3)
+        if not self._is_placed and known.any():
+            # The map's heights may count from anywhere.
+            self._state[2] = float((ground[known] - felt[known]).mean())
+            self._is_placed = True
+        usual = (_FELT * self._size) ** 2 * max(1.0, stance / max(dt, 1e-3))
         for k in np.flatnonzero(known).tolist():
             row = np.array([slope[k, 0], slope[k, 1], -1.0, 0.0, 0.0])
             off = float(felt[k] + self._state[2] - ground[k])

@@ -69,6 +69,15 @@ def test_feet_tell_where_on_the_map_a_robot_is_that_drifts(drift):
     assert error < 0.01 < 0.1 * math.hypot(*drift) * distance
 
 
+def test_a_map_may_count_heights_from_anywhere():
+    high = hills().with_heights(hills().heights + 140.0)
+    found, above = GroundMatch(hills(), ROBOT), GroundMatch(high, ROBOT)
+    matched_after(found, hills(), (0.05, 0.0))
+    matched_after(above, high, (0.05, 0.0))
+    assert above.shift == pytest.approx(found.shift, abs=1e-4)
+    assert above.is_sure
+
+
 def test_level_ground_leaves_a_robot_where_odometry_has_it():
     level = hills(height=0.0)
     match = GroundMatch(level, ROBOT)
