@@ -166,8 +166,8 @@ class BalancedMotion:
             ahead = ground.ahead(times[0] - time, body, landings)
         answers = self._answers(plan, times, time, body, pace, ahead)
         knots = answers.plans()
-        sunk = self._planner.risen(ahead, times[-1] - times[0])
-        rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body, ahead.after(sunk))
+        risen = self._planner.risen(ahead, times[-1] - times[0])
+        rest, rest_times = self._coming_to_rest(knots[-1], times[-1], body, ahead.after(risen))
         before = max(place - 1, 0)
         held = slice(before, place + 1)
         given = self._given

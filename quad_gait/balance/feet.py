@@ -118,11 +118,11 @@ class GroundAhead(NamedTuple):
     body: float
     """Mean height of the ground under the body."""
 
-    def after(self, sunk: float) -> GroundAhead:
+    def after(self, risen: float) -> GroundAhead:
         """Return the same over a plane that has risen by a height [m]."""
         a, b, c, d = self.rises
-        rises = a - sunk, b - sunk, c - sunk, d - sunk
-        return self._replace(rises=rises, body=self.body - sunk)
+        rises = a - risen, b - risen, c - risen, d - risen
+        return self._replace(rises=rises, body=self.body - risen)
 
 
 _NOWHERE = (0.0, 0.0, 0.0, 0.0)

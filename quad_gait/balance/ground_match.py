@@ -42,6 +42,10 @@ _MEMORY = 1.0
 _AT_FIRST = 0.01
 """Standard deviation of the place at the beginning [m]."""
 
+_FARTHEST = 0.3
+"""Standard deviation of the place, over the hips' height, at most: after a long way over level
+ground one foot on a gentle rise is not to move it by more."""
+
 _LOST_HEIGHT = 0.1
 """The same of the height after no foot told of it, over the hips' height."""
 
@@ -156,6 +160,7 @@ class GroundMatch:
         growth = _DRIFT**2 * moved + corrected**2
         scale = _SCALE_DRIFT**2 * moved
         self._covariance += np.diag([growth, growth, 0.0, scale, scale])
+        self._bound()
         both = bears & stood
         if both.any():
             self._height -= float((feet[both, 2] - stood_at[both, 2]).mean())
@@ -170,6 +175,13 @@ class GroundMatch:
         step[:2, 3:] = [[x, -y], [y, x]]
         self._state = step @ self._state
         self._covariance = step @ self._covariance @ step.T
+
+    def _bound(self) -> None:
+        """Keep what nothing has told of for long from being wholly open."""
+        place = _FARTHEST * self._size
+        most = np.array([place, place, math.inf, _SCALE, _SCALE])
+        kept = np.minimum(1.0, most / np.sqrt(np.diag(self._covariance)))
+        self._covariance *= np.outer(kept, kept)
 
 
 def _difference(

@@ -86,6 +86,18 @@ def test_level_ground_leaves_a_robot_where_odometry_has_it():
     assert match.is_sure
 
 
+def test_after_a_long_way_over_level_ground_noise_on_a_gentle_rise_does_not_move_a_robot_far():
+    level = HeightMap.level((-1.0, -1.0, 20.0, 5.0), 0.02)
+    ramp = level.with_heights(0.02 * np.clip(level.centers[..., 0] - 14.0, 0.0, 2.0))
+    rng, match, farthest = np.random.default_rng(2), GroundMatch(ramp, ROBOT), 0.0
+    for time, pose, feet in trotted(ramp, cycles=78):
+        felt = feet + [0.0, 0.0, 0.004] * rng.normal(size=(4, 3))
+        match.update(time, (pose, pose), felt, CLOCK.in_stance(time), STANCE)
+        farthest = max(farthest, math.hypot(*match.shift))
+    assert pose.x > 15.0
+    assert farthest < 0.15 * ROBOT.hip_height
+
+
 def test_a_correction_of_odometry_is_judged_by_the_feet():
     # A localiser moves the pose by 60 mm at once, and is wrong.
     heights, match = hills(), GroundMatch(hills(), ROBOT)
