@@ -55,7 +55,7 @@ class BalanceOptions:
     """Part of an error of the velocity that standing legs give way to."""
     turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
-    leveling: float = 0.7
+    leveling: float = 0.75
     """Part of the body's tilt that swinging feet make up for."""
     righting_time: float = 0.1
     """Time constant with which a leg that has landed rights the body [s]."""
@@ -86,8 +86,8 @@ class BalanceOptions:
     speed_kept: float = 0.2
     """Fraction of the joints' speeds that no swing is to need, so that feet can be elsewhere."""
     steady_speed: float = 0.54
-    """Fraction of the joints' speeds, from knot to knot, that a steady trot may need; legs are
-    slowed from ``speed_fraction`` on, and what is between them is for corrections."""
+    """Fraction of the joints' speeds, from knot to knot, that a steady trot may need; the rest, up
+    to ``speed_fraction``, is for corrections."""
     lift_speed: float = 0.45
     """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
     the gait has it."""
@@ -111,9 +111,9 @@ class BalanceOptions:
     reach_speed: float = 0.55
     """The same over the duration of its swing, as a fraction of sqrt(g h): legs that swing fast
     push the body."""
-    speed_fraction: float = 0.68
-    """Fraction of their largest speeds to which the joints of a leg are slowed that would exceed
-    them: between two knots a cubic may be 1.5 times as fast as its mean."""
+    speed_fraction: float = 0.95
+    """Fraction of their largest speeds that joints use at most where feet are wanted sooner than
+    they can be there."""
     leaning_time: float = 0.1
     """Time constant with which a robot that begins to trot on a slope first leans uphill [s]."""
     leaning: float = 5.0

@@ -178,6 +178,9 @@ class BalancedMotion:
         )
         if motion is None:
             return None
+        if motion.is_slowed:
+            reached = motion.positions[place - before :][: len(times)]
+            knots = answers.reached(self._robot.foot_positions(reached), times).plans()
         self._knots = self._knots[before:place] + knots
         self._first += before
         self._given = motion

@@ -11,7 +11,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from quad_common.compiled import compiled_part
+
+Array = NDArray[np.float64]
 
 GRAVITY = 9.80665
 """Acceleration of free fall [m/s^2]."""
@@ -155,3 +160,10 @@ def tilted_back(
     cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
     up = sp * x + cp * z
     return cp * x - sp * z, cr * y + sr * up, cr * up - sr * y
+
+
+def leveled(places: Array, roll: Array, pitch: Array) -> tuple[Array, Array]:
+    """Return x and y beside the level body of places in the axes of tilted ones, (..., 3) [m]."""
+    x, y, z = np.moveaxis(places, -1, 0)
+    cr, sr = np.cos(roll), np.sin(roll)
+    return np.cos(pitch) * x + np.sin(pitch) * (sr * y + cr * z), cr * y - sr * z

@@ -16,7 +16,7 @@ from quad_common.rotations import matrix_from_angles
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import FOOT, Demand, Foot, FootPlan, GroundAhead, Landings
-from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, pendulum_time
+from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, leveled, pendulum_time
 from quad_gait.balance.foot_march import Legs, Manner, march
 from quad_gait.balance.ground_slope import LEVEL, Slope
 from quad_gait.balance.leg_rates import lift_height, rolling_factors, swing_use
@@ -49,6 +49,32 @@ class March(NamedTuple):
     def plans(self) -> list[FootPlan]:
         """Return the plans of all knots."""
         return [self.at(knot) for knot in range(len(self.feet))]
+
+    def reached(self, places: Array, times: Sequence[float]) -> March:
+        """
+        Return the plans of feet that come only as far as slowed joints bring them.
+
+        What follows goes on from there: a foot that landed short of its target is not to be drawn
+        there over the ground.
+
+        Parameters
+        ----------
+        places : ndarray, shape (m, 4, 3)
+            Where they bring them, in the body's axes [m].
+        times : sequence of float
+            Times of the knots [s].
+
+        Returns
+        -------
+        March
+        """
+        feet = self.feet.copy()
+        steps = np.diff(np.array(times))[:, None]
+        in_plane = leveled(places, feet['roll'], feet['pitch'])
+        for axis, values in zip('xy', in_plane, strict=True):
+            feet[axis][1:] = values[1:]
+            feet[f'v{axis}'][1:] = np.diff(values, axis=0) / steps
+        return self._replace(feet=feet)
 
 
 class FootPlanner:

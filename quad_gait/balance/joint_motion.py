@@ -5,10 +5,12 @@ From the feet of knots to joint motion that the drives can follow.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.errors import GaitError, TrajectoryError
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.trajectory_gate import JointLimits
@@ -19,11 +21,7 @@ _NEARER = (1.0, 0.85, 0.7, 0.5, 0.3, 0.0)
 """Fractions of the way from its neutral place at which a foot is put that cannot be farther."""
 
 _ROOM = 0.02
-"""Distance from the ends of their ranges that the joints of a slowed leg keep [rad]."""
-
-_FIRST = 0.5
-"""Fraction of its largest speed that a joint is slowed to in the first interval: what runs goes
-into it with a speed of its own."""
+"""Distance from the ends of their ranges that joints keep where they are slowed [rad]."""
 
 
 @dataclass(frozen=True)
@@ -36,29 +34,42 @@ class JointMotion:
     """Positions, shape (m, 4, 3) [rad]."""
     speeds: Array
     """Velocities, shape (m, 4, 3) [rad/s]."""
+    is_slowed: bool = False
+    """Whether joints come to where the feet are wanted later than wanted."""
+
+
+class Limits(NamedTuple):
+    """What joints are able to do, as compiled code takes it."""
+
+    lower: Array
+    """Least positions, shape (4, 3) [rad]."""
+    upper: Array
+    """Largest positions, shape (4, 3) [rad]."""
+    fastest: Array
+    """Largest speeds, shape (4, 3) [rad/s]."""
 
 
 class JointMotionPlanner:
     """
     Chooses joint motion within the limits of one robot.
 
-    Where the feet's own motion would leave a range, or be too fast for a joint, the feet are put
-    nearer, and the legs concerned are slowed as a whole, so that their feet keep to their paths.
+    Where the feet's own motion would leave a range the feet are put nearer, and where it would be
+    too fast for a joint, that joint follows as fast as it can. The others of its leg do not wait
+    for it: a thigh that has to lift a foot off the ground must not keep its hip from swinging it.
 
     Parameters
     ----------
     robot : Robot
         The robot.
     speed_fraction : float
-        Fraction of their largest speeds to which the joints of a leg are slowed.
+        Fraction of their largest speeds that joints use at most where they are slowed.
     """
 
     def __init__(self, robot: Robot, speed_fraction: float) -> None:
         self._robot = robot
         self._limits = JointLimits.of(robot)
-        self._speed_fraction = speed_fraction
-        self.slowed = 0
-        """Number of times that legs were slowed."""
+        fastest = np.array(np.broadcast_to(speed_fraction * robot.velocity, robot.lower.shape))
+        self._slowest = Limits(robot.lower, robot.upper, fastest)
 
     def go_on(self, given: JointMotion, places: Array, times: Array) -> JointMotion | None:
         """
@@ -82,13 +93,15 @@ class JointMotionPlanner:
         held = len(given.times)
         all_times = np.concatenate([given.times, times])
         positions = np.concatenate([given.positions, wanted])
-        for speeds_of in (smooth_speeds, monotone_speeds):
-            speeds = speeds_of(all_times, positions)
-            speeds[:held], speeds[-1] = given.speeds, 0.0
-            if self._is_possible(all_times, positions, speeds, held):
-                return JointMotion(all_times, positions, speeds)
-            self.slowed += 1
-            positions[held:] = self._slowed(wanted, given.positions[-1], np.diff(all_times))
+        speeds = smooth_speeds(all_times, positions)
+        speeds[:held], speeds[-1] = given.speeds, 0.0
+        if self._is_possible(all_times, positions, speeds, held):
+            return JointMotion(all_times, positions, speeds)
+        lower, upper, _ = self._slowest
+        positions[held:] = np.clip(wanted, lower + _ROOM, upper - _ROOM)
+        keep_up(positions, speeds, all_times, held, self._slowest)
+        if self._is_possible(all_times, positions, speeds, held):
+            return JointMotion(all_times, positions, speeds, is_slowed=True)
         return None
 
     def _is_possible(self, times: Array, positions: Array, speeds: Array, held: int) -> bool:
@@ -119,17 +132,60 @@ class JointMotionPlanner:
                 break
         return joints
 
-    def _slowed(self, wanted: Array, last: Array, intervals: Array) -> Array:
-        """Return joint positions, (m, 4, 3), that each leg comes to without undue haste."""
-        robot = self._robot
-        positions = np.clip(wanted, robot.lower + _ROOM, robot.upper - _ROOM)
-        fraction = _FIRST
-        for k, dt in enumerate(intervals[-len(wanted) :]):
-            step = positions[k] - last
-            over = (np.abs(step) / (fraction * dt * robot.velocity)).max(axis=1)
-            positions[k] = last + step / np.maximum(1.0, over)[:, None]
-            last, fraction = positions[k], self._speed_fraction
-        return positions
+
+@compiled_loop
+def keep_up(positions: Array, speeds: Array, times: Array, held: int, limits: Limits) -> None:
+    """
+    Have each joint come as near to its positions as its speed and its range allow.
+
+    Over a time h a cubic with the velocities v and w at its ends, and m in the mean, is never
+    faster than the largest of v, 3 m - v - w and w. So with the speed V of a joint m is possible
+    from (v - 2 V) / 3 to (v + 2 V) / 3, and then w from 3 m - v - V to 3 m - v + V. Positions are
+    within those of its ends and what is a third of h inside of them, with v and w.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (m, 4, 3)
+        Where the joints are, and are to be, within their ranges; changed from ``held`` on [rad].
+    speeds : ndarray, shape (m, 4, 3)
+        Their velocities; filled in from there on [rad/s].
+    times : ndarray, shape (m,)
+        Times of all [s].
+    held : int
+        Number of knots that hold, at least one.
+    limits : Limits
+        What the joints are able to do.
+    """
+    count = len(times)
+    for k in range(held, count):
+        h = times[k] - times[k - 1]
+        # At the last knot w is none.
+        after, room = (times[k + 1] - times[k], 2.0) if k + 1 < count else (0.0, 1.0)
+        for leg in range(positions.shape[1]):
+            for joint in range(positions.shape[2]):
+                last, v = positions[k - 1, leg, joint], speeds[k - 1, leg, joint]
+                fastest = limits.fastest[leg, joint]
+                mean = (positions[k, leg, joint] - last) / h
+                mean = min(max(mean, (v - room * fastest) / 3.0), (v + room * fastest) / 3.0)
+                place = last + h * mean
+                positions[k, leg, joint] = place
+                if after == 0.0:
+                    speeds[k, leg, joint] = 0.0
+                    continue
+                on = (positions[k + 1, leg, joint] - place) / after
+                on = min(max(on, -fastest), fastest)
+                speed = _within((after * mean + h * on) / (h + after), 3.0 * mean - v, fastest)
+                below = 3.0 * (place - limits.lower[leg, joint])
+                above = 3.0 * (limits.upper[leg, joint] - place)
+                speed = min(max(speed, -below / after, -above / h), above / after, below / h)
+                speeds[k, leg, joint] = speed
+
+
+@compiled_part
+def _within(speed: float, middle: float, fastest: float) -> float:
+    """Return the possible velocity that is nearest to one [rad/s]."""
+    speed = min(max(speed, middle - fastest), middle + fastest)
+    return min(max(speed, -fastest), fastest)
 
 
 def smooth_speeds(times: Array, positions: Array) -> Array:
@@ -138,15 +194,4 @@ def smooth_speeds(times: Array, positions: Array) -> Array:
     slopes = np.diff(positions, axis=0) / h
     speeds = np.zeros_like(positions)
     speeds[1:-1] = (h[1:] * slopes[:-1] + h[:-1] * slopes[1:]) / (h[1:] + h[:-1])
-    return speeds
-
-
-def monotone_speeds(times: Array, positions: Array) -> Array:
-    """Return velocities at m >= 2 knots with which no joint goes beyond the knots between them."""
-    slopes = np.diff(positions, axis=0) / np.diff(times)[:, None, None]
-    before, after = slopes[:-1], slopes[1:]
-    is_same = before * after > 0.0
-    total = np.where(is_same, before + after, 1.0)
-    speeds = np.zeros_like(positions)
-    speeds[1:-1] = np.where(is_same, 2.0 * before * after / total, 0.0)
     return speeds

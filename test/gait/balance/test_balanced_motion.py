@@ -17,7 +17,7 @@ from quad_gait.balance.course import Course, Guide
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import GRAVITY, Pace
 from quad_gait.balance.foot_plan import FootPlanner
-from quad_gait.balance.joint_motion import monotone_speeds, smooth_speeds
+from quad_gait.balance.joint_motion import smooth_speeds
 from quad_gait.balance.leg_rates import lift_height, rolling_factors, swing_use
 from quad_gait.balance.phase_clock import PhaseClock, pendulum_factor
 from quad_gait.behaviours.gait_choice import balanced_gait
@@ -172,15 +172,6 @@ def test_parabolas_are_differentiated_exactly_whatever_the_spacing():
     assert np.allclose(smooth_speeds(times, positions)[1:-1], (2 * a * times[:, None, None])[1:-1])
 
 
-def test_monotone_speeds_never_leave_the_range_of_two_knots():
-    times = np.arange(20) * 0.02
-    positions = RNG.normal(size=(20, 4, 3))
-    speeds = monotone_speeds(times, positions)
-    slopes = np.abs(np.diff(positions, axis=0)) / 0.02
-    # Three times the slope is what a monotone cubic bears.
-    assert (np.abs(speeds[1:-1]) <= 3.0 * np.minimum(slopes[:-1], slopes[1:]) + 1e-9).all()
-
-
 def test_a_course_begins_and_ends_as_it_was_planned():
     start, entry, motion, after = (
         Pose2D(1.0, 2.0, 0.5),
@@ -265,15 +256,15 @@ def fastest_use(robot, gait, planner, speed):
 
 
 @pytest.mark.parametrize('name', ['titan_viii', 'genibo', 'cuhk', 'pukyong'])
-def test_no_trot_at_full_speed_needs_more_of_its_joints_than_they_are_slowed_to(name):
-    # TITAN-VIII's joints needed 0.91 of their speeds, and GENIBO's 0.83, where 0.68 is the most.
+def test_a_trot_at_full_speed_leaves_joints_a_third_of_their_speeds(name):
+    # TITAN-VIII's needed 0.91 of them, and GENIBO's 0.83.
     robot, options = load_robot(name), BalanceOptions()
     gait = balanced_gait(load_gait('trot', robot), options)
     limits = MotionLimits(robot, gait, 0.005)
     most = limits.largest_scale(BodyMotion(forward=1.0)) / gait.cycle_period
     planner = FootPlanner(robot, gait, options)
     for speed in (0.0, most):
-        assert fastest_use(robot, gait, planner, speed) < options.speed_fraction
+        assert fastest_use(robot, gait, planner, speed) < 0.68
 
 
 def test_feet_are_lifted_lower_by_joints_that_are_slower():

@@ -49,6 +49,13 @@ def test_pushes_from_all_sides_are_survived():
     assert survivors(case, 0.6, directions=4, phases=1) == 1.0
 
 
+def test_a_robot_with_slow_joints_survives_pushes_from_its_sides():
+    # No push from a side was survived where joints used half of their speeds.
+    pytest.importorskip('pybullet')
+    with preferred('bullet'):
+        assert survivors(BalanceCase('genibo'), 0.8, directions=4, phases=2) >= 0.75
+
+
 @pytest.mark.parametrize(
     ('name', 'ground', 'seed'),
     [('cuhk', 'up', 1), ('cuhk', 'across', 1), ('genibo', 'up', 0), ('genibo', 'up', 2)],
