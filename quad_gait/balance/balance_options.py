@@ -55,8 +55,14 @@ class BalanceOptions:
     """Part of an error of the velocity that standing legs give way to."""
     turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
-    leveling: float = 0.75
-    """Part of the body's tilt that swinging feet make up for."""
+    leveling: float = 0.65
+    """Part of the body's tilt that swinging feet make up for: more of it, late, rocks the body."""
+    most_leveling: float = 0.88
+    """The same of a body that falls over: its feet must get off the ground."""
+    small_tilt: float = 0.05
+    """Tilt up to which it is the former [rad]."""
+    large_tilt: float = 0.175
+    """Tilt from which on it is the latter [rad]."""
     righting_time: float = 0.1
     """Time constant with which a leg that has landed rights the body [s]."""
     trim_gain: float = 2.0
@@ -99,7 +105,7 @@ class BalanceOptions:
     places on which feet have stood it may be higher."""
     highest_lift: float = 2.5
     """Height to which they are lifted at most, over the usual one."""
-    touching_phase: float = 0.35
+    touching_phase: float = 0.45
     """Fraction of its swing from which on a foot may meet the ground before its time."""
     easing: float = 0.1
     """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""

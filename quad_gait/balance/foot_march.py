@@ -52,6 +52,9 @@ class Manner(NamedTuple):
     giving_way: float
     turn_giving_way: float
     leveling: float
+    most_leveling: float
+    small_tilt: float
+    large_tilt: float
     righting_time: float
     easing: float
     freeze_time: float
@@ -307,6 +310,15 @@ def lift_over(leg: int, demand: Demand, manner: Manner) -> float:
 
 
 @compiled_part
+def _leveling(demand: Demand, manner: Manner) -> float:
+    """Return which part of the tilt swinging feet make up for: the more, the larger it is."""
+    tilt = math.hypot(demand.roll, demand.pitch)
+    large = (tilt - manner.small_tilt) / (manner.large_tilt - manner.small_tilt)
+    more = min(max(large, 0.0), 1.0) * (manner.most_leveling - manner.leveling)
+    return manner.leveling + more
+
+
+@compiled_part
 def _drift(leg: int, x: float, y: float, pace: Pace, legs: Legs) -> tuple[float, float]:
     """Return how fast a foot that stands at a place rolls by beside a body [m/s]."""
     rolling = legs.rolling
@@ -376,6 +388,7 @@ def _swing(
         foot.rise -= (1.0 - _kept(dt, manner)) * law.settling
     foot.rise = landing + swing.left / (swing.left + dt) * (foot.rise - landing)
     foot.z = z + (slope.ahead * foot.x + slope.aside * foot.y) + foot.rise + height
-    foot.roll = slope.roll + manner.leveling * demand.roll
-    foot.pitch = slope.pitch + manner.leveling * demand.pitch
+    part = _leveling(demand, manner)
+    foot.roll = slope.roll + part * demand.roll
+    foot.pitch = slope.pitch + part * demand.pitch
     foot.swings = 0.0 if swing.fraction == STANDS else 1.0

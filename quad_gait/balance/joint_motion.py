@@ -71,6 +71,10 @@ class JointMotionPlanner:
         fastest = np.array(np.broadcast_to(speed_fraction * robot.velocity, robot.lower.shape))
         self._slowest = Limits(robot.lower, robot.upper, fastest)
 
+    def warm_up(self) -> None:
+        """Compile what a hurry needs, or read its code: no decision is to wait for that."""
+        keep_up(np.zeros((2, 4, 3)), np.zeros((2, 4, 3)), np.array([0.0, 1.0]), 1, self._slowest)
+
     def go_on(self, given: JointMotion, places: Array, times: Array) -> JointMotion | None:
         """
         Go on after what was given out.
@@ -179,6 +183,9 @@ def keep_up(positions: Array, speeds: Array, times: Array, held: int, limits: Li
                 above = 3.0 * (limits.upper[leg, joint] - place)
                 speed = min(max(speed, -below / after, -above / h), above / after, below / h)
                 speeds[k, leg, joint] = speed
+                # What has to brake before the end of its range comes less far.
+                mean = min(max(mean, (v + speed - fastest) / 3.0), (v + speed + fastest) / 3.0)
+                positions[k, leg, joint] = last + h * mean
 
 
 @compiled_part

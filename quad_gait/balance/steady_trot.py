@@ -16,6 +16,7 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import Pace, pendulum_time
 from quad_gait.balance.foot_plan import FootPlanner
+from quad_gait.balance.joint_motion import JointMotionPlanner
 from quad_gait.balance.phase_clock import PhaseClock, pendulum_factor
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
@@ -49,6 +50,7 @@ class SteadyTrot:
         self._most = options.steady_speed
         # This compiles the march of feet, or reads its code: no decision is to wait for that.
         self.speed_use(BodyMotion())
+        JointMotionPlanner(robot, options.speed_fraction).warm_up()
 
     def speed_use(self, motion: BodyMotion) -> float:
         """

@@ -146,11 +146,12 @@ def _pushes(console: Console, quick: bool, seed: int) -> Bars:
 
 
 def _levels(console: Console, quick: bool, seed: int) -> Bars:
-    """Push all robots as hard as nine of ten pushes are to be survived, sixteen times each."""
+    """Push all robots as hard as nine of ten pushes are to be survived."""
     whos = [_QUICK] if quick else list(LEVELS)
     cases = [BalanceCase(*who) for who in whos]
     cases += [replace(case, keeps_balance=False) for case in cases]
-    jobs = [(case, _level(case.robot, case.period), 8, 1 if quick else 2) for case in cases]
+    phases = 1 if quick else _PHASES
+    jobs = [(case, _level(case.robot, case.period), _DIRECTIONS, phases) for case in cases]
     fractions = _in_workers(survivors, jobs)
     bars = []
     for (case, level, _, _), fraction in zip(jobs, fractions):

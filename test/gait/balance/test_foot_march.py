@@ -1,13 +1,14 @@
 """The march of feet over knots is the same compiled or not, in one go or knot by knot."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from quad_common.robot_files.robot_file import load_robot
-from quad_gait.balance import foot_march, foot_plan
+from quad_gait.balance import foot_march, foot_plan, joint_motion
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate
@@ -64,6 +65,16 @@ def test_a_march_is_the_same_in_one_go_and_knot_by_knot(demand):
         ]
 
 
+@pytest.mark.parametrize(('tilt', 'part'), [(0.02, 0.65), (0.1125, 0.765), (0.3, 0.88)])
+def test_swinging_feet_make_up_for_more_of_a_tilt_that_is_large(tilt, part):
+    demand = Demand(STILL, STILL, roll=0.6 * tilt, pitch=-0.8 * tilt)
+    feet = marched(demand)[-1].feet
+    swinging = feet[feet['swings'] == 1.0]
+    assert len(swinging) > 20
+    assert swinging['roll'] == pytest.approx(part * 0.6 * tilt)
+    assert swinging['pitch'] == pytest.approx(part * -0.8 * tilt)
+
+
 def test_records_hold_what_a_foot_is():
     assert FOOT.names == Foot._fields
     foot = Foot(*range(13))
@@ -74,14 +85,16 @@ def test_records_hold_what_a_foot_is():
 def test_no_decision_waits_for_code_to_be_compiled():
     # It is made with the controller; in a process of its own it is the first to need the code.
     SteadyTrot(ROBOT, GAIT, OPTIONS)
-    ready = set(foot_march.march.signatures)
-    assert ready
+    loops = (foot_march.march, joint_motion.keep_up)
+    ready = [set(loop.signatures) for loop in loops]
+    assert all(ready)
     body = BodyEstimate((0.1, 0.0), 0.2, 0.01, 0.0, 0.1, 0.0)
     tilted = BodyEstimate((0.1, 0.0), 0.2, 0.01, 0.0, 0.1, 0.0, SLOPE, 0.02, (True,) * 4)
-    for start in (body, tilted):
+    pushed = replace(body, velocity=(0.1, 0.9), roll=-0.3)
+    for start in (body, tilted, pushed):
         motion = BalancedMotion(ROBOT, GAIT, OPTIONS, 1.0, ROBOT.initial_joint_angles, start)
         for k in range(20):
             motion.update(1.0 + 0.02 * k, start, Pace(0.1, 0.0, 0.0))
         motion.rest(1.4)
         motion.update(1.4, start, STILL)
-    assert set(foot_march.march.signatures) == ready
+    assert [set(loop.signatures) for loop in loops] == ready
