@@ -5,8 +5,10 @@ import time
 from pathlib import Path
 
 import pytest
+import yaml
 
 from quad_common.errors import FileUnusable, UnknownKey
+from quad_common.files import yaml_document
 from quad_common.files.bounded_file import (
     LARGEST_TEXT,
     check_folder_target,
@@ -16,6 +18,8 @@ from quad_common.files.bounded_file import (
 )
 from quad_common.files.whole_file import write_text
 from quad_common.files.yaml_document import LARGEST_DEPTH, MOST_VALUES, check_keys, read_yaml
+
+ROOT = Path(__file__).parents[3]
 
 
 def read(tmp_path, text):
@@ -42,6 +46,24 @@ def bomb(levels, width=9):
 def test_plain_values_are_read_as_yaml_says(tmp_path):
     document = read(tmp_path, 'a: 1\nb: [0x10, 2.5, null, yes, x]\nc: {d: 2001-01-01}\n')
     assert document == {'a': 1, 'b': [16, 2.5, None, True, 'x'], 'c': {'d': '2001-01-01'}}
+
+
+SHIPPED = sorted(
+    path for folder in ('quad_common', 'config', 'maps') for path in (ROOT / folder).rglob('*.yaml')
+)
+
+
+@pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.name)
+def test_libyaml_reads_what_is_shipped_as_python_does(path, monkeypatch):
+    quick = read_yaml(path, 'test file', 'keys')
+    monkeypatch.setattr(yaml_document, '_QUICK_LOADER', None)
+    assert read_yaml(path, 'test file', 'keys') == quick
+
+
+@pytest.mark.skipif(not yaml.__with_libyaml__, reason='PyYAML is built without libyaml')
+def test_libyaml_parses_where_it_is_there(tmp_path, monkeypatch):
+    monkeypatch.setattr(yaml_document, '_BoundedLoader', None)
+    assert read(tmp_path, 'a: {b: [1, 2]}') == {'a': {'b': [1, 2]}}
 
 
 def test_aliases_and_merges_are_read(tmp_path):
