@@ -133,8 +133,9 @@ class OwnParts:
         for group in self.shape.groups:
             if group.legs == (leg,):
                 least = np.array([self._least_of(pair) for pair in group.pairs])
-                clearances = self.shape.group_clearances(group, segments)
-                is_clear &= (clearances >= least).all(axis=1)
+                doubts = np.flatnonzero(is_clear & ~self.shape.clears_body(group, segments, least))
+                clearances = self.shape.group_clearances(group, segments[doubts])
+                is_clear[doubts] = (clearances >= least).all(axis=1)
         return is_clear
 
     def too_low(self, chain: Chain, ground: Array) -> Approach | None:

@@ -190,6 +190,32 @@ class RobotShape:
         clearances: Array = distances - radii
         return clearances
 
+    def clears_body(self, group: PairGroup, segments: Array, least: Array) -> NDArray[np.bool_]:
+        """
+        Tell where parts keep a distance from the body's box along one of its axes already.
+
+        Parameters
+        ----------
+        group : PairGroup
+            One of :attr:`groups`; of one without the body nothing is known.
+        segments : ndarray, shape (..., 16, 2, 3)
+            As of :meth:`segments` [m].
+        least : ndarray, shape (m,)
+            Distances between the surfaces of its pairs [m].
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+            True where all of them do; where not all do they may still keep it.
+        """
+        if not group.with_body:
+            return np.zeros(segments.shape[:-3], dtype=np.bool_)
+        first = segments[..., group.first, :, :] - self.body_center
+        beyond = self.half_size + (least + self._part_radii[group.first])[:, None]
+        is_apart = (first.min(axis=-2) > beyond) | (first.max(axis=-2) < -beyond)
+        clear: NDArray[np.bool_] = is_apart.any(axis=-1).all(axis=-1)
+        return clear
+
 
 def _groups(names: list[str]) -> list[PairGroup]:
     """List what is compared: each leg with the body, each with itself, each with each other."""
