@@ -57,7 +57,7 @@ class BalanceOptions:
     """Part of an error of the turn that they give way to."""
     leveling: float = 0.65
     """Part of the body's tilt that swinging feet make up for: more of it, late, rocks the body."""
-    most_leveling: float = 0.88
+    most_leveling: float = 0.8
     """The same of a body that falls over: its feet must get off the ground."""
     small_tilt: float = 0.05
     """Tilt up to which it is the former [rad]."""

@@ -146,12 +146,17 @@ def _pushes(console: Console, quick: bool, seed: int) -> Bars:
 
 
 def _levels(console: Console, quick: bool, seed: int) -> Bars:
-    """Push all robots as hard as nine of ten pushes are to be survived."""
+    """Push as hard as nine of ten pushes are to be survived; less where all makes it harder."""
     whos = [_QUICK] if quick else list(LEVELS)
     cases = [BalanceCase(*who) for who in whos]
-    cases += [replace(case, keeps_balance=False) for case in cases]
+    cases += [case.hardest() for case in cases] + [
+        replace(case, keeps_balance=False) for case in cases
+    ]
     phases = 1 if quick else _PHASES
-    jobs = [(case, _level(case.robot, case.period), _DIRECTIONS, phases) for case in cases]
+    jobs = []
+    for case in cases:
+        part = _HARDEST if case == case.hardest() else 1.0
+        jobs.append((case, part * _level(case.robot, case.period), _DIRECTIONS, phases))
     fractions = _in_workers(survivors, jobs)
     bars = []
     for (case, level, _, _), fraction in zip(jobs, fractions):
