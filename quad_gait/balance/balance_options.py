@@ -57,8 +57,11 @@ class BalanceOptions:
     """Part of an error of the turn that they give way to."""
     leveling: float = 0.65
     """Part of the body's tilt that swinging feet make up for: more of it, late, rocks the body."""
-    most_leveling: float = 0.8
-    """The same of a body that falls over: its feet must get off the ground."""
+    most_leveling: float = 0.72
+    """The same of a body that falls over, whose feet must get off the ground."""
+    low_leveling: float = 0.32
+    """Part by which that is more for feet that cannot be lifted at all: the lower they are lifted,
+    the sooner they meet the ground under a tilted body."""
     small_tilt: float = 0.05
     """Tilt up to which it is the former [rad]."""
     large_tilt: float = 0.175

@@ -47,12 +47,13 @@ class Manner(NamedTuple):
     """The same on any ground, at most [m]."""
     rough_from: float
     """Height by which feet are off the plane of the ground from which on it is rough [m]."""
+    largest_leveling: float
+    """Part of a large tilt that swinging feet make up for."""
     # The rest is as BalanceOptions has it.
     rough_lift: float
     giving_way: float
     turn_giving_way: float
     leveling: float
-    most_leveling: float
     small_tilt: float
     large_tilt: float
     righting_time: float
@@ -314,7 +315,7 @@ def _leveling(demand: Demand, manner: Manner) -> float:
     """Return which part of the tilt swinging feet make up for: the more, the larger it is."""
     tilt = math.hypot(demand.roll, demand.pitch)
     large = (tilt - manner.small_tilt) / (manner.large_tilt - manner.small_tilt)
-    more = min(max(large, 0.0), 1.0) * (manner.most_leveling - manner.leveling)
+    more = min(max(large, 0.0), 1.0) * (manner.largest_leveling - manner.leveling)
     return manner.leveling + more
 
 

@@ -117,6 +117,9 @@ class FootPlanner:
             lift=lift,
             most_lift=min(options.highest_lift * lift, most_lift),
             rough_from=options.rough * gait.swing_height,
+            largest_leveling=min(
+                1.0, options.most_leveling + options.low_leveling * (1.0 - lift / gait.swing_height)
+            ),
             **{name: getattr(options, name) for name in _GAINS},
         )
 
