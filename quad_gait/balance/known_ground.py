@@ -20,6 +20,11 @@ _ON_THE_WAY = np.linspace(0.0, 1.0, 7)
 """Where the ground is looked at on a foot's way, from its liftoff to its touchdown."""
 
 
+_FARTHEST = 0.5
+"""Height over the plane of the feet, over the hips' height, from which on the map is not believed:
+no leg steps so high or so low."""
+
+
 class KnownGround:
     """
     What a height map tells of the ground ahead.
@@ -36,6 +41,7 @@ class KnownGround:
         self._map = heights
         self._match = GroundMatch(heights, robot)
         self._pose = Pose2D(0.0, 0.0, 0.0)
+        self._farthest = _FARTHEST * robot.hip_height
 
     @property
     def match(self) -> GroundMatch:
@@ -95,6 +101,8 @@ class KnownGround:
         climbing = float(slope @ body.velocity)
         rises = heights[4:8] - plane - landings.targets @ slope - climbing * landings.times
         body_rise = (heights[8:12] - landings.neutral @ slope).mean() - plane - climbing * middle
+        if max(float(np.abs(rises).max()), float(bumps.max()), abs(body_rise)) > self._farthest:
+            return UNKNOWN
         a, b, c, d = rises.tolist()
         e, f, g, h = bumps.tolist()
         return GroundAhead(True, (a, b, c, d), (e, f, g, h), float(body_rise))
