@@ -36,8 +36,17 @@ edges."""
 _MISFIT = 0.15
 """Mean difference from the map, over the hips' height, from which on it is not believed."""
 
-_MEMORY = 1.0
-"""Time over which the mean is taken [s]."""
+_FAIR = 0.025
+"""The same, up to which it is, even where level ground would fit better."""
+
+_SURE_AGAIN = 0.5
+"""Fraction of both that a map must keep to be believed again."""
+
+_ASTRAY = 3.0
+"""Standard deviations of odometry's drift from which on a robot is not where it seems to be."""
+
+_KEPT, _ENOUGH = 8, 4
+"""Numbers of footholds that are kept, and that a map must know to be believed."""
 
 _AT_FIRST = 0.01
 """Standard deviation of the place at the beginning [m]."""
@@ -48,6 +57,78 @@ ground one foot on a gentle rise is not to move it by more."""
 
 _LOST_HEIGHT = 0.1
 """The same of the height after no foot told of it, over the hips' height."""
+
+
+class Footholds:
+    """Where the feet of a trotting robot stood lately, against which a map is held."""
+
+    def __init__(self) -> None:
+        # Places as odometry had them, shifts onto the map by then, heights of the feet's centers.
+        self._records: Array = np.full((_KEPT, 5), math.nan)
+        self._oldest = 0
+        self._of_leg = [-1] * 4
+
+    def note(self, places: Array, shift: Array, heights: Array, bears: NDArray[np.bool_]) -> bool:
+        """
+        Take notice of feet.
+
+        Parameters
+        ----------
+        places : ndarray, shape (4, 2)
+            Where they are, by odometry [m].
+        shift : ndarray, shape (2,)
+            From there to where that is on the map [m].
+        heights : ndarray, shape (4,)
+            Of their centers [m].
+        bears : ndarray of bool, shape (4,)
+            Which of them stand and bear load.
+
+        Returns
+        -------
+        bool
+            Whether one has come to stand, or has left.
+        """
+        has_changed = False
+        for leg, stands in enumerate(bears.tolist()):
+            if not stands:
+                has_changed |= self._of_leg[leg] >= 0
+                self._of_leg[leg] = -1
+                continue
+            if self._of_leg[leg] < 0:
+                has_changed = True
+                if self._oldest in self._of_leg:
+                    self._of_leg[self._of_leg.index(self._oldest)] = -1
+                self._of_leg[leg] = self._oldest
+                self._oldest = (self._oldest + 1) % _KEPT
+            self._records[self._of_leg[leg]] = *places[leg], *shift, heights[leg]
+        return has_changed
+
+    def forget_shifts(self) -> None:
+        """Take all of them for where odometry had them."""
+        self._records[:, 2:4] *= 0.0
+
+    def off(self, heights: HeightMap, radius: float) -> tuple[Array, Array]:
+        """
+        Return how much higher than a map's ground the soles stood, and than level ground.
+
+        Parameters
+        ----------
+        heights : HeightMap
+            The map.
+        radius : float
+            Of a foot's ball [m].
+
+        Returns
+        -------
+        tuple of ndarray, shape (n,)
+            Of the n footholds that the map knows, heights over the map, and over their mean [m].
+        """
+        places = self._records[:, :2] + self._records[:, 2:4]
+        ground, slope = heights.height_at(places), heights.slope_at(places)
+        known = np.isfinite(ground) & np.isfinite(slope).all(axis=1)
+        over = radius * np.sqrt(1.0 + (slope[known] ** 2).sum(axis=1))
+        centers = self._records[known, 4]
+        return centers - over - ground[known], centers - centers.sum() / max(len(centers), 1)
 
 
 class GroundMatch:
@@ -79,15 +160,27 @@ class GroundMatch:
     def __init__(self, heights: HeightMap, robot: Robot) -> None:
         self._map = heights
         self._radius, self._size = robot.foot_radius, robot.hip_height
+        self._height = 0.0
+        self._last: tuple[float, Pose2D, Pose2D, Array, NDArray[np.bool_]] | None = None
+        self._footholds = Footholds()
+        # Variance by which odometry may have drifted in all [m^2].
+        self._drifted = _AT_FIRST**2
+        self._begin()
+
+    def _begin(self) -> None:
+        """Know nothing of where the robot is, but by odometry."""
         # Shift x, y and what the height by feet is off that on the map [m]; a and b.
         self._state: Array = np.zeros(5)
         self._covariance: Array = np.diag(
             np.square([_AT_FIRST, _AT_FIRST, self._size, _SCALE, _SCALE])
         )
-        self._height = 0.0
-        self._last: tuple[float, Pose2D, Pose2D, Array, NDArray[np.bool_]] | None = None
-        self._misfit = 0.0
-        self._is_placed = False
+        self._is_placed = self._is_sure = False
+
+    def _begin_if_astray(self) -> None:
+        """Begin anew where a map that does not fit has led the robot far from its odometry."""
+        if float(self._state[:2] @ self._state[:2]) > _ASTRAY**2 * self._drifted:
+            self._begin()
+            self._footholds.forget_shifts()
 
     @property
     def shift(self) -> tuple[float, float]:
@@ -96,8 +189,30 @@ class GroundMatch:
 
     @property
     def is_sure(self) -> bool:
-        """Whether the map fits what the feet have met lately."""
-        return self._misfit < _MISFIT * self._size
+        """Whether the map fits what the feet have met lately, and no worse than a level one."""
+        return self._is_sure
+
+    def take(self, heights: HeightMap) -> None:
+        """
+        Go on by another map.
+
+        Parameters
+        ----------
+        heights : HeightMap
+            What fits the last footholds is believed at once.
+        """
+        self._map = heights
+        if not self._is_sure:
+            # What did not fit may have led astray.
+            self._begin()
+            self._footholds.forget_shifts()
+        off, _ = self._footholds.off(heights, self._radius)
+        self._is_placed = len(off) > 0
+        if self._is_placed:
+            # Its heights may count from elsewhere.
+            self._state[2] = -float(off.mean())
+        self._covariance[2, 2] += (_LOST_HEIGHT * self._size) ** 2
+        self._judge()
 
     def update(
         self,
@@ -124,7 +239,8 @@ class GroundMatch:
             Duration of a stance [s].
         """
         dt = self._go_on(time, poses, feet, bears)
-        places = poses[0].transform(feet[:, :2]) + self.shift
+        by_odometry = poses[0].transform(feet[:, :2])
+        places = by_odometry + self.shift
         ground, slope = self._map.height_at(places), self._map.slope_at(places)
         known = bears & np.isfinite(ground) & np.isfinite(slope).all(axis=1)
         over = self._radius * np.sqrt(1.0 + (slope**2).sum(axis=1))
@@ -142,7 +258,19 @@ class GroundMatch:
             gain = told / (float(row @ told) + usual * far * far)
             self._state = self._state + gain * off
             self._covariance = self._covariance - np.outer(gain, told)
-            self._misfit += min(dt / _MEMORY, 1.0) * (abs(off) - self._misfit)
+        self._begin_if_astray()
+        if self._footholds.note(by_odometry, self._state[:2], self._height + feet[:, 2], bears):
+            self._judge()
+
+    def _judge(self) -> None:
+        """Find out whether the map is to be believed."""
+        off, unlevel = self._footholds.off(self._map, self._radius)
+        if len(off) < _ENOUGH:
+            self._is_sure = False
+            return
+        misfit, level = (float(np.abs(d - d.mean()).mean()) for d in (off, unlevel))
+        most = min(max(level, _FAIR * self._size), _MISFIT * self._size)
+        self._is_sure = misfit < most * (1.0 if self._is_sure else _SURE_AGAIN)
 
     def _go_on(
         self, time: float, poses: tuple[Pose2D, Pose2D], feet: Array, bears: NDArray[np.bool_]
@@ -158,6 +286,7 @@ class GroundMatch:
         corrected = math.hypot(*_difference(poses[0], before, poses[1], by_odometry))
         self._drift(poses[0].x - before.x, poses[0].y - before.y)
         growth = _DRIFT**2 * moved + corrected**2
+        self._drifted += growth
         scale = _SCALE_DRIFT**2 * moved
         self._covariance += np.diag([growth, growth, 0.0, scale, scale])
         self._bound()

@@ -20,7 +20,7 @@ _ON_THE_WAY = np.linspace(0.0, 1.0, 7)
 """Where the ground is looked at on a foot's way, from its liftoff to its touchdown."""
 
 
-_FARTHEST = 0.5
+_FARTHEST = 0.25
 """Height over the plane of the feet, over the hips' height, from which on the map is not believed:
 no leg steps so high or so low."""
 
@@ -42,6 +42,11 @@ class KnownGround:
         self._match = GroundMatch(heights, robot)
         self._pose = Pose2D(0.0, 0.0, 0.0)
         self._farthest = _FARTHEST * robot.hip_height
+
+    def take(self, heights: HeightMap) -> None:
+        """Go on by another map."""
+        self._map = heights
+        self._match.take(heights)
 
     @property
     def match(self) -> GroundMatch:

@@ -61,7 +61,10 @@ class BalancedTrot(Walk):
         """Take a map of the ground."""
         if isinstance(wish, UseHeightMap) and not are_alike(self._height_map, wish.height_map):
             self._height_map = wish.height_map
-            self._ground = self._known_ground()
+            if self._ground is None or wish.height_map is None:
+                self._ground = self._known_ground()
+            else:
+                self._ground.take(wish.height_map)
 
     def _known_ground(self) -> KnownGround | None:
         heights = self._height_map

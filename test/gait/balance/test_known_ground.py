@@ -119,10 +119,107 @@ def test_a_map_that_does_not_fit_is_not_believed():
     assert ground.ahead(0.02, AT_REST, landings) == UNKNOWN
 
 
-def told(ground, pose, plan=None, time=0.0):
+def absurd(extent, seed=4):
+    """A map of random heights."""
+    shape = hills().heights.shape
+    return hills().with_heights(np.random.default_rng(seed).uniform(-extent, extent, shape))
+
+
+def is_sure_while_trotting(match, heights, time=math.inf, other=None):
+    """Trot over the ground; yield whether a map is believed, of which there is another in time."""
+    for now, pose, feet in trotted(heights):
+        if other is not None and now >= time:
+            match.take(other)
+            other = None
+        match.update(now, (pose, pose), feet, CLOCK.in_stance(now), STANCE)
+        yield now, match.is_sure
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_a_map_that_the_feet_contradict_is_not_believed_from_the_first(seed):
+    level = hills(height=0.0)
+    match = GroundMatch(absurd(0.1, seed), ROBOT)
+    assert not any(sure for _, sure in is_sure_while_trotting(match, level))
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_a_map_that_takes_the_place_of_a_right_one_is_held_against_the_last_footholds(seed):
+    level = hills(height=0.0)
+    sure = dict(is_sure_while_trotting(GroundMatch(level, ROBOT), level, 4.0, absurd(0.1, seed)))
+    assert [sure[t] for t in sure if 1.0 < t < 4.0] == [True] * sum(1.0 < t < 4.0 for t in sure)
+    assert not any(sure[t] for t in sure if t >= 4.0)
+
+
+def test_a_right_map_is_believed_as_soon_as_four_footholds_confirm_it():
+    sure = dict(is_sure_while_trotting(GroundMatch(hills(), ROBOT), hills()))
+    first = min(time for time in sure if sure[time])
+    assert all(sure[time] for time in sure if time >= first)
+    assert first < 0.6 * GAIT.cycle_period
+
+
+def test_a_map_that_counts_heights_from_elsewhere_takes_the_place_of_another_at_once():
+    high = hills().with_heights(hills().heights + 3.0)
+    match = GroundMatch(hills(), ROBOT)
+    sure = dict(is_sure_while_trotting(match, hills(), 4.0, high))
+    assert all(sure[time] for time in sure if time > 1.0)
+    assert match.shift == pytest.approx((0.0, 0.0), abs=0.005)
+
+
+def test_a_map_that_is_replaced_leaves_the_robot_where_it_found_itself():
+    match, replaced = GroundMatch(hills(), ROBOT), 0
+    for time, true, feet in trotted(hills()):
+        odometry = Pose2D(1.04 * true.x, true.y, 0.0)
+        match.update(time, (odometry, odometry), feet, CLOCK.in_stance(time), STANCE)
+        if time > 4.0 and replaced < time:
+            # As mappers do, several times in a second.
+            match.take(hills().with_heights(hills().heights.copy()))
+            replaced = time + 0.2
+    assert odometry.x + match.shift[0] == pytest.approx(true.x, abs=0.01)
+    assert match.is_sure
+
+
+def test_after_a_wrong_map_a_right_one_is_believed_again():
+    match = GroundMatch(absurd(0.1), ROBOT)
+    sure = dict(is_sure_while_trotting(match, hills(), 4.0, hills()))
+    assert not any(sure[time] for time in sure if time < 4.0)
+    assert all(sure[time] for time in sure if time > 6.0)
+    assert match.shift == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+def test_no_map_leads_a_robot_farther_than_odometry_drifts():
+    match, way, farthest = GroundMatch(absurd(0.05), ROBOT), 0.0, 0.0
+    for time, pose, feet in trotted(hills(height=0.0)):
+        match.update(time, (pose, pose), feet, CLOCK.in_stance(time), STANCE)
+        way = math.hypot(pose.x, pose.y)
+        assert math.hypot(*match.shift) < 3.01 * math.hypot(0.01, 0.07 * math.sqrt(way))
+        farthest = max(farthest, math.hypot(*match.shift))
+    assert farthest > 0.05
+
+
+def test_ground_that_is_farther_off_than_a_leg_steps_counts_as_unknown():
+    level = hills(height=0.0)
+    x = level.centers[..., 0]
+
+    def step(height):
+        # It begins in front of the fore feet, where they land next.
+        ahead = level.with_heights(np.where(x > NEUTRAL[:, 0].max() + 0.05, height, 0.0))
+        body = replace(AT_REST, velocity=(0.8, 0.0))
+        planner, ground = FootPlanner(ROBOT, GAIT, BalanceOptions()), KnownGround(ahead, ROBOT)
+        plan = planner.at_rest(NEUTRAL)._replace(pace=STILL._replace(forward=0.8))
+        ground.locate(0.0, 2 * (Pose2D(0.0, 0.0, 0.0),), NEUTRAL, np.ones(4, dtype=bool), STANCE)
+        return ground.ahead(0.02, body, planner.landings(plan, CLOCK, 0.0, body))
+
+    size = ROBOT.hip_height
+    assert max(step(0.2 * size).rises) == pytest.approx(0.2 * size)
+    assert min(step(-0.2 * size).rises) == pytest.approx(-0.2 * size)
+    assert step(0.35 * size) == step(-0.35 * size) == step(100.0) == UNKNOWN
+
+
+def told(ground, pose, plan=None, time=0.0, rises=NOWHERE):
     planner = FootPlanner(ROBOT, GAIT, BalanceOptions())
     plan = plan or planner.at_rest(NEUTRAL)
     feet = NEUTRAL.copy()
+    feet[:, 2] += rises
     ground.locate(0.0, (pose, pose), feet, np.ones(4, dtype=bool), STANCE)
     return ground.ahead(0.0, AT_REST, planner.landings(plan, CLOCK, time, AT_REST))
 
@@ -143,8 +240,9 @@ def test_heights_are_told_over_the_plane_on_which_the_feet_are_planned():
     step = level.with_heights(np.where(x > 0.0, 0.03, 0.0))
     planner = FootPlanner(ROBOT, GAIT, BalanceOptions())
     plan = planner.at_rest(NEUTRAL)
-    found = told(KnownGround(step, ROBOT), Pose2D(0.0, 0.0, 0.0), plan)
     fore = NEUTRAL[:, 0] > 0.0
+    rises = np.where(fore, 0.03, 0.0)
+    found = told(KnownGround(step, ROBOT), Pose2D(0.0, 0.0, 0.0), plan, rises=rises)
     assert np.array(found.rises)[fore] - np.array(found.rises)[~fore] == pytest.approx(0.03)
     assert found.body == pytest.approx(np.mean(found.rises), abs=1e-9)
 

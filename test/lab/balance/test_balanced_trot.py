@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from quad_common.maps.height_map import HeightMap
 from quad_common.plan import Plan
 from quad_common.planar_pose import Twist2D
 from quad_common.robot_files.robot_file import load_robot
@@ -77,6 +78,25 @@ def test_with_a_height_map_feet_go_over_bumps_as_if_the_ground_were_level():
     assert trots[0].succeeds
     assert trots[0].tilt < 0.5 * trots[1].tilt
     assert math.degrees(trots[0].tilt) < 2.5
+
+
+@pytest.mark.parametrize('every', [0.3, math.inf])
+def test_random_heights_in_place_of_a_map_do_not_make_it_stumble(every):
+    walk = BalanceWalk(BalanceCase('a1', is_noisy=True), seed=1)
+    rng = np.random.default_rng(2)
+    level = HeightMap.level((-1.0, -2.0, 6.0, 2.0), 0.02)
+    begun, replaced = walk.loop.time, -math.inf
+    try:
+        while walk.loop.time < begun + 4.0 and not walk.is_lost:
+            if walk.loop.time >= replaced + every:
+                heights = rng.uniform(-0.1, 0.1, level.heights.shape)
+                walk.loop.controller.set_height_map(level.with_heights(heights))
+                replaced = walk.loop.time
+            walk.loop.run(0.1)
+        assert not walk.is_lost
+        assert math.degrees(walk.tilts.max()) < 5.0
+    finally:
+        walk.close()
 
 
 def test_a_robot_that_receives_nothing_more_comes_to_stand_on_four_feet():
