@@ -16,11 +16,11 @@ from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import UNKNOWN, Demand, FootPlan, GroundAhead
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
 from quad_gait.balance.foot_plan import FootPlanner, March
-from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.known_ground import KnownGround
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
+from quad_gait.ground.ground_slope import Slope
 
 Array = NDArray[np.float64]
 

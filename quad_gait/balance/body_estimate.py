@@ -15,7 +15,7 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import angles_from_quaternion, matrix_from_angles
 from quad_gait.balance.balance_options import EstimateOptions
 from quad_gait.balance.foot_laws import GRAVITY, pendulum_time
-from quad_gait.balance.ground_slope import LEVEL, Slope, SlopeEstimator
+from quad_gait.ground.ground_slope import LEVEL, Slope, SlopeEstimator
 
 Array = NDArray[np.float64]
 

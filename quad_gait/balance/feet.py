@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_gait.balance.foot_laws import Pace, tilted_back
-from quad_gait.balance.ground_slope import LEVEL, Slope
+from quad_gait.ground.ground_slope import LEVEL, Slope
 
 Array = NDArray[np.float64]
 

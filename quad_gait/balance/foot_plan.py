@@ -18,10 +18,10 @@ from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import FOOT, Demand, Foot, FootPlan, GroundAhead, Landings
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, leveled, pendulum_time
 from quad_gait.balance.foot_march import Legs, Manner, march
-from quad_gait.balance.ground_slope import LEVEL, Slope
 from quad_gait.balance.leg_rates import lift_height, rolling_factors, swing_use
 from quad_gait.balance.phase_clock import STANDS, PhaseClock
 from quad_gait.cycle.gait import Gait
+from quad_gait.ground.ground_slope import LEVEL, Slope
 
 Array = NDArray[np.float64]
 

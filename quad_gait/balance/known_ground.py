@@ -12,7 +12,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import UNKNOWN, GroundAhead, Landings
-from quad_gait.balance.ground_match import GroundMatch
+from quad_gait.ground.ground_match import GroundMatch
 
 Array = NDArray[np.float64]
 

@@ -15,11 +15,11 @@ from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import FOOT, Demand, Foot
 from quad_gait.balance.foot_laws import STILL, Pace
 from quad_gait.balance.foot_plan import FootPlanner
-from quad_gait.balance.ground_slope import LEVEL, Slope
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.balance.steady_trot import SteadyTrot
 from quad_gait.behaviours.gait_choice import balanced_gait
 from quad_gait.cycle.gait import load_gait
+from quad_gait.ground.ground_slope import LEVEL, Slope
 
 ROBOT = load_robot('cuhk')
 OPTIONS = BalanceOptions()

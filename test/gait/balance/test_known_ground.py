@@ -14,11 +14,11 @@ from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import UNKNOWN, Demand, GroundAhead
 from quad_gait.balance.foot_laws import STILL
 from quad_gait.balance.foot_plan import FootPlanner
-from quad_gait.balance.ground_match import GroundMatch
-from quad_gait.balance.ground_slope import Slope
 from quad_gait.balance.known_ground import KnownGround
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import load_gait
+from quad_gait.ground.ground_match import GroundMatch
+from quad_gait.ground.ground_slope import Slope
 
 ROBOT = load_robot('a1')
 GAIT = load_gait('trot', ROBOT).with_period(0.4)

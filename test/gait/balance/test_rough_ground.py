@@ -9,9 +9,9 @@ from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import STILL
 from quad_gait.balance.foot_plan import FootPlanner
-from quad_gait.balance.ground_slope import SlopeEstimator
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import load_gait
+from quad_gait.ground.ground_slope import SlopeEstimator
 
 ROBOT = load_robot('cuhk')
 GAIT = load_gait('trot', ROBOT).with_period(0.24)

@@ -13,9 +13,9 @@ from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyRea
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import STILL, Pace
 from quad_gait.balance.foot_plan import FootPlanner
-from quad_gait.balance.ground_slope import LEVEL, Slope, SlopeEstimator
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import load_gait
+from quad_gait.ground.ground_slope import LEVEL, Slope, SlopeEstimator
 
 ROBOT = load_robot('cuhk')
 GAIT = load_gait('trot', ROBOT).with_period(0.25)

@@ -1,0 +1,3 @@
+"""
+What the feet of a trotting robot tell of the ground.
+"""
