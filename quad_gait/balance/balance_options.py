@@ -53,21 +53,27 @@ class BalanceOptions:
     """Part of the step to the capture point that is made."""
     giving_way: float = 0.8
     """Part of an error of the velocity that standing legs give way to."""
-    turn_giving_way: float = 0.7
+    turn_giving_way: float = 0.6
     """Part of an error of the turn that they give way to."""
     leveling: float = 0.65
     """Part of the body's tilt that swinging feet make up for: more of it, late, rocks the body."""
     most_leveling: float = 0.72
     """The same of a body that falls over, whose feet must get off the ground."""
-    low_leveling: float = 0.32
+    low_leveling: float = 0.34
     """Part by which that is more for feet that cannot be lifted at all: the lower they are lifted,
     the sooner they meet the ground under a tilted body."""
+    low_lift: float = 0.085
+    """Height to which feet are lifted, over that of the center of mass, below which it is low."""
+    late_leveling: float = 0.6
+    """Part of all that which is left where answers take effect a decision later than they should:
+    what is made up for too late rocks the body."""
     small_tilt: float = 0.05
     """Tilt up to which it is the former [rad]."""
     large_tilt: float = 0.175
     """Tilt from which on it is the latter [rad]."""
-    righting_time: float = 0.1
-    """Time constant with which a leg that has landed rights the body [s]."""
+    righting: float = 0.5
+    """Time constant with which a leg that has landed rights the body, over the duration of a
+    stance."""
     trim_gain: float = 2.0
     """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
     largest_trim: float = 0.3
@@ -110,7 +116,7 @@ class BalanceOptions:
     """Height to which they are lifted at most, over the usual one."""
     touching_phase: float = 0.45
     """Fraction of its swing from which on a foot may meet the ground before its time."""
-    easing: float = 0.1
+    easing: float = 0.05
     """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""
     freeze_time: float = 0.03
     """Time before its touchdown from which on a foot keeps its target [s]."""

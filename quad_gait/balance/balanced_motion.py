@@ -84,6 +84,7 @@ class BalancedMotion:
         )
         self._unit = math.sqrt(GRAVITY * self._planner.height)
         self._trim = (0.0, 0.0)
+        self._leveling = 1.0
         self._decided = -math.inf
 
     @property
@@ -95,6 +96,11 @@ class BalancedMotion:
     def pace(self) -> Pace:
         """Velocity that is planned at the first knot that answers to the last measurement."""
         return self._knots[min(1, len(self._knots) - 1)].pace
+
+    @property
+    def given(self) -> JointMotion:
+        """Joint motion that was given out last."""
+        return self._given
 
     @property
     def slope(self) -> Slope:
@@ -128,7 +134,12 @@ class BalancedMotion:
         self.clock = self.clock._replace(end=self._time_of(self._index_at(time)))
 
     def update(
-        self, time: float, body: BodyEstimate, pace: Pace, ground: KnownGround | None = None
+        self,
+        time: float,
+        body: BodyEstimate,
+        pace: Pace,
+        ground: KnownGround | None = None,
+        delay: float = 0.0,
     ) -> JointTrajectory | None:
         """
         Answer to a measurement.
@@ -143,6 +154,8 @@ class BalancedMotion:
             Velocity that is wanted.
         ground : KnownGround, optional
             What is known of the ground ahead.
+        delay : float
+            Delay of answers, as :class:`~quad_gait.balance.answer_delay.AnswerDelay` tells it.
 
         Returns
         -------
@@ -150,6 +163,7 @@ class BalancedMotion:
             It replaces the last one; None if that is to go on.
         """
         self._decided = time
+        self._leveling = 1.0 - delay * (1.0 - self._options.late_leveling)
         index = self._index_at(time)
         place = index - self._first
         if place >= len(self._knots):
@@ -207,7 +221,7 @@ class BalancedMotion:
         slope = body.slope
         demand = Demand(
             pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
-            slope, self._trim, body.roughness, ground=ground,
+            slope, self._trim, body.roughness, ground=ground, leveling=self._leveling,
         )  # fmt: skip
         return self._planner.march(plan, self.clock, times, demand)
 

@@ -153,3 +153,5 @@ class Demand(NamedTuple):
     feet are ahead [m/s]; nan for one that is not slowed down."""
     ground: GroundAhead = UNKNOWN
     """The ground ahead."""
+    leveling: float = 1.0
+    """Part of what swinging feet make up for of a tilt where answers are in time."""

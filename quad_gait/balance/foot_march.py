@@ -49,6 +49,8 @@ class Manner(NamedTuple):
     """Height by which feet are off the plane of the ground from which on it is rough [m]."""
     largest_leveling: float
     """Part of a large tilt that swinging feet make up for."""
+    righting_time: float
+    """Time constant with which a leg that has landed rights the body [s]."""
     # The rest is as BalanceOptions has it.
     rough_lift: float
     giving_way: float
@@ -56,7 +58,6 @@ class Manner(NamedTuple):
     leveling: float
     small_tilt: float
     large_tilt: float
-    righting_time: float
     easing: float
     freeze_time: float
     leaning_time: float
@@ -157,7 +158,7 @@ def _here(demand: Demand, pace: Array, no_more_lifts: bool) -> Demand:
     measured = Pace(ahead * pace[0] - x, ahead * pace[1] - y, pace[2])
     return Demand(
         demand.pace, measured, demand.roll, demand.pitch, demand.slope, (x, y),
-        demand.roughness, demand.lead, demand.ground,
+        demand.roughness, demand.lead, demand.ground, demand.leveling,
     )  # fmt: skip
 
 
@@ -316,7 +317,7 @@ def _leveling(demand: Demand, manner: Manner) -> float:
     tilt = math.hypot(demand.roll, demand.pitch)
     large = (tilt - manner.small_tilt) / (manner.large_tilt - manner.small_tilt)
     more = min(max(large, 0.0), 1.0) * (manner.largest_leveling - manner.leveling)
-    return manner.leveling + more
+    return demand.leveling * (manner.leveling + more)
 
 
 @compiled_part

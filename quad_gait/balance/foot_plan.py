@@ -105,6 +105,7 @@ class FootPlanner:
         most_lift = lift_height(robot, gait, options.easing, options.lift_speed)
         lift = min(gait.swing_height, most_lift)
         spare = 1.0 - options.speed_kept - swing_use(robot, gait, lift)
+        low = 1.0 - lift / (options.low_lift * self.height)
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)
         self._manner = Manner(
             capture_time=self.capture_time,
@@ -117,9 +118,8 @@ class FootPlanner:
             lift=lift,
             most_lift=min(options.highest_lift * lift, most_lift),
             rough_from=options.rough * gait.swing_height,
-            largest_leveling=min(
-                1.0, options.most_leveling + options.low_leveling * (1.0 - lift / gait.swing_height)
-            ),
+            largest_leveling=min(1.0, options.most_leveling + options.low_leveling * max(low, 0.0)),
+            righting_time=options.righting * PhaseClock.of(gait).stance_times[0],
             **{name: getattr(options, name) for name in _GAINS},
         )
 

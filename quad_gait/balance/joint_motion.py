@@ -37,6 +37,17 @@ class JointMotion:
     is_slowed: bool = False
     """Whether joints come to where the feet are wanted later than wanted."""
 
+    def at(self, time: float) -> tuple[Array, Array]:
+        """Return positions and velocities at a time within it [s], each (4, 3) [rad], [rad/s]."""
+        k = min(int(np.searchsorted(self.times, time, side='right')), len(self.times) - 1)
+        step = self.times[k] - self.times[k - 1]
+        u = (time - self.times[k - 1]) / step
+        (p, q), (v, w) = self.positions[k - 1 : k + 1], self.speeds[k - 1 : k + 1] * step
+        # The cubic between two knots, as drives follow it.
+        bend, twist = 3.0 * (q - p) - 2.0 * v - w, 2.0 * (p - q) + v + w
+        position = p + u * (v + u * (bend + u * twist))
+        return position, (v + u * (2.0 * bend + u * 3.0 * twist)) / step
+
 
 class Limits(NamedTuple):
     """What joints are able to do, as compiled code takes it."""

@@ -13,6 +13,7 @@ from quad_common.errors import GaitError
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.height_map_parts import are_alike
 from quad_common.planar_pose import STILL, Pose2D, Twist2D
+from quad_gait.balance.answer_delay import AnswerDelay
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
@@ -48,6 +49,7 @@ class BalancedTrot(Walk):
         self._balance = shared.options.balance or BalanceOptions()
         self._estimator = BodyEstimator(shared.robot, self._balance.estimate)
         self._motion: BalancedMotion | None = None
+        self._delay = AnswerDelay()
         self._course: Course | None = None
         self._height_map: HeightMap | None = None
         self._ground: KnownGround | None = None
@@ -111,6 +113,7 @@ class BalancedTrot(Walk):
         self._motion = BalancedMotion(
             self._robot, gait, self._balance, state.time, positions.reshape(4, 3), body
         )
+        self._delay = AnswerDelay()
         self._cycles.clear()
         self._stops_since = self._calm_since = math.inf
         self._is_ending = False
@@ -154,7 +157,8 @@ class BalancedTrot(Walk):
             poses = state.pose, state.motion_pose
             stance = motion.clock.stance_times[0]
             ground.locate(state.time, poses, self._estimator.feet, self._estimator.bears, stance)
-        trajectory = motion.update(state.time, body, pace, ground)
+        delay = self._delay.take(state.time, state.joints, motion.given)
+        trajectory = motion.update(state.time, body, pace, ground, delay)
         if trajectory is not None:
             self._joints.busy_until = trajectory.end
         return Command(trajectory)

@@ -81,10 +81,22 @@ def test_feet_that_are_lifted_low_make_up_for_more():
     planner = FootPlanner(robot, gait, OPTIONS)
     plan, clock = planner.at_rest(robot.neutral_feet), PhaseClock.of(gait, 0.05)
     feet = planner.march(plan, clock, TIMES, Demand(STILL, STILL, roll=0.4)).feet
-    lift = feet['lift'].max() / gait.swing_height
-    assert 0.4 < lift < 0.6
-    part = 0.72 + 0.32 * (1.0 - lift)
+    lift = feet['lift'].max() / (OPTIONS.low_lift * planner.height)
+    assert 0.4 < lift < 0.7
+    part = OPTIONS.most_leveling + OPTIONS.low_leveling * (1.0 - lift)
     assert feet[feet['swings'] == 1.0]['roll'] == pytest.approx(part * 0.4)
+
+
+def test_feet_make_up_for_less_of_a_tilt_where_answers_are_late():
+    def rolls(leveling):
+        planner = FootPlanner(ROBOT, GAIT, OPTIONS)
+        plan, clock = planner.at_rest(ROBOT.neutral_feet), PhaseClock.of(GAIT, 0.05)
+        demand = Demand(STILL, STILL, roll=0.1, leveling=leveling)
+        feet = planner.march(plan, clock, TIMES, demand).feet
+        return feet[feet['swings'] == 1.0]['roll']
+
+    assert rolls(0.6) == pytest.approx(0.6 * rolls(1.0))
+    assert (rolls(1.0) > 0.05).all()
 
 
 def test_records_hold_what_a_foot_is():

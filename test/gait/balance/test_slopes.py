@@ -127,7 +127,7 @@ def test_no_standing_foot_jumps_when_the_ground_turns_out_to_be_another():
                 step = np.subtract(new.in_body, old.in_body)
                 largest = max(largest, float(np.abs(step).max()))
     # The ground itself has jumped by 20 mm and more under feet that are 0.11 m ahead.
-    assert 0.002 < largest < 0.012
+    assert 0.002 < largest < 0.016
 
 
 def test_a_robot_leans_uphill_before_its_first_step_and_stands_as_it_stood_at_first():
