@@ -53,7 +53,7 @@ class BalanceOptions:
     """Part of the step to the capture point that is made."""
     giving_way: float = 0.8
     """Part of an error of the velocity that standing legs give way to."""
-    turn_giving_way: float = 0.6
+    turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
     leveling: float = 0.65
     """Part of the body's tilt that swinging feet make up for: more of it, late, rocks the body."""
