@@ -11,6 +11,7 @@ NOT_COUNTED = {
     'quad_gait/balance/': 'functions and values: feet and joints from one knot to the next',
     'quad_gait/behaviours/gait_choice.py': 'a value: the gaits, and which of them does a step',
     'quad_gait/cycle/': 'functions: one cycle from a gait, a motion and its ends',
+    'quad_gait/ground/': 'functions and values: slopes and footholds of one trot',
     'quad_gait/following/gait_pair.py': 'a value: two gaits, and which of them does a motion',
     'quad_gait/following/motion_sequence.py': 'values: cycles with their times and places',
     'quad_gait/following/reference_path.py': 'geometry of a path',
