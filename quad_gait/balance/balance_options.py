@@ -65,8 +65,8 @@ class BalanceOptions:
     low_lift: float = 0.085
     """Height to which feet are lifted, over that of the center of mass, below which it is low."""
     late_leveling: float = 0.6
-    """Part of all that which is left where answers take effect a decision later than they should:
-    what is made up for too late rocks the body."""
+    """Part of all that which is left where answers take effect after the time of two decisions, not
+    one: what is made up for too late rocks the body."""
     small_tilt: float = 0.05
     """Tilt up to which it is the former [rad]."""
     large_tilt: float = 0.175

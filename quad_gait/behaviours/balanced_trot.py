@@ -49,7 +49,7 @@ class BalancedTrot(Walk):
         self._balance = shared.options.balance or BalanceOptions()
         self._estimator = BodyEstimator(shared.robot, self._balance.estimate)
         self._motion: BalancedMotion | None = None
-        self._delay = AnswerDelay()
+        self._delay = AnswerDelay(self._balance)
         self._course: Course | None = None
         self._height_map: HeightMap | None = None
         self._ground: KnownGround | None = None
@@ -113,7 +113,7 @@ class BalancedTrot(Walk):
         self._motion = BalancedMotion(
             self._robot, gait, self._balance, state.time, positions.reshape(4, 3), body
         )
-        self._delay = AnswerDelay()
+        self._delay = AnswerDelay(self._balance)
         self._cycles.clear()
         self._stops_since = self._calm_since = math.inf
         self._is_ending = False
