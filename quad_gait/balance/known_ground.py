@@ -19,10 +19,9 @@ Array = NDArray[np.float64]
 _ON_THE_WAY = np.linspace(0.0, 1.0, 7)
 """Where the ground is looked at on a foot's way, from its liftoff to its touchdown."""
 
-
 _FARTHEST = 0.25
-"""Height over the plane of the feet, over the hips' height, from which on the map is not believed:
-no leg steps so high or so low."""
+"""Height off the plane of the feet, over the hips' height, from which on ground counts as unknown:
+no trot steps so high or so low."""
 
 
 class KnownGround:

@@ -63,7 +63,7 @@ class Footholds:
 
     def forget_shifts(self) -> None:
         """Take all of them for where odometry had them."""
-        self._records[:, 2:4] *= 0.0
+        self._records[:, 2:4] = 0.0
 
     def off(self, heights: HeightMap, radius: float) -> tuple[Array, Array]:
         """
