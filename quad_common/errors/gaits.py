@@ -149,6 +149,23 @@ class FootholdNotFound(GaitError):
 
 
 @dataclass(eq=False, repr=False)
+class SupportTooNarrow(GaitError):
+    """The three feet that would stand are nearly in line."""
+
+    leg: str
+    """Name of the leg that was to swing, for example ``lf``."""
+    room: float
+    """Distance of a point inside the edges between the other feet, at most [m]."""
+
+    def sentence(self) -> str:
+        """Say how little room there is."""
+        return (
+            f'leg {self.leg} cannot swing: the other feet are nearly in line, with room for the '
+            f'center of mass {1e3 * self.room:.0f} mm inside them at most'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class FootstepsNotFound(GaitError):
     """No sequence of footholds leads on."""
 

@@ -18,8 +18,9 @@ class FootstepOptions:
     """Distance between the places that are looked at [m]."""
     radius: float = FootholdCriterion.radius
     """Radius around a foot in which the ground is even [m]."""
-    block: int = 3
-    """Side of the squares of which each gives one foothold, that with the most room [cells]."""
+    blocks: tuple[int, ...] = (3, 2)
+    """Sides of the squares of which each gives one foothold, that with the most room; the next
+    where no footsteps are found over those before [cells]."""
     longest_step: float = 0.36
     """Distance that a foot goes in one step, at most [m]."""
     margin: float = 0.035
@@ -49,6 +50,8 @@ class FootstepOptions:
     """Number of stances from which steps are looked for after the first path was found."""
     most_expansions: int = 4000
     """Number of stances from which steps are looked for before there is none."""
+    coarse_expansions: int = 1000
+    """The same over the larger squares: where there are footsteps over them, few are looked at."""
     strained: float = 0.12
     """Distance of a foot from its initial posture beyond which strides without footsteps do not
     begin [m]."""

@@ -5,8 +5,8 @@ Plans footsteps from where the feet stand to where the body is to be.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,12 @@ from quad_common.footing.leg_room import LegRoom
 from quad_common.footing.postures import LOWERINGS
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
-from quad_gait.footsteps.foothold_map import FootholdMap
+from quad_gait.footsteps.foothold_map import Foothold, FootholdMap
+from quad_gait.footsteps.footstep import Footstep, FootstepPlan
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_search import search
 from quad_gait.footsteps.search_values import Body, Goal, Lattice, make_tree
+from quad_gait.footsteps.shin_check import ShinCheck
 from quad_gait.state.body_placement import body_over, heading_over
 
 Array = NDArray[np.float64]
@@ -30,33 +32,19 @@ _NODES = 1 << 19
 _TOLERANCE = 0.1
 """Fraction of the distance to a target within which footsteps may end beside it."""
 
+_MOST_PLANS = 3
+"""Number of plans that are made until there is one over which no shin touches the ground."""
+
 _LEVEL = np.zeros(2)
 
 
-@dataclass(frozen=True)
-class Footstep:
-    """One foot goes somewhere."""
+class _Task(NamedTuple):
+    """What a plan is asked for: the parameters of :meth:`FootstepPlanner.plan`."""
 
-    leg: int
-    """Index of the leg."""
-    foothold: Array
-    """Center of the foot where it is to stand, shape (3,) [m]."""
     feet: Array
-    """Centers of all feet then, shape (4, 3) [m]."""
-
-
-@dataclass(frozen=True)
-class FootstepPlan:
-    """Steps one after the other, and what they cost."""
-
-    steps: tuple[Footstep, ...]
-    """The steps; none where the robot is there."""
-    cost: float
-    """Number of steps, and some more for legs far from their initial posture and for turns."""
-    expansions: int
-    """Number of stances from which steps were looked for."""
-    is_best: bool
-    """Whether no path over this lattice costs less."""
+    target: Pose2D
+    ground: FootholdMap
+    shift: float
 
 
 class FootstepPlanner:
@@ -95,30 +83,76 @@ class FootstepPlanner:
         Returns
         -------
         FootstepPlan
+            Of a few plans the first one over which no shin touches the ground, or the one over
+            which the fewest do.
 
         Raises
         ------
         FootstepsNotFound
             If the search finds none.
         """
+        task = _Task(feet, target, ground, shift)
+        options = self._options
+        most = [options.coarse_expansions] * (len(options.blocks) - 1) + [options.most_expansions]
+        plans: list[tuple[int, FootstepPlan]] = []
+        problem: FootstepsNotFound | None = None
+        for block, expansions in zip(options.blocks, most):
+            try:
+                plans.append(self._freest(task, block, expansions))
+            except FootstepsNotFound as error:
+                problem = error
+                continue
+            if plans[-1][0] == 0:
+                break
+        if not plans:
+            assert problem is not None
+            raise problem
+        return min(plans, key=lambda each: each[0])[1]
+
+    def _freest(self, task: _Task, block: int, expansions: int) -> tuple[int, FootstepPlan]:
+        """Return the plan over which the fewest shins touch the ground, and how many do."""
+        feet, target, ground, shift = task
         robot, aside = self._robot, self._robot.relative_size * self._options.aside
         there = target.transform(robot.neutral_feet)[:, :2]
         both = np.concatenate([feet[:, :2], there])
-        low, high = both.min(axis=0) - aside, both.max(axis=0) + aside
-        lattice = ground.lattice(low, high, target.yaw, feet, shift)
-        return self.plan_over(lattice, target)
+        part = both.min(axis=0) - aside, both.max(axis=0) + aside
+        check = ShinCheck(robot, self._body.margin, ground.shin_clearance, ground.heights, shift)
+        touching: list[Foothold] = []
+        plans: list[tuple[int, FootstepPlan]] = []
+        for _ in range(_MOST_PLANS):
+            lattice = ground.lattice(part, target.yaw, feet, shift, block, touching)
+            try:
+                planned = self.plan_over(lattice, target, expansions)
+            except FootstepsNotFound:
+                if not plans:
+                    raise
+                break
+            found = check.touching(feet, planned.steps)
+            plans.append((len(found), planned))
+            if not found:
+                break
+            touching += found
+        return min(plans, key=lambda each: each[0])
 
-    def plan_over(self, lattice: Lattice, target: Pose2D) -> FootstepPlan:
-        """Plan footsteps over a lattice, whose last four places are the feet; as :meth:`plan`."""
+    def plan_over(
+        self, lattice: Lattice, target: Pose2D, expansions: int | None = None
+    ) -> FootstepPlan:
+        """
+        Plan footsteps over a lattice, whose last four places are the feet; as :meth:`plan`.
+
+        From so many stances steps are looked for before there is none, as the options say if not
+        given. Where none have all the margin, some with less will do.
+        """
+        most = self._options.most_expansions if expansions is None else expansions
         try:
-            return self._planned(lattice, target, self._body)
+            return self._planned(lattice, target, self._body, most)
         except FootstepsNotFound:
             least = self._robot.relative_size * self._options.least_margin
             if least >= self._body.margin:
                 raise
-            return self._planned(lattice, target, self._body._replace(margin=least))
+            return self._planned(lattice, target, self._body._replace(margin=least), most)
 
-    def _planned(self, lattice: Lattice, target: Pose2D, body: Body) -> FootstepPlan:
+    def _planned(self, lattice: Lattice, target: Pose2D, body: Body, most: int) -> FootstepPlan:
         options, scale = self._options, self._robot.relative_size
         middle = lattice.places[-4:, :2].mean(axis=0)
         distance = math.hypot(*(middle - (target.x, target.y)))
@@ -134,7 +168,7 @@ class FootstepPlanner:
         )
         tree = make_tree(_NODES, len(lattice.places) - 4)
         end = -1
-        while end < 0 and tree.state[2] < options.most_expansions:
+        while end < 0 and tree.state[2] < most:
             before = int(tree.state[2])
             end = search(lattice, body, goal, tree, options.expansions)
             if tree.state[2] == before:

@@ -16,8 +16,9 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_map import FootholdMap
+from quad_gait.footsteps.footstep import Footstep
 from quad_gait.footsteps.footstep_options import FootstepOptions
-from quad_gait.footsteps.footstep_planner import Footstep, FootstepPlanner, pose_over
+from quad_gait.footsteps.footstep_planner import FootstepPlanner, pose_over
 from quad_gait.state.body_placement import strain_over
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel

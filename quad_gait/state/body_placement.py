@@ -152,16 +152,29 @@ def balanced(point: Array, triangle: Array, margin: float) -> Array:
     ndarray, shape (2,)
         [m]
     """
-    sides = np.linalg.norm(np.roll(triangle, -1, axis=0) - np.roll(triangle, 1, axis=0), axis=1)
+    sides = _sides(triangle)
     center = sides @ triangle / sides.sum()
-    first, second = triangle[1] - triangle[0], triangle[2] - triangle[0]
-    inner_radius = abs(first[0] * second[1] - first[1] * second[0]) / sides.sum()
-    inner: Array = center + (triangle - center) * max(0.0, 1.0 - margin / max(inner_radius, 1e-9))
+    radius = inner_radius(triangle)
+    inner: Array = center + (triangle - center) * max(0.0, 1.0 - margin / max(radius, 1e-9))
     if _is_inside(point, inner):
         return point
     nearest = [_nearest_on(point, inner[k], inner[(k + 1) % 3]) for k in range(3)]
     best: Array = min(nearest, key=lambda other: float(np.hypot(*(other - point))))
     return best
+
+
+def inner_radius(triangle: Array) -> float:
+    """Return how far a point can be inside the edges of a triangle, shape (3, 2), at most [m]."""
+    first, second = triangle[1] - triangle[0], triangle[2] - triangle[0]
+    doubled = abs(first[0] * second[1] - first[1] * second[0])
+    return float(doubled / _sides(triangle).sum())
+
+
+def _sides(triangle: Array) -> Array:
+    """Return the lengths of the sides, each across from its corner, shape (3,) [m]."""
+    across = np.roll(triangle, -1, axis=0) - np.roll(triangle, 1, axis=0)
+    lengths: Array = np.linalg.norm(across, axis=1)
+    return lengths
 
 
 def balanced_on_four(point: Array, feet: Array, margin: float) -> Array:

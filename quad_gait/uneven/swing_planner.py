@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import shin_points
+from quad_common.errors import GaitError, SupportTooNarrow
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import (
     BodyPose,
@@ -25,6 +26,7 @@ from quad_gait.state.body_placement import (
     balanced_on_four,
     body_over,
     heading_over,
+    inner_radius,
 )
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.body_pace import BodyPace
@@ -57,6 +59,10 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
+
+_FAR, _MOST_BALANCES = 0.1, 3
+"""Distance of the body's motion from which on it counts that its legs do not go with it [m, of
+TITAN-VIII], and number of corrections."""
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -145,11 +151,12 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
-        shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
+        if stands:
+            self._check_support(now, leg)
 
         @cache
         def aim(fraction: float, clearance: float) -> FootAim:
-            target = aims.target(ground, start, place, fraction, shin)
+            target = aims.target(ground, leg, now, place, fraction)
             return aims.aim(ground, start, target, feels, clearance)
 
         @cache
@@ -324,6 +331,8 @@ class SwingPlanner:
         triangle = np.delete(now.feet[:, :2], leg, axis=0)
         inside = partial(balanced, triangle=triangle, margin=scale * margin)
         body = self._balanced(body, now, inside)
+        if math.dist(body.position[:2], now.body.position[:2]) > scale * _FAR:
+            body = self._balanced_there(body, now, inside)
 
         shift = self._body_pace.duration(now.body, body)
         # The body need not be quite there: it is slow at the end of its motion.
@@ -359,6 +368,12 @@ class SwingPlanner:
         given = min(given, len(motion.times) - 1)
         return PlannedSwing(motion, lifted_at, feels, falls, given, course.aim.depth)
 
+    def _check_support(self, now: Stance, leg: int) -> None:
+        """Raise if three feet are so nearly in line that no body is balanced over them."""
+        room = inner_radius(np.delete(now.feet[:, :2], leg, axis=0))
+        if room < self._scale * self._options.least_margin:
+            raise SupportTooNarrow(LEGS[leg], room)
+
     def _may_reach(self, now: Stance, course: SwingCourse) -> bool:
         """Tell whether legs reach at a few samples: most courses that they do not, show it."""
         times = course.telling
@@ -370,6 +385,22 @@ class SwingPlanner:
         offset = (body.rotation @ self._center_of_mass(now))[:2]
         moved = inside(body.position[:2] + offset) - offset
         return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
+
+    def _balanced_there(
+        self, body: BodyPose, now: Stance, inside: Callable[[Array], Array]
+    ) -> BodyPose:
+        """Balance a body that goes far: its legs, half of some robots' weight, stay behind."""
+        for _ in range(_MOST_BALANCES):
+            arms = (now.feet - body.position) @ body.rotation
+            try:
+                joints = self._robot.stacked_legs.inverse(arms)
+            except GaitError:
+                break
+            offset = (body.rotation @ self._robot.center_of_mass(joints))[:2]
+            moved = inside(body.position[:2] + offset) - offset
+            position = np.array([*moved, body.position[2]])
+            body = BodyPose(position, body.roll, body.pitch, body.yaw)
+        return body
 
     def _center_of_mass(self, now: Stance) -> Array:
         """Find the center of mass in the body frame, shape (3,) [m]; of a stance once."""

@@ -180,6 +180,27 @@ def test_where_no_footsteps_have_all_the_margin_some_with_less_will_do():
     assert np.array_equal(less.steps[-1].feet, usual.steps[-1].feet)
 
 
+def test_where_stones_are_small_more_of_their_places_are_looked_at():
+    # Of squares as large as these stones most give a place beside them, or none.
+    a1 = load_robot('a1')
+    scale, leg = a1.relative_size, a1.legs[0].thigh_length + a1.legs[0].calf_length
+    far, found = Pose2D(1.2 * scale, 0.0, 0.0), []
+    for blocks in (3,), (3, 2):
+        options = FootstepOptions(blocks=blocks)
+        count = 0
+        for seed in range(6):
+            heights = stones(scale, gap=0.25 * leg / scale, seed=seed)
+            ground = FootholdMap(a1, UnevenOptions(), options, heights)
+            try:
+                FootstepPlanner(a1, options).plan(standing_feet(a1, heights), far, ground)
+            except FootstepsNotFound:
+                continue
+            count += 1
+        found.append(count)
+    assert found[1] == 6
+    assert found[0] < 6
+
+
 def test_where_the_body_is_already_no_step_is_planned():
     heights = stones()
     ground = FootholdMap(TITAN, UnevenOptions(), OPTIONS, heights)

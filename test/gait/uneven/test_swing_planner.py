@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quad_common.errors import GaitError
+from quad_common.errors import GaitError, SupportTooNarrow
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
@@ -73,3 +73,46 @@ def test_the_body_stays_over_feet_that_were_left_behind(behind):
     end = motion.positions[-1]
     center, ends = ROBOT.center_of_mass(end), ROBOT.foot_positions(end)
     assert ends[:2, 0].min() - center[0] > 0.8 * options.margin
+
+
+def test_no_foot_is_lifted_while_the_others_are_nearly_in_line():
+    feet = FEET.copy()
+    feet[2] = 0.5 * (feet[0] + feet[3]) + [0.01, -0.01, 0.0]
+    now = Stance(0.0, BodyPose(np.zeros(3), 0.0, 0.0, 0.0), feet, JOINTS, lambda: np.ones(4))
+    planner = SwingPlanner(ROBOT, UnevenOptions(), 0.06)
+    ground = GroundModel.through(UNDER)
+    ahead = feet[1, :2] + [0.1, 0.0]
+    with pytest.raises(
+        SupportTooNarrow, match=r'leg rf cannot swing: .* in line, with room .* 7 mm'
+    ):
+        planner.swing(now, None, ground, 1, ahead)
+    # A foot that is in the air already has to come down somewhere.
+    try:
+        planner.swing(now, None, ground, 1, ahead, stands=False)
+    except SupportTooNarrow:
+        pytest.fail('refused')
+    except GaitError:
+        pass
+
+
+@pytest.mark.parametrize('leg', range(4))
+@pytest.mark.parametrize('name', ['a1', 'titan_viii'])
+def test_legs_that_stay_behind_count_where_the_body_goes_far(name, leg):
+    robot = load_robot(name)
+    scale, options = robot.relative_size, UnevenOptions()
+    # The body is at the far end of its room over the feet.
+    feet = robot.neutral_feet.copy()
+    feet += scale * np.array([*(-0.1 * np.sign(robot.neutral_feet[leg, :2])), 0.03])
+    joints = robot.joint_angles(feet)
+    now = Stance(0.0, BodyPose(np.zeros(3), 0.0, 0.0, 0.0), feet, joints, lambda: np.ones(4))
+    under = feet - [0.0, 0.0, robot.foot_radius]
+    planner = SwingPlanner(robot, options, 0.06 * scale)
+    swing = planner.swing_onto(now, None, GroundModel.through(under), leg, feet[leg, :2])
+    lifted = swing.motion.positions[swing.feels_from]
+    center = robot.center_of_mass(lifted)[:2]
+    corners = np.delete(robot.foot_positions(lifted)[:, :2], leg, axis=0)
+    edges = np.roll(corners, -1, axis=0) - corners
+    arms = center - corners
+    inside = edges[:, 0] * arms[:, 1] - edges[:, 1] * arms[:, 0]
+    inside = inside * np.sign(inside.sum()) / np.linalg.norm(edges, axis=1)
+    assert inside.min() > 0.8 * scale * options.margin
