@@ -19,6 +19,9 @@ from quad_gait.state.robot_state import RobotState
 _LEAST_DELAY = 0.05
 """Least time after which the joints are to hold [s]."""
 
+_TELLING = math.radians(30.0)
+"""Change of the tilt from that which was said last, beyond which the new one is said [rad]."""
+
 
 class Fallen(Guard):
     """Stops all joints where they are, once."""
@@ -26,6 +29,7 @@ class Fallen(Guard):
     def __init__(self, shared: Shared, routine: Routine) -> None:
         super().__init__(shared, routine)
         self._has_fallen = False
+        self._said = 0.0
 
     def take(self, wish: Wish) -> str:
         """Let the robot stand up again, if it is upright."""
@@ -49,9 +53,12 @@ class Fallen(Guard):
         self._has_fallen = True
         failed = self._joints.failed
         self._guidance.abandon()
+        # A body that rolls on is not told of at every measurement: each new sentence is logged.
+        if is_new or abs(state.tilt - self._said) > _TELLING:
+            self._said = state.tilt
         self._report.say(
             Activity.FALLEN,
-            f'the robot has fallen: the body is tilted by {math.degrees(state.tilt):.0f} degrees'
+            f'the robot has fallen: the body is tilted by {math.degrees(self._said):.0f} degrees'
             + ('' if failed is None else f'; {failed}'),
         )
         self._routine.forget()

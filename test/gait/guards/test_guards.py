@@ -55,6 +55,17 @@ def robot():
     return robot
 
 
+def test_a_body_that_rolls_on_after_a_fall_is_told_of_a_few_times(robot):
+    said = []
+    for degrees in np.linspace(31.0, 170.0, 200):
+        robot.step(tilt=np.radians(degrees))
+        said.append(robot.supervisor.reason)
+    kinds = list(dict.fromkeys(said))
+    assert 3 <= len(kinds) <= 5
+    assert kinds[0] == 'the robot has fallen: the body is tilted by 31 degrees'
+    assert 'tilted by 1' in kinds[-1]
+
+
 def test_a_frozen_robot_that_tilts_or_whose_joint_fails_is_left_as_it_is(robot):
     robot.supervisor.freeze()
     robot.fail()
