@@ -6,39 +6,16 @@ None of that depends on the body's posture, of which many are tried: it is found
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.postures import LOWER
-from quad_common.footing.shin import Shin, has_flat_shins, leaning_shin, shin_points
 from quad_common.robot.robot import Robot
-from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-
-
-_SWAY = 0.06
-"""Distance by which the body is beside its path at times, of TITAN-VIII [m]: it goes over three
-feet for each swing, and to the middle of feet that were put aside."""
-
-_SWAYS = np.array(
-    [
-        [_SWAY * math.cos(angle), _SWAY * math.sin(angle), -lower]
-        for angle in np.linspace(0.0, 2.0 * math.pi, 8, False)
-        for lower in LOWER[:2]
-    ]
-)
-"""Distances by which it is off its path, also where it is lowered, of TITAN-VIII [m]."""
-
-
-_FARTHER = 0.03
-"""Distance by which a foot goes farther aside for a shin that has room then, of TITAN-VIII [m]: far
-aside legs get on badly."""
 
 
 class FootAim(NamedTuple):
@@ -54,15 +31,6 @@ class FootAim(NamedTuple):
     """Depth below its place down to which it feels [m]."""
     is_certain: bool
     """Whether the ground is at one height by the map, and not somewhere between two."""
-
-
-class Shins(NamedTuple):
-    """Points on foot and shin while a foot stands."""
-
-    on_path: Shin
-    """While the body goes on along its path."""
-    swayed: Shin
-    """While it is beside it."""
 
 
 class FootAims:
@@ -82,16 +50,13 @@ class FootAims:
     def __init__(self, robot: Robot, options: UnevenOptions, swing_height: float) -> None:
         self._robot, self._scale = robot, robot.relative_size
         self._options, self._swing_height = options, swing_height
-        self._has_flat_shins = has_flat_shins(robot)
-        self._sways = robot.relative_size * _SWAYS
-        self._kept: tuple[tuple[float, ...], Shins] | None = None
 
     def foot_on(self, ground: GroundModel, place: Array) -> Array:
         """Return the center of a foot on the ground at a place (2,), shape (3,) [m]."""
         return np.array([*place, float(ground.height(place)) + self._robot.foot_radius])
 
     def target(
-        self, ground: GroundModel, leg: int, now: Stance, place: Array, fraction: float
+        self, ground: GroundModel, start: Array, place: Array, fraction: float, shin: Array
     ) -> Array:
         """
         Choose where a foot goes.
@@ -100,33 +65,29 @@ class FootAims:
         ----------
         ground : GroundModel
             What is known of the ground.
-        leg : int
-            Index of the leg.
-        now : Stance
-            The robot as it stands.
+        start : ndarray, shape (3,)
+            Center of the foot where it stands [m].
         place : ndarray, shape (2,)
             Where it should stand after the whole step [m].
         fraction : float
             Of the step; 0 puts it down where it stood.
+        shin : ndarray, shape (n, 3)
+            Points on foot and shin from the point below the foot [m].
 
         Returns
         -------
         ndarray, shape (3,)
             Center of the foot where it is to stand [m].
         """
-        options, scale, start = self._options, self._scale, now.feet[leg, :2]
-        wanted = start + fraction * (place - start)
+        options, scale = self._options, self._scale
+        wanted = start[:2] + fraction * (place - start[:2])
         if fraction > 0.0:
-            shins = self._shins(leg, place - start, now.body.yaw)
             choice = FootholdChoice(
                 scale * options.foothold_reach,
                 max(scale * options.foothold_radius, self._robot.foot_radius),
                 scale * options.largest_step,
                 self._robot.roughness + scale * self._swing_height,
-                shins.on_path,
-                shins.swayed,
-                scale * _FARTHER,
-                0.5 * self._robot.foot_radius,
+                shin,
                 self._robot.foot_radius + scale * options.shin_clearance,
             )
             wanted = ground.best_foothold(wanted, choice)
@@ -168,17 +129,3 @@ class FootAims:
             above = min(scale * options.search_above + (uppermost - height), top - float(target[2]))
             depth = min(0.5 * robot.roughness + (height - lowest), 1.1 * robot.step_height)
         return FootAim(target, top, above, depth, lowest == uppermost)
-
-    def _shins(self, leg: int, stride: Array, yaw: float) -> Shins:
-        """Place the shin of a foot whose body goes on by a stride (2,) [m]; once for a swing."""
-        key = (float(leg), *stride.tolist(), yaw)
-        if self._kept is None or self._kept[0] != key:
-            self._kept = key, self._placed(leg, stride, yaw)
-        return self._kept[1]
-
-    def _placed(self, leg: int, stride: Array, yaw: float) -> Shins:
-        if self._has_flat_shins:
-            # Few places suit these, and feet far aside leave the body little support.
-            return Shins(Shin.upright(shin_points(self._robot, leg, stride, yaw)), Shin.empty())
-        on_path = leaning_shin(self._robot, leg, stride, yaw)
-        return Shins(on_path, leaning_shin(self._robot, leg, stride, yaw, self._sways))

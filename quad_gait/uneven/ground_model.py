@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import Shin
 from quad_common.maps.height_map import HeightMap
 
 Array = NDArray[np.float64]
@@ -196,38 +195,24 @@ class GroundModel:
         bad = np.maximum(rough - choice.largest_step, 0.0) + np.maximum(
             off - choice.largest_offset, 0.0
         )
-        bad += _depth_beside(heights, places, choice)
-        bad += _lack_of_room(heights, places, choice.shin.beside(offsets), choice.shin_radius)
-        # Of good places those are best where the body has room to sway, if there are any near by.
-        bad, far = np.round(bad, 4), np.hypot(*offsets.T)
-        swayed = choice.swayed.beside(offsets) - (0.0, 0.0, choice.spare)
-        tight = _lack_of_room(heights, places, swayed, choice.shin_radius)
-        tight[far > far[bad == bad.min()].min() + choice.farther] = np.inf
-        order = np.lexsort((far, np.round(tight, 4), bad))
+        bad += _lack_of_room(heights, places, choice)
+        order = np.lexsort((np.hypot(*offsets.T), np.round(bad, 4)))
         best: Array = places[order[0]]
         return best
 
 
-def _depth_beside(heights: HeightMap, places: Array, choice: FootholdChoice) -> Array:
-    """Return by how much edges are too deep, so near to a foot that it would slip off, (n,) [m]."""
-    if not len(choice.shin.points):
-        return np.zeros(len(places))
-    near = choice.shin_radius + heights.resolution / 2.0
-    drop = np.nan_to_num(heights.highest_within(places, 0.0) - heights.lowest_within(places, near))
-    too_deep: Array = np.maximum(drop - choice.shin.points[:, 2].min(), 0.0)
-    return too_deep
-
-
-def _lack_of_room(heights: HeightMap, places: Array, shin: Array, radius: float) -> Array:
-    """Return by how much edges are too high, so near to points (n, m, 3) of a shin, (n,) [m]."""
-    if not shin.shape[1]:
+def _lack_of_room(heights: HeightMap, places: Array, choice: FootholdChoice) -> Array:
+    """Return by how much edges are too high, or too deep, so near to foot and shin, (n,) [m]."""
+    if not len(choice.shin):
         return np.zeros(len(places))
     # Cells as they are: between them heights are interpolated, which hides edges.
     own = heights.highest_within(places, 0.0)
-    near = radius + heights.resolution / 2.0
-    ground = heights.highest_within(places[:, None] + shin[..., :2], near)
-    room = own[:, None] + shin[..., 2] - ground
-    lack: Array = -np.nanmin(room, axis=1, initial=0.0)
+    near = choice.shin_radius + heights.resolution / 2.0
+    beside = places[:, None] + choice.shin[:, :2]
+    room = own[:, None] + choice.shin[:, 2] - heights.highest_within(beside, near)
+    drop = np.nan_to_num(own - heights.lowest_within(places, near))
+    too_deep = np.maximum(drop - choice.shin[:, 2].min(), 0.0)
+    lack: Array = too_deep - np.nanmin(room, axis=1, initial=0.0)
     return lack
 
 
@@ -243,14 +228,11 @@ class FootholdChoice:
     """Heights around it may differ by so much [m]."""
     largest_offset: float
     """Distance from the plane through the feet, at most [m]."""
-    shin: Shin = field(default_factory=Shin.empty)
-    """Points on the middle of foot and shin while the foot stands, the body on its path."""
-    swayed: Shin = field(default_factory=Shin.empty)
-    """Those points while the body is beside its path."""
-    farther: float = 0.0
-    """Distance by which a foot goes farther aside for that, at most [m]."""
-    spare: float = 0.0
-    """Height by which it is lower than these, at good places [m]: a shin is as wide as its foot."""
+    shin: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """
+    Points on the middle of foot and shin while the foot stands, in all postures, from the point
+    below the foot, shape (n, 3) [m].
+    """
     shin_radius: float = 0.0
     """Ground so near to it must not be higher than it is [m]."""
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.footing.shin import has_flat_shins
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
@@ -29,6 +28,9 @@ _SHORTER = 0.5
 
 _STEP = 0.2
 """Fraction of the robot's step height by which ground ahead that is lower is a step down."""
+
+_HIND = (2, 3)
+"""Legs that come down below the body."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ class Descent:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._has_flat_shins = has_flat_shins(robot)
+        self._has_flat_shins = all(_knee_ahead(robot, leg) < 0.0 for leg in _HIND)
 
     def shortened(
         self, motion: BodyMotion, pose: Pose2D, height_map: HeightMap | None
@@ -161,3 +163,10 @@ class Descent:
             if np.any(before - after > _STEP * self._robot.step_height):
                 return motion.scaled(_SHORTER)
         return motion
+
+
+def _knee_ahead(robot: Robot, leg: int) -> float:
+    """Return how far a knee is ahead of its foot in the initial posture [m]."""
+    foot = robot.neutral_feet[leg]
+    knee = robot.legs[leg].chain(robot.legs[leg].inverse(foot))[1]
+    return float(knee[0] - foot[0])

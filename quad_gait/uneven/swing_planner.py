@@ -7,7 +7,6 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from typing import NamedTuple
@@ -15,18 +14,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quad_common.errors import GaitError, SupportTooNarrow
+from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
-from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import minimum_jerk
+from quad_gait.state.body_balance import BodyBalance
 from quad_gait.state.body_placement import (
-    BodyPose,
     balanced,
     balanced_on_four,
     body_over,
     heading_over,
-    inner_radius,
 )
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.body_pace import BodyPace
@@ -59,10 +56,6 @@ then, and its knee would be too fast."""
 
 BIT = 3
 """Number of samples of a search given out at a time: a foot presses on for no longer."""
-
-_FAR, _MOST_BALANCES = 0.1, 3
-"""Distance of the body's motion from which on it counts that its legs do not go with it [m, of
-TITAN-VIII], and number of corrections."""
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
@@ -110,7 +103,7 @@ class SwingPlanner:
         self._robot, self._scale = robot, robot.relative_size
         self._options, self._aims = options, FootAims(robot, options, swing_height)
         self._along = partial(motion_along, robot, options)
-        self._center: tuple[Stance | None, Array] = (None, np.zeros(3))
+        self._balance = BodyBalance(robot)
         self._body_pace = BodyPace(robot, options)
 
     def swing(
@@ -151,12 +144,13 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
+        shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
         if stands:
-            self._check_support(now, leg)
+            self._balance.check_support(now, leg, self._scale * self._options.least_margin)
 
         @cache
         def aim(fraction: float, clearance: float) -> FootAim:
-            target = aims.target(ground, leg, now, place, fraction)
+            target = aims.target(ground, start, place, fraction, shin)
             return aims.aim(ground, start, target, feels, clearance)
 
         @cache
@@ -305,7 +299,7 @@ class SwingPlanner:
             target = body_over(self._robot, now.feet, heading, ground.slope, tilt)
             target = target.lowered(self._scale * lower)
             target = target.leaning_to(place, fraction, self._scale * self._options.foothold_reach)
-            target = self._balanced(target, now, inside)
+            target = self._balance.balanced(target, now, inside)
             duration = self._body_pace.duration(now.body, target)
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
@@ -330,9 +324,7 @@ class SwingPlanner:
         margin = options.least_margin if posture.has_less_margin else options.margin
         triangle = np.delete(now.feet[:, :2], leg, axis=0)
         inside = partial(balanced, triangle=triangle, margin=scale * margin)
-        body = self._balanced(body, now, inside)
-        if math.dist(body.position[:2], now.body.position[:2]) > scale * _FAR:
-            body = self._balanced_there(body, now, inside)
+        body = self._balance.balanced(body, now, inside)
 
         shift = self._body_pace.duration(now.body, body)
         # The body need not be quite there: it is slow at the end of its motion.
@@ -368,47 +360,11 @@ class SwingPlanner:
         given = min(given, len(motion.times) - 1)
         return PlannedSwing(motion, lifted_at, feels, falls, given, course.aim.depth)
 
-    def _check_support(self, now: Stance, leg: int) -> None:
-        """Raise if three feet are so nearly in line that no body is balanced over them."""
-        room = inner_radius(np.delete(now.feet[:, :2], leg, axis=0))
-        if room < self._scale * self._options.least_margin:
-            raise SupportTooNarrow(LEGS[leg], room)
-
     def _may_reach(self, now: Stance, course: SwingCourse) -> bool:
         """Tell whether legs reach at a few samples: most courses that they do not, show it."""
         times = course.telling
         paths = PlannedPaths(times, course.body, course.progress(times), course.feet(times))
         return may_reach(self._robot, now, paths)
-
-    def _balanced(self, body: BodyPose, now: Stance, inside: Callable[[Array], Array]) -> BodyPose:
-        """Move the body so that its center of mass is inside feet."""
-        offset = (body.rotation @ self._center_of_mass(now))[:2]
-        moved = inside(body.position[:2] + offset) - offset
-        return BodyPose(np.array([*moved, body.position[2]]), body.roll, body.pitch, body.yaw)
-
-    def _balanced_there(
-        self, body: BodyPose, now: Stance, inside: Callable[[Array], Array]
-    ) -> BodyPose:
-        """Balance a body that goes far: its legs, half of some robots' weight, stay behind."""
-        for _ in range(_MOST_BALANCES):
-            arms = (now.feet - body.position) @ body.rotation
-            try:
-                joints = self._robot.stacked_legs.inverse(arms)
-            except GaitError:
-                break
-            offset = (body.rotation @ self._robot.center_of_mass(joints))[:2]
-            moved = inside(body.position[:2] + offset) - offset
-            position = np.array([*moved, body.position[2]])
-            body = BodyPose(position, body.roll, body.pitch, body.yaw)
-        return body
-
-    def _center_of_mass(self, now: Stance) -> Array:
-        """Find the center of mass in the body frame, shape (3,) [m]; of a stance once."""
-        stance, center = self._center
-        if stance is not now:
-            center = self._robot.center_of_mass(now.joint_positions)
-            self._center = now, center
-        return center
 
     def _lasting(self, distance: float, least: float, pace: float) -> float:
         """Return how long a foot takes for a distance [m] at a pace [s]."""

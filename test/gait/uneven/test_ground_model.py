@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quad_common.footing.shin import Shin
 from quad_common.maps.height_map import HeightMap
 from quad_gait.uneven.ground_model import FootholdChoice, GroundModel
 
@@ -88,49 +87,12 @@ def test_a_foothold_moves_off_an_edge(x):
     assert math.dist(best, (x, 0.1)) <= CHOICE.reach + 1e-9
 
 
-def unmoved(points):
-    """Points of a shin that is the same wherever its foot is put."""
-    points = np.asarray(points)
-    return Shin(points, np.zeros((*points.shape, 2)))
-
-
-def test_a_shin_that_does_not_follow_its_foot_needs_more_room_where_the_foot_is_put_aside():
-    ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero())
-    up = np.linspace(0.0, 0.03, 8)
-    upright = np.column_stack([np.zeros(8), np.zeros(8), 0.015 + up])
-    # What is above follows the foot in part: the shin leans towards the edge.
-    rates = np.zeros((8, 3, 2))
-    rates[:, 0, 0] = rates[:, 1, 1] = -0.5 * up / up[-1]
-    choice = replace(CHOICE, reach=0.1, shin=unmoved(upright), shin_radius=0.025)
-    wanted = np.array([-0.02, 0.1])
-    off = [
-        -ground.best_foothold(wanted, replace(choice, shin=shin))[0]
-        for shin in (choice.shin, Shin(upright, rates))
-    ]
-    assert off[0] < off[1] <= 0.12
-
-
-def test_of_good_footholds_one_is_chosen_where_the_body_may_sway():
-    ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero())
-    upright = unmoved([[0.0, 0.0, 0.015], [0.0, 0.0, 0.04]])
-    swayed = unmoved([[0.0, 0.0, 0.015], [0.04, 0.0, 0.04]])
-    choice = replace(CHOICE, reach=0.1, shin=upright, shin_radius=0.025)
-    wanted = np.array([-0.06, 0.1])
-    assert ground.best_foothold(wanted, choice) == pytest.approx(wanted)
-    assert ground.best_foothold(wanted, replace(choice, swayed=swayed, farther=0.03))[0] < -0.075
-    # For that it goes no farther aside than it may.
-    assert ground.best_foothold(wanted, replace(choice, swayed=swayed))[0] == pytest.approx(-0.06)
-    # Where there is none it is not so important.
-    near = replace(choice, swayed=swayed, farther=0.03, reach=0.01)
-    assert abs(ground.best_foothold(wanted, near)[0] + 0.06) <= 0.01
-
-
 @pytest.mark.parametrize('lean', [-0.6, 0.0, 0.6])
 def test_a_foothold_leaves_room_for_the_shin(lean):
     ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero())
     up = np.linspace(0.0, 0.15, 8)
     shin = np.column_stack([lean * up, np.zeros(8), 0.015 + up])
-    choice = replace(CHOICE, reach=0.1, shin=unmoved(shin), shin_radius=0.025)
+    choice = replace(CHOICE, reach=0.1, shin=shin, shin_radius=0.025)
     best = ground.best_foothold(np.array([-0.04, 0.1]), choice)
     assert best[0] < 0.0
     below_the_edge = best[0] + shin[shin[:, 2] < 0.05, 0]
@@ -145,7 +107,7 @@ def test_a_foothold_leaves_room_for_the_shin(lean):
 def test_a_foot_stands_neither_beside_nor_on_the_edge_of_a_step_that_is_small(x):
     ground = GroundModel.through(FEET + [-0.5, 0.0, 0.0], step_at_zero(0.022))
     assert ground.best_foothold(np.array([x, 0.1]), CHOICE) == pytest.approx([x, 0.1])
-    choice = replace(CHOICE, shin=unmoved([[0.0, 0.0, 0.015]]), shin_radius=0.025)
+    choice = replace(CHOICE, shin=np.array([[0.0, 0.0, 0.015]]), shin_radius=0.025)
     best = ground.best_foothold(np.array([x, 0.1]), choice)
     assert abs(best[0]) >= choice.shin_radius
 
