@@ -65,6 +65,7 @@ _NEEDED = {
     ('titan_viii', 'stairs'): 20,
     (CLIMBER, 'stairs'): 18,
     ('titan_viii', 'stones'): 18,
+    (CLIMBER, 'stones'): 18,
 }
 """Walks that are to arrive, of 20."""
 
