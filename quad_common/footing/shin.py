@@ -50,14 +50,9 @@ def shin_points(robot: Robot, leg: int, stride: Array, yaw: float) -> Array:
     c, s = math.cos(yaw), math.sin(yaw)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     stride_in_body = np.array([*stride, 0.0]) @ turn
-    shins = []
-    for fraction in _STANCE:
-        foot = robot.neutral_feet[leg] + fraction * stride_in_body
-        try:
-            shins.append(robot.legs[leg].chain(robot.legs[leg].inverse(foot))[1] - foot)
-        except GaitError:
-            continue
-    shin = np.array(shins).reshape(-1, 1, 3)
+    feet = robot.neutral_feet[leg] + np.multiply.outer(np.array(_STANCE), stride_in_body)
+    shins = _shins(robot, leg, feet)
+    shin = shins[~np.isnan(shins[:, 0])].reshape(-1, 1, 3)
     points = _ON_SHIN[:, None] * shin
     # The foot rolls under its shin.
     points[..., :2] += robot.foot_radius * (_lean(shin) - _lean(shin[:1]))

@@ -9,6 +9,7 @@ where no foothold tells.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
 from quad_gait.footsteps.foothold_map import Foothold
 from quad_gait.footsteps.footstep import Footstep
+from quad_gait.state.body_balance import centered
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 
 Array = NDArray[np.float64]
@@ -87,11 +89,9 @@ class ShinCheck:
             middle[step.leg] = 0.5 * (feet[step.leg] + step.foothold)
             middle[step.leg, 2] = step.foothold[2]
             body = body_over(self._robot, middle, heading_over(self._robot, middle), _LEVEL, 0.0)
-            offset = (body.rotation @ self._center)[:2]
             triangle = np.delete(feet[:, :2], step.leg, axis=0)
-            place = balanced(body.position[:2] + offset, triangle, self._margin) - offset
-            position = np.array([*place, body.position[2]])
-            body = BodyPose(position, body.roll, body.pitch, body.yaw)
+            inside = partial(balanced, triangle=triangle, margin=self._margin)
+            body = centered(body, self._center, inside)
             yield body, feet
             yield body, step.feet
             feet = step.feet

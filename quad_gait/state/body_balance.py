@@ -85,7 +85,7 @@ class BodyBalance:
         -------
         BodyPose
         """
-        body = _moved(body, self._center_of_mass(now), inside)
+        body = centered(body, self._center_of_mass(now), inside)
         far = self._robot.relative_size * _FAR
         if math.dist(body.position[:2], now.body.position[:2]) <= far:
             return body
@@ -97,7 +97,7 @@ class BodyBalance:
             except GaitError:
                 # Whoever plans the motion finds out that legs do not reach, and says so.
                 break
-            body = _moved(body, self._robot.center_of_mass(joints), inside)
+            body = centered(body, self._robot.center_of_mass(joints), inside)
         return body
 
     def _center_of_mass(self, now: Stance) -> Array:
@@ -109,8 +109,23 @@ class BodyBalance:
         return center
 
 
-def _moved(body: BodyPose, center: Array, inside: Inside) -> BodyPose:
-    """Move a body whose center of mass is there in its frame, shape (3,) [m]."""
+def centered(body: BodyPose, center: Array, inside: Inside) -> BodyPose:
+    """
+    Move a body so that its center of mass is inside feet.
+
+    Parameters
+    ----------
+    body : BodyPose
+        Where it would go.
+    center : ndarray, shape (3,)
+        Its center of mass, in its frame [m].
+    inside : callable
+        Where that may be.
+
+    Returns
+    -------
+    BodyPose
+    """
     offset = (body.rotation @ center)[:2]
     place = inside(body.position[:2] + offset) - offset
     return BodyPose(np.array([*place, body.position[2]]), body.roll, body.pitch, body.yaw)
