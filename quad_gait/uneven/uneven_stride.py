@@ -93,6 +93,7 @@ class UnevenStride:
         self._phase, self._touch = _Phase.SEEKING, Touch(robot, options)
         self._seeking: list[int] = []
         self._sought: set[int] = set()
+        self._bearing: set[int] = set()
         self._has_lowered = False
         self._searches = self._catches = self._raises = 0
         self._return_to: Array | None = None
@@ -277,18 +278,25 @@ class UnevenStride:
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
         if self._output.motion is not None:
-            found = set(self._seeking) & set(loaded_legs(self._robot, now, self._options))
+            found = self._found(now)
             if not found and not self._output.is_done:
                 return self._feel_on(now)
             self._sought.update(found or self._seeking)
-        unloaded = unloaded_legs(self._robot, now, self._options)
-        self._seeking = [leg for leg in unloaded if leg not in self._sought]
+        unloaded = {*unloaded_legs(self._robot, now, self._options), *self._seeking}
+        self._seeking = sorted(unloaded - self._sought)
         lowering = self._lower(now) if self._seeking else None
         if lowering is not None:
             return lowering
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)
+
+    def _found(self, now: Stance) -> set[int]:
+        """Return the legs whose feet have met the ground while they were lowered."""
+        before = self._bearing
+        self._bearing = set(self._seeking) & set(loaded_legs(self._robot, now, self._options))
+        # A leg that is set in motion quickly seems to bear load for a moment.
+        return self._bearing & before if self._catches else self._bearing
 
     def _lower(self, now: Stance) -> JointTrajectory | None:
         """Begin to lower feet, all or one; None where a single one hangs, which swings first."""

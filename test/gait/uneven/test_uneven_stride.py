@@ -202,6 +202,33 @@ def test_feet_are_put_down_at_once_where_another_one_slips(lean, has_map, slips)
     assert legs.run(stride, 30.0)
 
 
+def test_a_foot_put_down_at_once_is_lowered_until_its_load_is_sure():
+    shown = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
+    legs, stride = Legs(), stride_for(height_map=shown)
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    legs.run(stride, 0.3)
+    legs.orientation = np.array([math.sin(0.06), 0.0, 0.0, math.cos(0.06)])
+    # Two feet hang. A leg that is set in motion quickly seems to bear load for a moment.
+    legs.bearing = [0, 3]
+    legs.run(stride, 0.02)
+    start = legs.measure().feet[:, 2]
+    legs.bearing = [0, 1, 2, 3]
+    legs.run(stride, 0.02)
+    legs.bearing = [0, 3]
+    legs.run(stride, 0.14)
+    lowered = start - legs.measure().feet[:, 2]
+    assert (lowered[[1, 2]] > 0.008).all()
+    # One that bears load twice has met the ground, the other one is lowered on.
+    legs.bearing = [0, 1, 3]
+    legs.run(stride, 0.06)
+    met = legs.measure().feet[:, 2]
+    legs.run(stride, 0.1)
+    lowered = met - legs.measure().feet[:, 2]
+    assert lowered[2] > 0.008
+    assert np.delete(lowered, 2) == pytest.approx(np.zeros(3), abs=0.003)
+
+
 def meet_something(legs, stride):
     """Let the first foot bear load while it is on its way to its place."""
     start = top = legs.measure().feet[2, 2]
