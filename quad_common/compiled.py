@@ -21,6 +21,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
 from numba.core.caching import FunctionCache
 from numba.extending import register_jitable
 
@@ -110,6 +111,29 @@ def inlined_part(function: Function) -> Function:
         The same function, which Python calls as it is, uncompiled.
     """
     return cast(Function, register_jitable(forceinline=True, **_OPTIONS)(function))
+
+
+class _CompilationCounter(event.Listener):  # type: ignore[misc]
+    """Counts how often something was compiled."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def on_start(self, event: object) -> None:
+        """Take that something is compiled."""
+
+    def on_end(self, event: object) -> None:
+        """Take that it has been compiled."""
+        self.count += 1
+
+
+_counter = _CompilationCounter()
+event.register('numba:compile', _counter)
+
+
+def compilation_count() -> int:
+    """Return how often this process has compiled something: code that was kept does not count."""
+    return _counter.count
 
 
 class _CodeOnDisk(FunctionCache):  # type: ignore[misc]

@@ -16,6 +16,8 @@ from quad_lab.topic_walk.walk_observer import WalkObserver
 _LINE_EVERY = 5.0
 """Where there is no terminal [s]."""
 
+_NO_PLAN = 'no plan yet (after an installation the planner compiles its searches first)'
+
 
 @contextlib.contextmanager
 def walk_progress(console: Console) -> Iterator[Callable[[WalkObserver], None]]:
@@ -41,16 +43,25 @@ def walk_progress(console: Console) -> Iterator[Callable[[WalkObserver], None]]:
 
         def show(observer: WalkObserver) -> None:
             nonlocal said_at
-            plan, record = observer.plan, observer.record
-            if plan is None:
-                return
-            left = observer.distance_left
-            simulated = observer.walking_time
-            factor = simulated / max(record.wall_time, 1e-6)
-            state = f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f} x real time'
-            bar.update(task, total=plan.length, completed=max(0.0, plan.length - left), state=state)
-            if not console.is_terminal and time.monotonic() - said_at > _LINE_EVERY:
+            is_late = time.monotonic() - said_at > _LINE_EVERY
+            plan = observer.plan
+            if plan is not None:
+                state, left = _state(observer), observer.distance_left
+                done = max(0.0, plan.length - left)
+                bar.update(task, total=plan.length, completed=done, state=state)
+            elif is_late:
+                state = _NO_PLAN
+                bar.update(task, state=state)
+            if not console.is_terminal and is_late:
                 said_at = time.monotonic()
                 console.print(state, highlight=False)
 
         yield show
+
+
+def _state(observer: WalkObserver) -> str:
+    """Return how a walk along a plan goes, in words."""
+    simulated = observer.walking_time
+    factor = simulated / max(observer.record.wall_time, 1e-6)
+    left = observer.distance_left
+    return f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f} x real time'

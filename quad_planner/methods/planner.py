@@ -153,7 +153,7 @@ class Planner(Generic[Prepared]):
         """
         Plan on a small map of its own, around a wall and not, so that the compiled code is ready.
 
-        It takes half a second, and after an installation that of compiling: up to ten.
+        It takes half a second, and after an installation that of compiling: ten, or more.
         """
         cells = np.zeros((48, 48), dtype=np.int8)
         cells[16:32, 22:26] = OCCUPIED

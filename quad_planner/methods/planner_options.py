@@ -11,6 +11,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import ClassVar
 
+from quad_common.compiled import compilation_count
 from quad_common.errors import ParameterError, PlannerTimedOut, PlanSuperseded
 from quad_common.maps.occupancy_grid import OCCUPIED_THRESHOLD, OccupancyGrid
 from quad_planner.costs.cell_costs import CostLayer
@@ -101,6 +102,9 @@ class PlannerOptions:
         """
         Begin to measure the time of a search.
 
+        Where code is compiled meanwhile, after an installation, the time between two calls counts
+        for nothing: that may take longer than any search.
+
         Returns
         -------
         callable
@@ -108,12 +112,21 @@ class PlannerOptions:
             and PlanSuperseded when the plan is no longer wanted.
         """
         clock, limit = self.clock, min(self.time_limit or math.inf, _LONGEST.get())
-        began = 0.0 if clock is None else clock()
+        began = last = 0.0 if clock is None else clock()
+        compilations = compilation_count()
 
         def check() -> None:
+            nonlocal began, last, compilations
             if self.is_superseded():
                 raise PlanSuperseded
-            if clock is not None and clock() - began > limit:
+            if clock is None:
+                return
+            now = clock()
+            if compilation_count() != compilations:
+                began += now - last
+                compilations = compilation_count()
+            last = now
+            if now - began > limit:
                 raise PlannerTimedOut(limit)
 
         return check

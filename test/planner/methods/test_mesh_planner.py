@@ -446,6 +446,7 @@ def test_a_mesh_too_coarse_for_a_passage_is_named_as_the_reason():
     assert MeshPlanner(0.35, clearance_radius=0.2).plan(grid_of(cells), start, goal)
 
 
+@pytest.mark.usefixtures('nothing_is_compiled')
 def test_a_search_stops_at_its_time_limit():
     ticks = iter(range(10**6))
     planner = MeshPlanner(

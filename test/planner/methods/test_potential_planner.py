@@ -284,6 +284,7 @@ def test_a_goal_that_just_fits_beside_the_boundary_is_reached(potential):
     assert sampled_clearance(prepared, plan) >= 3.3 - 1e-6
 
 
+@pytest.mark.usefixtures('nothing_is_compiled')
 @EACH
 def test_the_time_limit_ends_a_plan(potential):
     ticks = count()

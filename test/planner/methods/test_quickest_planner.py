@@ -111,6 +111,7 @@ def test_areas_that_are_not_connected_have_no_path(any_angle):
         planner.plan(prepared, Pose2D(1.0, 1.0, 0.0), Pose2D(3.0, 1.0, 0.0))
 
 
+@pytest.mark.usefixtures('nothing_is_compiled')
 @BOTH
 def test_the_time_limit_ends_a_search(any_angle):
     ticks = count()

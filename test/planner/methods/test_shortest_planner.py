@@ -159,6 +159,7 @@ def test_a_robot_that_strayed_into_the_boundary_is_led_out_of_it(any_angle):
         planner.plan(prepared, Pose2D(1.0, 0.45, 0.0), Pose2D(3.0, 1.5, 0.0))
 
 
+@pytest.mark.usefixtures('nothing_is_compiled')
 @BOTH
 def test_the_time_limit_ends_a_search(any_angle):
     ticks = count()
