@@ -5,6 +5,7 @@ Plans footsteps from where the feet stand to where the body is to be.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -34,6 +35,9 @@ _TOLERANCE = 0.1
 
 _MOST_PLANS = 3
 """Number of plans that are made until there is one over which no shin touches the ground."""
+
+_STRIDE = 3
+"""Number of steps of a stride after its first one."""
 
 _LEVEL = np.zeros(2)
 
@@ -83,8 +87,8 @@ class FootstepPlanner:
         Returns
         -------
         FootstepPlan
-            Of a few plans the first one over which no shin touches the ground, or the one over
-            which the fewest do.
+            Of a few plans the first one over whose first half no shin touches the ground, or the
+            one over which the fewest do. The rest is planned again before it is walked.
 
         Raises
         ------
@@ -98,7 +102,9 @@ class FootstepPlanner:
         problem: FootstepsNotFound | None = None
         for block, expansions in zip(options.blocks, most):
             try:
-                plans.append(self._freest(task, block, expansions))
+                # Over small squares a search takes long: one will do where there is a plan already.
+                most_plans = 1 if plans else _MOST_PLANS
+                plans.append(self._freest(task, block, expansions, most_plans))
             except FootstepsNotFound as error:
                 problem = error
                 continue
@@ -109,17 +115,25 @@ class FootstepPlanner:
             raise problem
         return min(plans, key=lambda each: each[0])[1]
 
-    def _freest(self, task: _Task, block: int, expansions: int) -> tuple[int, FootstepPlan]:
+    def touching(
+        self, feet: Array, steps: Sequence[Footstep], ground: FootholdMap, shift: float
+    ) -> list[Foothold]:
+        """Return the footholds of steps beside which a shin would touch the ground."""
+        margin, clearance = self._body.margin, ground.shin_clearance
+        return ShinCheck(self._robot, margin, clearance, ground.heights, shift).touching(feet, steps)
+
+    def _freest(
+        self, task: _Task, block: int, expansions: int, most_plans: int
+    ) -> tuple[int, FootstepPlan]:
         """Return the plan over which the fewest shins touch the ground, and how many do."""
         feet, target, ground, shift = task
         robot, aside = self._robot, self._robot.relative_size * self._options.aside
         there = target.transform(robot.neutral_feet)[:, :2]
         both = np.concatenate([feet[:, :2], there])
         part = both.min(axis=0) - aside, both.max(axis=0) + aside
-        check = ShinCheck(robot, self._body.margin, ground.shin_clearance, ground.heights, shift)
         touching: list[Foothold] = []
         plans: list[tuple[int, FootstepPlan]] = []
-        for _ in range(_MOST_PLANS):
+        for _ in range(most_plans):
             lattice = ground.lattice(part, target.yaw, feet, shift, block, touching)
             try:
                 planned = self.plan_over(lattice, target, expansions)
@@ -127,7 +141,8 @@ class FootstepPlanner:
                 if not plans:
                     raise
                 break
-            found = check.touching(feet, planned.steps)
+            steps = planned.steps
+            found = self.touching(feet, steps[: steps_walked(len(steps))], ground, shift)
             plans.append((len(found), planned))
             if not found:
                 break
@@ -209,6 +224,11 @@ class FootstepPlanner:
             options.separation * float(apart[apart > 0.0].min()),
             options.breadth * float(arms[[0, 2], [1, 3], 1].min()),
         )
+
+
+def steps_walked(count: int) -> int:
+    """Return how many steps of so many are walked at most before the next ones are planned."""
+    return (count + 1) // 2 + _STRIDE
 
 
 def pose_over(robot: Robot, feet: Array) -> Pose2D:

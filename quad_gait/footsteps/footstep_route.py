@@ -239,17 +239,26 @@ class FootstepRoute:
         off = np.hypot(*(now.feet - self._feet)[:, :2].T).max()
         if off > self._robot.relative_size * self._options.off_plan:
             return False
-        is_same = self._target.distance_to(target) < 0.2 * self._options.distance_tolerance
-        return is_same or 2 * len(self._steps) > self._length
+        if 2 * len(self._steps) > self._length:
+            return True
+        if self._target.distance_to(target) > 0.2 * self._options.distance_tolerance:
+            return False
+        # As far as this half nobody has looked yet.
+        ground, shift = self._ground_under(now)
+        return not self._planner.touching(now.feet, self._steps, ground, shift)
 
     def _plan(self, now: Stance, target: Pose2D) -> None:
-        assert self._map is not None
-        under = now.feet - np.array([0.0, 0.0, self._robot.foot_radius])
-        shift = GroundModel.through(under, self._map.heights).shift
+        ground, shift = self._ground_under(now)
         pose = pose_over(self._robot, now.feet)
-        planned = self._planner.plan(now.feet, _within_turn(pose, target), self._map, shift)
+        planned = self._planner.plan(now.feet, _within_turn(pose, target), ground, shift)
         self._steps, self._length = planned.steps, len(planned.steps)
         self._feet, self._target = now.feet, target
+
+    def _ground_under(self, now: Stance) -> tuple[FootholdMap, float]:
+        """Return the map, and the height that is added to it so that it fits the feet [m]."""
+        assert self._map is not None
+        under = now.feet - np.array([0.0, 0.0, self._robot.foot_radius])
+        return self._map, GroundModel.through(under, self._map.heights).shift
 
 
 def _within_turn(pose: Pose2D, target: Pose2D) -> Pose2D:

@@ -334,6 +334,34 @@ def test_a_route_that_was_prepared_gives_the_same_strides():
     assert np.array_equal(given[0].footholds, given[1].footholds)
 
 
+@pytest.mark.parametrize('touches', [False, True])
+def test_half_a_plan_is_walked_before_its_second_half_is_looked_at(monkeypatch, touches):
+    heights = stones()
+    route, feet = route_over(heights), standing_feet(TITAN, heights)
+    plan, plans, looked_at = FootstepPlanner.plan, [], []
+
+    def planned(*request):
+        plans.append(plan(*request))
+        return plans[-1]
+
+    def touching(planner, feet, steps, ground, shift):
+        # That of whole plans finds nothing.
+        is_rest = len(plans) == 1 and len(steps) <= len(plans[0].steps) / 2
+        looked_at.append(is_rest)
+        return [(0, *steps[0].foothold[:2])] if touches and is_rest else []
+
+    monkeypatch.setattr(FootstepPlanner, 'plan', planned)
+    monkeypatch.setattr(FootstepPlanner, 'touching', touching)
+    walked = 0
+    while not plans or (walked < len(plans[0].steps) and len(plans) == 1):
+        stride = route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD], is_asked=True)
+        walked += len(stride.order)
+        feet = np.column_stack([stride.footholds, feet[:, 2]])
+        feet[:, 2] = heights.height_at(feet[:, :2]) + TITAN.foot_radius
+    assert any(looked_at)
+    assert (len(plans) > 1) == touches
+
+
 def test_strides_follow_the_plan_until_a_foot_goes_astray():
     heights = stones()
     route, feet = route_over(heights), standing_feet(TITAN, heights)

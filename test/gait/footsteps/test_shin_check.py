@@ -10,7 +10,7 @@ from quad_gait.footsteps import footstep_planner
 from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep import Footstep
 from quad_gait.footsteps.footstep_options import FootstepOptions
-from quad_gait.footsteps.footstep_planner import FootstepPlanner
+from quad_gait.footsteps.footstep_planner import FootstepPlanner, steps_walked
 from quad_gait.footsteps.shin_check import ShinCheck
 from quad_gait.uneven.uneven_options import UnevenOptions
 
@@ -114,7 +114,7 @@ def among_boxes(seed):
 
 
 def touching_plans(options, seeds):
-    """Count the plans of footsteps among boxes over which a shin touches one."""
+    """Count the plans of footsteps among boxes that are walked to where a shin touches one."""
     feet = standing_on_level_ground()
     planner, count = FootstepPlanner(TITAN, options), 0
     for seed in seeds:
@@ -123,12 +123,12 @@ def touching_plans(options, seeds):
         steps = planner.plan(feet, Pose2D(1.2, 0.0, 0.0), ground).steps
         assert steps
         check = ShinCheck(TITAN, options.margin, CLEARANCE, heights, 0.0)
-        count += bool(check.touching(feet, steps))
+        count += bool(check.touching(feet, steps[: steps_walked(len(steps))]))
     return count
 
 
 def test_plans_among_boxes_lead_where_shins_have_room(monkeypatch):
     seeds = range(12)
-    assert touching_plans(FootstepOptions(), seeds) <= 1
+    assert touching_plans(FootstepOptions(), seeds) == 0
     monkeypatch.setattr(footstep_planner, '_MOST_PLANS', 1)
-    assert touching_plans(FootstepOptions(blocks=(3,)), seeds) >= 4
+    assert touching_plans(FootstepOptions(blocks=(3,)), seeds) >= 2
