@@ -238,8 +238,10 @@ class CameraModel:
         straight = cv2.undistortPoints(given[:, None], self.matrix, self.distortion).reshape(-1, 2)
         if self.distortion.any():
             straight = self._refined(given, straight)
-        rays = np.column_stack((straight, np.ones(len(straight)))) @ self.rotation.T
-        unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+        # What a lens shows nowhere may have run off to anywhere.
+        with np.errstate(over='ignore', invalid='ignore'):
+            rays = np.column_stack((straight, np.ones(len(straight)))) @ self.rotation.T
+            unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
         return unit
 
     def _refined(self, given: Array, straight: Array) -> Array:
@@ -249,7 +251,6 @@ class CameraModel:
         before = np.zeros_like(given)
         looked = np.full(len(given), np.inf)
         step = np.ones(len(given))
-        # What a lens shows nowhere may run off to anywhere.
         with np.errstate(over='ignore', invalid='ignore'):
             for number in range(_ROUNDS):
                 if not len(left):

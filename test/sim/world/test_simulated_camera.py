@@ -259,6 +259,7 @@ def test_numbers_that_are_not_valid_for_a_camera_are_refused(name, value):
         SimulatedCamera(camera_model(), **{name: value})
 
 
+@pytest.mark.filterwarnings('error')
 @pytest.mark.parametrize('distortion', [(-1.0, 0.0, 0.0, 0.0, 0.0), (-0.45, 0.0, 0.0, 0.0, 0.0)])
 def test_a_lens_that_folds_the_picture_over_is_refused(distortion):
     with pytest.raises(ParameterError, match=r"'distortion' is .* it must be smaller"):
