@@ -195,6 +195,11 @@ def balanced_on_four(point: Array, feet: Array, margin: float) -> Array:
     ndarray, shape (2,)
         The point itself where it is inside; the nearest one where one edge is too near.
     """
+    for leg in range(len(feet)):
+        others = np.delete(feet, leg, axis=0)
+        if _is_inside(feet[leg], others):
+            # It adds nothing to the ground between the others.
+            return balanced(point, others, margin)
     corners = feet[list(_AROUND)]
     edges = np.roll(corners, -1, axis=0) - corners
     inwards = np.column_stack([edges[:, 1], -edges[:, 0]])

@@ -74,3 +74,20 @@ def test_a_body_between_feet_that_are_too_near_to_one_another_is_not_moved_away_
     feet = np.array([[0.01, 0.2], [0.01, -0.2], [-0.01, 0.2], [-0.01, -0.2]])
     kept = balanced_on_four(np.array([0.3, 0.0]), feet, 0.03)
     assert abs(kept[0]) < 0.05
+
+
+@pytest.mark.parametrize('inner', range(4))
+@pytest.mark.parametrize('point', [(0.0, 0.0), (0.1, 0.05), (-0.3, 0.0), (0.0, -0.4), (0.05, 0.3)])
+def test_a_foot_between_the_others_bears_no_edge(inner, point):
+    # As they stood after footsteps over stones: the quadrilateral of the legs has a corner inwards.
+    corners = np.array([[0.13, 0.24], [0.11, -0.19], [-0.04, 0.03], [0.0, -0.07]])
+    corners = np.roll(corners, inner - 2, axis=0)
+    triangle = np.delete(corners, inner, axis=0)
+    corners[inner] = triangle.mean(axis=0) + [0.02, 0.01]
+    kept = balanced_on_four(np.array(point), corners, 0.03)
+    assert kept == pytest.approx(balanced(np.array(point), triangle, 0.03))
+    edges = np.roll(triangle, -1, axis=0) - triangle
+    arms = kept - triangle
+    off = (edges[:, 0] * arms[:, 1] - edges[:, 1] * arms[:, 0]) / np.hypot(*edges.T)
+    assert np.abs(off).min() > 0.02
+    assert (off > 0.0).all() or (off < 0.0).all()
