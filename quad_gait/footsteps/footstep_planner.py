@@ -120,7 +120,8 @@ class FootstepPlanner:
     ) -> list[Foothold]:
         """Return the footholds of steps beside which a shin would touch the ground."""
         margin, clearance = self._body.margin, ground.shin_clearance
-        return ShinCheck(self._robot, margin, clearance, ground.heights, shift).touching(feet, steps)
+        check = ShinCheck(self._robot, margin, clearance, ground.heights, shift)
+        return check.touching(feet, steps)
 
     def _freest(
         self, task: _Task, block: int, expansions: int, most_plans: int
