@@ -88,7 +88,7 @@ class FootstepPlanner:
         -------
         FootstepPlan
             Of a few plans the first one over whose first half no shin touches the ground, or the
-            one over which the fewest do. The rest is planned again before it is walked.
+            one over which the fewest do. The rest is for the caller to look at, or plan again.
 
         Raises
         ------

@@ -104,3 +104,31 @@ class Touch:
             if fraction <= _SURE * least:
                 return True, None
         return True, as_touched(self._robot, leg, self._before, self._first, now)
+
+
+class LoweredFeet:
+    """
+    Tells which of the feet that are lowered have met the ground.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : UnevenOptions
+        How it walks.
+    """
+
+    def __init__(self, robot: Robot, options: UnevenOptions) -> None:
+        self._robot, self._options = robot, options
+        self._bearing: set[int] = set()
+
+    def begin(self) -> None:
+        """Begin to lower others."""
+        self._bearing = set()
+
+    def found(self, now: Stance, legs: list[int], is_quick: bool) -> set[int]:
+        """Return those of the legs that bear load; where they are lowered quickly, once sure."""
+        before = self._bearing
+        self._bearing = set(legs) & set(loaded_legs(self._robot, now, self._options))
+        # A leg that is set in motion quickly seems to bear load for a measurement.
+        return self._bearing & before if is_quick else self._bearing

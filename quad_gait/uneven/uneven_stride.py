@@ -24,7 +24,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.candidates import first_possible
 from quad_gait.uneven.felt_ground import FeltGround
-from quad_gait.uneven.foot_contact import Touch, loaded_legs, unloaded_legs
+from quad_gait.uneven.foot_contact import LoweredFeet, Touch, loaded_legs, unloaded_legs
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import MotionOutput
 from quad_gait.uneven.stride_goal import LegOrder, StrideGoal
@@ -93,7 +93,7 @@ class UnevenStride:
         self._phase, self._touch = _Phase.SEEKING, Touch(robot, options)
         self._seeking: list[int] = []
         self._sought: set[int] = set()
-        self._bearing: set[int] = set()
+        self._lowered = LoweredFeet(robot, options)
         self._has_lowered = False
         self._searches = self._catches = self._raises = 0
         self._return_to: Array | None = None
@@ -154,8 +154,7 @@ class UnevenStride:
             If the legs do not reach, or a foot finds no ground.
         """
         trajectory = self._decide(now)
-        self.is_over = self._phase is _Phase.OVER
-        self.end = self._output.end
+        self.is_over, self.end = self._phase is _Phase.OVER, self._output.end
         return trajectory
 
     def _decide(self, now: Stance) -> JointTrajectory | None:
@@ -195,6 +194,7 @@ class UnevenStride:
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
         self._catches += 1
+        self._lowered.begin()
         legs = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
         search = self._planner.search(now, self._output.commanded, legs, True)
         self._seeking, self._return_to, self._phase = legs, None, _Phase.SEEKING
@@ -278,7 +278,7 @@ class UnevenStride:
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
         if self._output.motion is not None:
-            found = self._found(now)
+            found = self._lowered.found(now, self._seeking, is_quick=self._catches > 0)
             if not found and not self._output.is_done:
                 return self._feel_on(now)
             self._sought.update(found or self._seeking)
@@ -290,13 +290,6 @@ class UnevenStride:
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)
-
-    def _found(self, now: Stance) -> set[int]:
-        """Return the legs whose feet have met the ground while they were lowered."""
-        before = self._bearing
-        self._bearing = set(self._seeking) & set(loaded_legs(self._robot, now, self._options))
-        # A leg that is set in motion quickly seems to bear load for a moment.
-        return self._bearing & before if self._catches else self._bearing
 
     def _lower(self, now: Stance) -> JointTrajectory | None:
         """Begin to lower feet, all or one; None where a single one hangs, which swings first."""
@@ -339,9 +332,8 @@ class UnevenStride:
                 self.limit = self.limit or f'a foot stays where it is: {error}'
                 return self._finish(now)
         self.limit = self.limit or swing.limit
-        self._stood = now
+        self._stood, self._has_lowered = now, False
         self._touch.forget()
-        self._has_lowered = False
         return self._begin(swing)
 
     def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
