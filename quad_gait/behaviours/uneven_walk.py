@@ -26,9 +26,11 @@ from quad_gait.state.robot_state import RobotState
 from quad_gait.uneven.stride_goal import Descent, StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride
+from quad_gait.uneven.ways_out import Chosen
 
 if TYPE_CHECKING:
     from quad_gait.footsteps.footstep_route import FootstepRoute
+    from quad_gait.footsteps.pieces import Pieces
 
 
 _STRAINED = 0.07
@@ -46,6 +48,8 @@ class UnevenWalk(Walk):
         super().__init__(shared)
         self._stride: UnevenStride | None = None
         self._begun: RobotState | None = None
+        self._chosen: Chosen | None = None
+        self._planning: Pieces[StrideGoal | None] | None = None
         self._height_map: HeightMap | None = None
         # What kept the last stride from being what it was to be.
         self._limit = ''
@@ -97,9 +101,14 @@ class UnevenWalk(Walk):
         return np.empty((0, 3)) if self._stride is None else self._stride.footholds
 
     def forget(self) -> None:
-        """Leave the stride as it is."""
-        self._stride = None
+        """Leave the stride as it is, or its planning."""
+        self._stride = self._planning = None
         self._guidance.felt.forget()
+
+    def come_to_rest(self, state: RobotState) -> bool:
+        """Begin no stride; return whether one that was begun still moves the robot."""
+        self._planning = None
+        return super().come_to_rest(state)
 
     def begin(self, state: RobotState, done: Done) -> Command | Done:
         """Begin a stride, or what is tried in its place where strides lead nowhere."""
@@ -116,27 +125,49 @@ class UnevenWalk(Walk):
             return GO_ON
         if chosen.is_planned and self._route is None:
             self._route = self._new_route(options)
-        step, self._limit = chosen.step, ''
-        gait = guidance.gait_pair.order_of(step)
+        self._limit, self._begun, self._chosen = '', state, chosen
+        self._planning = self._over_footholds(state)
+        return self._plan_on(state, self._planning)
+
+    def _plan_on(self, state: RobotState, planning: Pieces[StrideGoal | None]) -> Command | Done:
+        """Do one more piece of planning footsteps; begin the stride once that is done."""
+        guidance = self._guidance
+        if guidance.is_to_halt:
+            self._planning = None
+            return Done(Activity.STANDING)
         try:
-            goal = self._over_footholds(state)
+            next(planning)
+        except StopIteration as end:
+            return self._begin_stride(state, end.value)
         except GaitError as error:
+            self._planning = None
             guidance.ways_out.end_footsteps()
             self._report.limit = str(error)
             guidance.give_up_or_try(Activity.STOPPED, str(error))
             return GO_ON
+        self._report.say(Activity.WALKING, 'planning footsteps')
+        return GO_ON
+
+    def _begin_stride(self, state: RobotState, goal: StrideGoal | None) -> Command:
+        """Begin a stride over footholds, or by the step that was chosen where none are needed."""
+        begun, chosen, guidance = self._begun, self._chosen, self._guidance
+        options = self._options.uneven
+        assert begun is not None
+        assert chosen is not None
+        assert options is not None
+        self._planning, step = None, chosen.step
+        gait, pose = guidance.gait_pair.order_of(step), begun.pose
         if goal is None:
-            motion = self._descent.shortened(step.motion, state.pose, self._height_map)
+            motion = self._descent.shortened(step.motion, pose, self._height_map)
             step = replace(step, motion=motion)
-            goal = StrideGoal.of(self._robot, gait, step.motion, state.pose)
+            goal = StrideGoal.of(self._robot, gait, step.motion, pose)
         else:
-            step = Step(step.is_turn, BodyMotion.reaching(state.pose.inverse() @ goal.place))
+            step = Step(step.is_turn, BodyMotion.reaching(pose.inverse() @ goal.place))
         self._goal = goal
         self._stride = UnevenStride(
             self._robot, gait.swing_height, goal, self._height_map, options, guidance.felt
         )
-        self._begun = state
-        guidance.note_begun(state, step, PlannedMotion(step.motion, goal.place))
+        guidance.note_begun(begun, step, PlannedMotion(step.motion, goal.place))
         self._report.limit = chosen.remark or self._report.limit
         return self._go_on(state, self._stride)
 
@@ -148,7 +179,7 @@ class UnevenWalk(Walk):
         feet = state.stance(state).feet
         return strain_over(robot, feet) > robot.relative_size * _STRAINED
 
-    def _over_footholds(self, state: RobotState) -> StrideGoal | None:
+    def _over_footholds(self, state: RobotState) -> Pieces[StrideGoal | None]:
         """Plan a stride over footholds, where ground or ways out ask for them; None elsewhere."""
         route, pose, ways = self._route, state.pose, self._guidance.ways_out
         options, heights = self._options.uneven, self._height_map
@@ -164,7 +195,7 @@ class UnevenWalk(Walk):
             return None
         route.use_map(None if heights is None else self._guidance.felt.moved(heights))
         targets = self._guidance.poses_ahead(pose, route.horizons)
-        goal = route.stride_ahead(stance, pose, targets, ways.is_stepping)
+        goal = yield from route.planning(stance, pose, targets, ways.is_stepping)
         if goal is None:
             ways.end_footsteps()
         return goal
@@ -190,7 +221,9 @@ class UnevenWalk(Walk):
         )
 
     def update(self, state: RobotState) -> Command | Done:
-        """Carry the stride on; be done when the robot is at rest."""
+        """Carry planning or the stride on; be done when the robot is at rest."""
+        if self._planning is not None:
+            return self._plan_on(state, self._planning)
         if self._stride is not None:
             return self._go_on(state, self._stride)
         return GO_ON if state.time < self._is_settled_at else Done(Activity.STANDING)

@@ -21,7 +21,8 @@ from quad_gait.footsteps.foothold_map import Foothold, FootholdMap
 from quad_gait.footsteps.footstep import Footstep, FootstepPlan
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_search import search
-from quad_gait.footsteps.search_values import Body, Goal, Lattice, make_tree
+from quad_gait.footsteps.pieces import Pieces, whole
+from quad_gait.footsteps.search_values import Body, Goal, Lattice, Tree, make_tree
 from quad_gait.footsteps.shin_check import ShinCheck
 from quad_gait.state.body_placement import body_over, heading_over
 
@@ -35,6 +36,9 @@ _TOLERANCE = 0.1
 
 _MOST_PLANS = 3
 """Number of plans that are made until there is one over which no shin touches the ground."""
+
+_PIECE = 100
+"""Number of stances from which steps are looked for at once."""
 
 _STRIDE = 3
 """Number of steps of a stride after its first one."""
@@ -95,6 +99,12 @@ class FootstepPlanner:
         FootstepsNotFound
             If the search finds none.
         """
+        return whole(self.planning(feet, target, ground, shift))
+
+    def planning(
+        self, feet: Array, target: Pose2D, ground: FootholdMap, shift: float = 0.0
+    ) -> Pieces[FootstepPlan]:
+        """Plan as :meth:`plan` does, in pieces that take milliseconds each."""
         task = _Task(feet, target, ground, shift)
         options = self._options
         most = [options.coarse_expansions] * (len(options.blocks) - 1) + [options.most_expansions]
@@ -104,7 +114,7 @@ class FootstepPlanner:
             try:
                 # Over small squares a search takes long: one will do where there is a plan already.
                 most_plans = 1 if plans else _MOST_PLANS
-                plans.append(self._freest(task, block, expansions, most_plans))
+                plans.append((yield from self._freest(task, block, expansions, most_plans)))
             except FootstepsNotFound as error:
                 problem = error
                 continue
@@ -125,7 +135,7 @@ class FootstepPlanner:
 
     def _freest(
         self, task: _Task, block: int, expansions: int, most_plans: int
-    ) -> tuple[int, FootstepPlan]:
+    ) -> Pieces[tuple[int, FootstepPlan]]:
         """Return the plan over which the fewest shins touch the ground, and how many do."""
         feet, target, ground, shift = task
         robot, aside = self._robot, self._robot.relative_size * self._options.aside
@@ -136,8 +146,9 @@ class FootstepPlanner:
         plans: list[tuple[int, FootstepPlan]] = []
         for _ in range(most_plans):
             lattice = ground.lattice(part, target.yaw, feet, shift, block, touching)
+            yield
             try:
-                planned = self.plan_over(lattice, target, expansions)
+                planned = yield from self._planning_over(lattice, target, expansions)
             except FootstepsNotFound:
                 if not plans:
                     raise
@@ -145,6 +156,7 @@ class FootstepPlanner:
             steps = planned.steps
             found = self.touching(feet, steps[: steps_walked(len(steps))], ground, shift)
             plans.append((len(found), planned))
+            yield
             if not found:
                 break
             touching += found
@@ -160,15 +172,23 @@ class FootstepPlanner:
         given. Where none have all the margin, some with less will do.
         """
         most = self._options.most_expansions if expansions is None else expansions
+        return whole(self._planning_over(lattice, target, most))
+
+    def _planning_over(
+        self, lattice: Lattice, target: Pose2D, most: int
+    ) -> Pieces[FootstepPlan]:
         try:
-            return self._planned(lattice, target, self._body, most)
+            return (yield from self._planned(lattice, target, self._body, most))
         except FootstepsNotFound:
             least = self._robot.relative_size * self._options.least_margin
             if least >= self._body.margin:
                 raise
-            return self._planned(lattice, target, self._body._replace(margin=least), most)
+            body = self._body._replace(margin=least)
+            return (yield from self._planned(lattice, target, body, most))
 
-    def _planned(self, lattice: Lattice, target: Pose2D, body: Body, most: int) -> FootstepPlan:
+    def _planned(
+        self, lattice: Lattice, target: Pose2D, body: Body, most: int
+    ) -> Pieces[FootstepPlan]:
         options, scale = self._options, self._robot.relative_size
         middle = lattice.places[-4:, :2].mean(axis=0)
         distance = math.hypot(*(middle - (target.x, target.y)))
@@ -186,12 +206,12 @@ class FootstepPlanner:
         end = -1
         while end < 0 and tree.state[2] < most:
             before = int(tree.state[2])
-            end = search(lattice, body, goal, tree, options.expansions)
+            end = yield from self._searched_on(lattice, body, goal, tree)
             if tree.state[2] == before:
                 break
         if end < 0:
             raise FootstepsNotFound(distance, int(tree.state[2]))
-        end = search(lattice, body, goal, tree, options.expansions)
+        end = yield from self._searched_on(lattice, body, goal, tree)
         steps: list[Footstep] = []
         node = end
         while tree.parents[node] >= 0:
@@ -200,10 +220,20 @@ class FootstepPlanner:
             at = lattice.places[cells]
             steps.append(Footstep(leg, at[leg], at))
             node = int(tree.parents[node])
-        is_best = bool(tree.state[1] == 0)
+        count = int(tree.state[2])
         return FootstepPlan(
-            tuple(reversed(steps)), float(tree.costs[end]), int(tree.state[2]), is_best
+            tuple(reversed(steps)), float(tree.costs[end]), count, tree.is_exhausted
         )
+
+    def _searched_on(self, lattice: Lattice, body: Body, goal: Goal, tree: Tree) -> Pieces[int]:
+        """Search on from as many stances as the options say; return as :func:`search` does."""
+        end = -1
+        for done in range(0, self._options.expansions, _PIECE):
+            end = search(lattice, body, goal, tree, min(_PIECE, self._options.expansions - done))
+            yield
+            if tree.is_exhausted:
+                break
+        return end
 
     @cached_property
     def _body(self) -> Body:

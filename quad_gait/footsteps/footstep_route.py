@@ -19,6 +19,7 @@ from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep import Footstep
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import FootstepPlanner, pose_over
+from quad_gait.footsteps.pieces import Pieces, whole
 from quad_gait.state.body_placement import strain_over
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
@@ -64,6 +65,7 @@ class FootstepRoute:
         """
         self._planner = FootstepPlanner(robot, options)
         self._map: FootholdMap | None = None
+        self._planned_over: FootholdMap | None = None
         self._steps: tuple[Footstep, ...] = ()
         self._length = 0
         self._feet: Array | None = None
@@ -112,8 +114,14 @@ class FootstepRoute:
     def stride_ahead(
         self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D], is_asked: bool = False
     ) -> StrideGoal | None:
+        """Return what :meth:`planning` does, with all of its work done at once."""
+        return whole(self.planning(now, pose, targets, is_asked))
+
+    def planning(
+        self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D], is_asked: bool = False
+    ) -> Pieces[StrideGoal | None]:
         """
-        Return the next stride over footholds, where the ground asks for them.
+        Find the next stride over footholds, where the ground asks for them, in pieces.
 
         Parameters
         ----------
@@ -145,7 +153,7 @@ class FootstepRoute:
         problem: FootstepsNotFound | None = None
         for target in targets:
             try:
-                return self.next_stride(now, target)
+                return (yield from self._next_stride(now, target))
             except FootstepsNotFound as error:
                 problem = problem or error
         assert problem is not None
@@ -195,29 +203,10 @@ class FootstepRoute:
                 return True
         return False
 
-    def next_stride(self, now: Stance, target: Pose2D) -> StrideGoal | None:
-        """
-        Return the next stride over footholds.
-
-        Parameters
-        ----------
-        now : Stance
-            The robot as it stands.
-        target : Pose2D
-            Where the body is to be, some strides ahead.
-
-        Returns
-        -------
-        StrideGoal or None
-            Each leg swings once at most; None where the body is there.
-
-        Raises
-        ------
-        FootstepsNotFound
-            If there are none.
-        """
+    def _next_stride(self, now: Stance, target: Pose2D) -> Pieces[StrideGoal | None]:
+        """Find the next stride: each leg swings once at most; None where the body is there."""
         if not self._holds(now, target):
-            self._plan(now, target)
+            yield from self._plan(now, target)
         steps: list[Footstep] = []
         for step in self._steps:
             if any(step.leg == other.leg for other in steps):
@@ -236,6 +225,9 @@ class FootstepRoute:
         """Tell whether the feet are where they were to be, and what is planned leads far enough."""
         if self._feet is None or self._target is None or not self._steps:
             return False
+        if self._planned_over is not self._map:
+            # Another map was taken while these steps were planned.
+            return False
         off = np.hypot(*(now.feet - self._feet)[:, :2].T).max()
         if off > self._robot.relative_size * self._options.off_plan:
             return False
@@ -247,11 +239,12 @@ class FootstepRoute:
         ground, shift = self._ground_under(now)
         return not self._planner.touching(now.feet, self._steps, ground, shift)
 
-    def _plan(self, now: Stance, target: Pose2D) -> None:
+    def _plan(self, now: Stance, target: Pose2D) -> Pieces[None]:
         ground, shift = self._ground_under(now)
         pose = pose_over(self._robot, now.feet)
-        planned = self._planner.plan(now.feet, _within_turn(pose, target), ground, shift)
-        self._steps, self._length = planned.steps, len(planned.steps)
+        within = _within_turn(pose, target)
+        planned = yield from self._planner.planning(now.feet, within, ground, shift)
+        self._steps, self._length, self._planned_over = planned.steps, len(planned.steps), ground
         self._feet, self._target = now.feet, target
 
     def _ground_under(self, now: Stance) -> tuple[FootholdMap, float]:

@@ -110,6 +110,11 @@ class Tree(NamedTuple):
     triangle: Array
     """Room for the center of mass, shape (3, 2) [m]."""
 
+    @property
+    def is_exhausted(self) -> bool:
+        """Whether nothing is left to be expanded."""
+        return bool(self.state[1] == 0)
+
 
 def make_tree(nodes: int, feet: int) -> Tree:
     """Make an empty tree for so many nodes whose first one stands on the cells from `feet` on."""

@@ -338,10 +338,10 @@ def test_a_route_that_was_prepared_gives_the_same_strides():
 def test_half_a_plan_is_walked_before_its_second_half_is_looked_at(monkeypatch, touches):
     heights = stones()
     route, feet = route_over(heights), standing_feet(TITAN, heights)
-    plan, plans, looked_at = FootstepPlanner.plan, [], []
+    planning, plans, looked_at = FootstepPlanner.planning, [], []
 
     def planned(*request):
-        plans.append(plan(*request))
+        plans.append((yield from planning(*request)))
         return plans[-1]
 
     def touching(planner, feet, steps, ground, shift):
@@ -350,7 +350,7 @@ def test_half_a_plan_is_walked_before_its_second_half_is_looked_at(monkeypatch, 
         looked_at.append(is_rest)
         return [(0, *steps[0].foothold[:2])] if touches and is_rest else []
 
-    monkeypatch.setattr(FootstepPlanner, 'plan', planned)
+    monkeypatch.setattr(FootstepPlanner, 'planning', planned)
     monkeypatch.setattr(FootstepPlanner, 'touching', touching)
     walked = 0
     while not plans or (walked < len(plans[0].steps) and len(plans) == 1):
