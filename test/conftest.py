@@ -8,6 +8,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
+from sweeps import leave_out
 
 # Where tests run under nohup, or as a service, hangups are ignored, and whatever they start would
 # ignore them as well: what a process does when its terminal closes could not be tested.
@@ -23,8 +24,18 @@ _FOLDERS = (
 )  # fmt: skip
 
 
-def pytest_collection_modifyitems(items):
-    """Put folders into an order; within each nothing changes."""
+def pytest_addoption(parser):
+    """Let all cases of sweeps be asked for."""
+    parser.addoption('--sweeps', action='store_true', help='run the tests of sweeps in all cases')
+
+
+# Last: of the cases that are left by -k and -m.
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config, items):
+    """Leave most cases of sweeps out, unless asked for; put folders into an order."""
+    if not config.getoption('--sweeps'):
+        items[:], left_out = leave_out(items)
+        config.hook.pytest_deselected(items=left_out)
     here = Path(__file__).parent
 
     def place(item):

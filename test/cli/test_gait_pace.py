@@ -42,6 +42,7 @@ def cycles_walked(robot, gait, start, plan):
     return cycles
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('robot', available_robots())
 @pytest.mark.parametrize('gait', PACED)
 def test_a_plan_is_walked_in_as_many_cycles_as_its_pace_says(robot, gait):

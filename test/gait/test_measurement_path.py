@@ -16,6 +16,7 @@ CASES = [(scene, 'crawl') for scene in SCENES]
 CASES += [(scene, 'trot') for scene in SCENES if SCENES[scene].uneven is None]
 
 
+@pytest.mark.sweep(kept=8)
 @pytest.mark.parametrize(('scene', 'gait'), CASES, ids=lambda case: getattr(case, '__name__', case))
 def test_a_decision_enters_each_file_at_most_twice(scene, gait):
     walk, seen, found = Traced(SCENES[scene], gait), set(), {}

@@ -94,6 +94,7 @@ def test_a_cylinder_in_the_simulator_is_no_thicker_than_the_data_say():
         simulator.close()
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ('robot', 'gait', 'turning', 'corners'),

@@ -115,6 +115,7 @@ def test_a_package_holds_a_robot(cache, tmp_path, monkeypatch):
     assert user_path('package://my_robot/gaits/mine.yaml') == gait
 
 
+@pytest.mark.sweep(kept=3)
 @needs_descriptions
 @pytest.mark.parametrize('name', KNOWN_ROBOTS)
 def test_known_robots_stand_within_their_limits(name, cache):

@@ -89,6 +89,7 @@ def test_a_mirrored_posture_has_mirrored_clearances(robot):
     assert back[:, partner] == pytest.approx(there, abs=1e-9)
 
 
+@pytest.mark.sweep(kept=5)
 @each_robot
 @pytest.mark.parametrize('spread', [0.1, 0.3, 0.6, 1.0])
 def test_what_is_found_quickly_is_what_is_measured(robot, spread):

@@ -45,6 +45,7 @@ def with_points(message, points):
     return message
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('resolution', [0.02, 0.05, 1.0 / 3.0, 2.0])
 @pytest.mark.parametrize(('rows', 'columns'), [(2, 3), (5, 8), (400, 300)])
 def test_a_height_map_comes_through_a_message_unharmed(rows, columns, resolution):

@@ -36,6 +36,7 @@ def near_nominal(count, spread=0.25, seed=3):
     return NOMINAL + rng.uniform(-spread, spread, (count, 3))
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('name', ['genibo', 'pukyong', 'cuhk', 'titan_viii'])
 def test_it_is_the_closed_form_where_there_is_one(name):
     robot = load_robot(name)

@@ -63,6 +63,7 @@ def matched_after(match, heights, drift, wobble=0.003):
     return math.hypot(odometry.x + x - true.x, odometry.y + y - true.y), true.x
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('drift', [(0.05, 0.0), (-0.05, 0.0), (0.0, 0.04), (0.04, -0.04)])
 def test_feet_tell_where_on_the_map_a_robot_is_that_drifts(drift):
     error, distance = matched_after(GroundMatch(hills(), ROBOT), hills(), drift)
@@ -135,6 +136,7 @@ def is_sure_while_trotting(match, heights, time=math.inf, other=None):
         yield now, match.is_sure
 
 
+@pytest.mark.sweep(kept=3)
 @pytest.mark.parametrize('seed', range(8))
 def test_a_map_that_the_feet_contradict_is_not_believed_from_the_first(seed):
     level = hills(height=0.0)
@@ -142,6 +144,7 @@ def test_a_map_that_the_feet_contradict_is_not_believed_from_the_first(seed):
     assert not any(sure for _, sure in is_sure_while_trotting(match, level))
 
 
+@pytest.mark.sweep(kept=3)
 @pytest.mark.parametrize('seed', range(8))
 def test_a_map_that_takes_the_place_of_a_right_one_is_held_against_the_last_footholds(seed):
     level = hills(height=0.0)

@@ -87,6 +87,7 @@ def is_at(walk, activity):
     return lambda: walk.controller.activity is activity
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 @pytest.mark.parametrize(
     'jump',

@@ -693,6 +693,7 @@ def test_a_plan_ends_the_steering():
     assert controller.cycle.motion.forward > 0.0
 
 
+@pytest.mark.sweep(kept=3)
 @pytest.mark.parametrize('wanted', [Twist2D(1.0, 0.5, 0.3), Twist2D(0.0, -1.0), Twist2D(turn=-3.0)])
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 def test_a_limit_that_bites_is_reported_and_keeps_the_direction(gait, wanted):
@@ -716,6 +717,7 @@ def test_a_limit_that_bites_is_reported_and_keeps_the_direction(gait, wanted):
     assert controller.limit == ''
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 def test_holding_its_course_takes_back_what_the_robot_drifts(gait):
     ends = []
@@ -735,6 +737,7 @@ def test_holding_its_course_takes_back_what_the_robot_drifts(gait):
 # Changing gaits
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('robot', ROBOTS)
 def test_gaits_change_at_rest_and_without_a_jump(robot):
     walk = steady_walk(robot, 'crawl', twist_timeout=math.inf, time_step=0.02)
@@ -806,6 +809,7 @@ def test_sitting_and_standing_again():
     walk.run(lambda: sits(walk), 6.0)
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 @pytest.mark.parametrize('wish', ['stop', 'stand', 'sit', 'no plan'])
 def test_in_mid_walk_the_robot_stops_on_four_feet_first(gait, wish):
@@ -873,6 +877,7 @@ def test_while_it_comes_to_rest_the_robot_does_not_say_that_it_stands_and_walks(
 # Plans with a corner
 
 
+@pytest.mark.sweep(kept=5)
 @pytest.mark.parametrize('turning', ['in_place', 'crab', 'arc'])
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 @pytest.mark.parametrize('robot', ['titan_viii', 'genibo'])
@@ -891,6 +896,7 @@ def test_every_gait_arrives_behind_a_corner_in_every_way_of_turning(robot, gait,
 # What goes wrong on the way
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('gait', ['crawl', 'wave'])
 def test_by_backstepping_a_plan_is_walked_as_by_closed_form(gait):
     plan = Plan.through([[0.0, 0.0], [0.3, 0.0], [0.3, 0.2]], math.pi / 2)
@@ -926,6 +932,7 @@ def test_a_steady_gait_without_effect_is_noticed(gait, is_steered):
     assert walk.controller.activity is Activity.BLOCKED
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 def test_a_robot_that_goes_five_percent_short_is_asked_for_as_much_more(gait):
     limits = MotionLimits(ROBOT, load_gait(gait, ROBOT), 0.005)

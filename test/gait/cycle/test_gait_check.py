@@ -47,6 +47,7 @@ def check_each_direction_is_told_of(report):
         assert '\n' not in problem
 
 
+@pytest.mark.sweep(kept=6)
 @each_robot
 @each_gait
 def test_nothing_is_wrong_with_the_gaits_that_ship(robot, gait):

@@ -351,6 +351,7 @@ def shipped(name, gait_name, direction, fraction=0.7):
     return robot, limits.gait_for(motion), motion
 
 
+@pytest.mark.sweep(kept=16)
 @pytest.mark.parametrize('gait_name', available_gaits())
 @pytest.mark.parametrize('name', ROBOTS)
 @pytest.mark.parametrize(
@@ -367,6 +368,7 @@ def test_equal_cycles_join_in_joint_positions_and_velocities(name, gait_name, di
         assert np.abs(cycle.joint_velocities[0]).max() > 0.05
 
 
+@pytest.mark.sweep(kept=5)
 @pytest.mark.parametrize('gait_name', ['wave', 'trot'])
 @pytest.mark.parametrize('name', ROBOTS)
 @pytest.mark.parametrize('direction', [BodyMotion(1.0), BodyMotion(0.5, 0.2, 1.0)])

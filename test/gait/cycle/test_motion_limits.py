@@ -52,6 +52,7 @@ def check(limits, robot, motion):
         generate_cycle(robot, gait, half, CycleEnds(exit=speed), CycleOptions(least_margin=margin))
 
 
+@pytest.mark.sweep(kept=20)
 @each_robot
 @each_gait
 @each_direction
@@ -96,6 +97,7 @@ def test_backward_is_as_far_as_forward(robot, gait):
     assert backward == pytest.approx(forward, rel=0.02)
 
 
+@pytest.mark.sweep(kept=6)
 @each_robot
 @each_gait
 def test_left_is_as_far_as_right(robot, gait):
@@ -149,6 +151,7 @@ def test_a_trot_keeps_its_pairs():
         assert limits.gait_for(direction) == limits.gait
 
 
+@pytest.mark.sweep(kept=6)
 @each_robot
 @each_gait
 def test_a_limited_velocity_keeps_its_direction_and_works(robot, gait):

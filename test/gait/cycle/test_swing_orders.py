@@ -56,6 +56,7 @@ def margin_alone(robot, order, motion, period):
         return -math.inf
 
 
+@pytest.mark.sweep(kept=5)
 @each_robot
 @each_gait
 def test_all_orders_at_once_have_the_margins_that_each_has_alone(robot, gait, rng):
@@ -72,6 +73,7 @@ def test_all_orders_at_once_have_the_margins_that_each_has_alone(robot, gait, rn
             assert one == -math.inf or one == pytest.approx(other, abs=1e-9)
 
 
+@pytest.mark.sweep(kept=5)
 @each_robot
 @each_gait
 def test_no_other_order_is_much_steadier_than_the_one_that_is_taken(robot, gait, rng):

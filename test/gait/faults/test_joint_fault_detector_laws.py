@@ -126,6 +126,7 @@ def test_a_sound_robot_on_a_quiet_machine_is_sound_and_follows(seed, stamped):
     assert robot.watch.unfollowed < 0.2
 
 
+@pytest.mark.sweep(kept=8)
 @pytest.mark.parametrize('seed', range(8))
 @pytest.mark.parametrize('stamped', [True, False])
 @pytest.mark.parametrize('lost', [0.0, 0.3])
@@ -134,6 +135,7 @@ def test_trajectories_that_come_late_or_never_are_no_faults(seed, stamped, lost)
     assert robot.walk(12.0) is None
 
 
+@pytest.mark.sweep(kept=8)
 @pytest.mark.parametrize('seed', range(6))
 @pytest.mark.parametrize('stamped', [True, False])
 @pytest.mark.parametrize('lateness', [0.0, 0.5])
@@ -275,6 +277,7 @@ def test_joints_that_follow_again_are_followed_again():
     assert robot.watch.unfollowed == 0.0
 
 
+@pytest.mark.sweep(kept=12)
 @pytest.mark.parametrize('seed', range(12))
 @pytest.mark.parametrize('has_torque', [True, False])
 @pytest.mark.parametrize('stamp', [0.5, 0.0])

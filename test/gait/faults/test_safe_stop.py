@@ -69,6 +69,7 @@ def lame_walk():
         walk.walk.close()
 
 
+@pytest.mark.sweep(kept=3)
 @pytest.mark.parametrize(
     ('joint', 'kind', 'time', 'feet', 'uneven'),
     [
@@ -96,6 +97,7 @@ def test_a_robot_whose_joint_fails_does_not_fall_stands_still_and_says_why(
     assert walk.largest_tilt < math.radians(25.0)
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize(
     ('joint', 'kind', 'time'),
     [
@@ -120,6 +122,7 @@ def test_a_trotting_robot_stands_still_within_two_strides(joint, kind, time):
     assert outcome.still <= 2.0 * outcome.period
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize(
     ('joint', 'kind', 'time'),
     [

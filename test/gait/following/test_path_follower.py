@@ -384,6 +384,7 @@ def pieces_of(plan, options):
     return straight_pieces(plan, options.turn_threshold)
 
 
+@pytest.mark.sweep(kept=5)
 @each_way
 @each_gear
 def test_a_perfect_robot_stays_on_its_path_and_arrives_in_every_way(turning, gear):
@@ -399,6 +400,7 @@ def test_a_perfect_robot_stays_on_its_path_and_arrives_in_every_way(turning, gea
             assert min(piece.distance_to(pose) for piece in pieces) < 0.01
 
 
+@pytest.mark.sweep(kept=5)
 @each_way
 @each_gear
 def test_a_robot_that_slips_arrives_in_every_way(turning, gear):
@@ -414,6 +416,7 @@ def test_a_robot_that_slips_arrives_in_every_way(turning, gear):
             assert min(piece.distance_to(pose) for piece in pieces) < 0.08
 
 
+@pytest.mark.sweep(kept=5)
 @each_way
 @each_gear
 def test_in_no_way_a_cycle_asks_for_more_than_the_gait_can_do(turning, gear):

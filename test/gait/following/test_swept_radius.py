@@ -32,6 +32,7 @@ def test_a_robot_that_steps_on_the_spot_without_sway_needs_what_its_parts_take_u
     assert swept_radius(robot, cycle) == pytest.approx(max(*of_points, corner), abs=1e-9)
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('name', available_robots())
 @pytest.mark.parametrize('gait', ['crawl', 'wave', 'trot'])
 def test_turns_of_any_size_stay_within_the_sweep_that_the_planner_knows(name, gait):

@@ -118,6 +118,7 @@ def test_where_a_leg_reaches_out_the_body_may_be_lower():
 # Plans
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize(('robot', 'seed'), [(TITAN, 1), (TITAN, 2), (GENIBO, 3)])
 def test_each_step_is_balanced_in_reach_and_on_even_ground(robot, seed):
     scale = robot.relative_size
@@ -208,6 +209,7 @@ def test_where_the_body_is_already_no_step_is_planned():
     assert FootstepPlanner(TITAN, OPTIONS).plan(feet, Pose2D(0.01, 0.0, 0.0), ground).steps == ()
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('seed', range(6))
 def test_no_other_path_costs_less(seed):
     # Few cells, so that every stance can be looked at.

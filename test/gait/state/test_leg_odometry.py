@@ -138,6 +138,7 @@ def test_on_balls_it_is_as_exact_as_their_rolling_is_planned(motion, senses):
     assert worst[2] < 1e-3
 
 
+@pytest.mark.sweep(kept=8)
 @each_motion
 @each_sense
 @pytest.mark.parametrize('robot_on', ['points', 'balls'])

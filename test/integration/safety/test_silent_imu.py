@@ -21,6 +21,7 @@ AHEAD = Twist()
 AHEAD.linear.x = 0.03
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('twist', [None, AHEAD], ids=['standing', 'walking'])
 @pytest.mark.parametrize('ground', ['flat', 'uneven'])
 def test_a_silent_imu_is_said_while_odometry_takes_its_place(make_node, ground, twist):

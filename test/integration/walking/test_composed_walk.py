@@ -30,6 +30,7 @@ def of_the_walk(output):
     return {key: value for key, value in json.loads(output).items() if key not in OF_THE_CLOCK}
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('backend', ['kinematic', 'mujoco'])
 @pytest.mark.usefixtures('domain')
 def test_a_composed_walk_arrives_and_repeats_bit_for_bit(tmp_path, capfd, backend):

@@ -57,6 +57,7 @@ def test_a_robot_with_slow_joints_survives_pushes_from_its_sides():
         assert survivors(BalanceCase('genibo'), 0.8, directions=4, phases=2) >= 0.75
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize(
     ('name', 'ground', 'seed'),
     [('cuhk', 'up', 1), ('cuhk', 'across', 1), ('genibo', 'up', 0), ('genibo', 'up', 2)],

@@ -62,6 +62,7 @@ def test_a_robot_stands_alike_on_uneven_ground(name, ground):
         *((name, 'trot', 0.04, 3) for name in ROBOTS),
     ],
 )
+@pytest.mark.sweep(kept=3)
 def test_open_loop_cycles_go_as_far(name, gait_name, fraction, cycles):
     robot = load_robot(name)
     gait = load_gait(gait_name, robot)

@@ -77,6 +77,7 @@ def test_closed_form_and_iteration_agree():
     assert compare_kinematics(load_robot('genibo'), seed=2).difference < 1e-6
 
 
+@pytest.mark.sweep(kept=1)
 @needs_descriptions
 @pytest.mark.parametrize(
     ('robot', 'backend'),
@@ -113,6 +114,7 @@ def serial_robot(request, tmp_path_factory):
     return write_serial_robot(request.param, tmp_path_factory.mktemp('robots'))
 
 
+@pytest.mark.sweep(kept=1)
 def test_engines_agree_with_legs_of_any_axes(serial_robot):
     description = serial_robot.with_suffix('.urdf')
     checks = check_description(serial_robot.stem, description, ImportOptions(), seed=1)

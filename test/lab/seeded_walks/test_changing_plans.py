@@ -10,6 +10,7 @@ from quad_sim.engines.registry import ENGINES, engines_with
 BACKENDS = engines_with('has_world')
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize(
     ('seed', 'backend'),
     [(13, BACKENDS[0]), (13, BACKENDS[-1]), (17, BACKENDS[0]), (20, BACKENDS[-1])],

@@ -15,6 +15,7 @@ from quad_lab.closed_loop.controllers import measuring_controller
 from quad_sim.engines.registry import ENGINES, engines_with
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('backend', engines_with('has_world'))
 @pytest.mark.parametrize('length', [2.8, 2.82, 2.84])
 def test_an_imported_robot_stays_level_when_it_stops_from_its_largest_speed(backend, length):

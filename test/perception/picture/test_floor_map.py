@@ -69,6 +69,7 @@ def perceivers():
     return {name: Perceiver(camera, bounds=BOUNDS) for name, camera in CAMERAS.items()}
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('seed', range(3))
 @pytest.mark.parametrize('name', CAMERAS)
 def test_obstacles_are_found_where_they_stand(perceivers, name, seed):
@@ -142,6 +143,7 @@ def test_tops_that_touch_are_brought_back_each_by_its_height(perceivers, heights
         assert seen.map.occupied()[truth(seen.map, [one])].mean() > 0.85
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('seed', range(3))
 def test_in_a_crowd_none_is_missed_and_none_taken_for_floor(perceivers, seed):
     rng = np.random.default_rng(seed)

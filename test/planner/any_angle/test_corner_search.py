@@ -32,6 +32,7 @@ def cycles_of(path, start_yaw, goal_yaw, pace):
     return pace.cycles(Pose2D(*points[0], start_yaw), Plan.through(points, goal_yaw))
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('seed', range(3))
 def test_no_path_takes_fewer_cycles(seed):
     for request in random_requests(seed, 20):

@@ -80,6 +80,7 @@ def test_numbers_that_are_not_valid_are_refused(make):
         make()
 
 
+@pytest.mark.sweep(kept=3)
 @pytest.mark.parametrize(
     ('method', 'options'),
     [

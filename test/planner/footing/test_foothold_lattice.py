@@ -42,6 +42,7 @@ def nearest_of(fit, offsets):
     return nearest
 
 
+@pytest.mark.sweep(kept=5)
 @pytest.mark.parametrize('name', TERRAINS)
 @pytest.mark.parametrize(
     ('robot_name', 'resolution', 'seed'),

@@ -51,6 +51,7 @@ def lowest_clearance(plan, bottom, top, left, right):
     return float(np.hypot(x, y).min())
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('footprint', ['circle', 'outline'])
 @pytest.mark.parametrize('method', ['mesh', 'shortest'])
 def test_a_plan_leads_around_ground_without_footholds(method, footprint):

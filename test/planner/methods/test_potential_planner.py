@@ -71,6 +71,7 @@ def sampled_clearance(prepared, plan, skip=0):
     return least
 
 
+@pytest.mark.sweep(kept=8)
 @EACH
 @pytest.mark.parametrize('seed', range(12))
 def test_every_segment_keeps_the_clearance(seed, potential):

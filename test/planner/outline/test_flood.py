@@ -18,6 +18,7 @@ CELL = 0.05
 MOVES = moves_from(0.5, 0.5)
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('is_forward', [False, True])
 @pytest.mark.parametrize('robot', ['a1', 'titan_viii'])
 def test_it_meets_the_other_end_where_brute_force_finds_a_path(robot, is_forward):

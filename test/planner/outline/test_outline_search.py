@@ -46,6 +46,7 @@ def searched(prepared, ends, detail):
     return search.path() is not None, search.expansions
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('detail', DETAILS, ids=['eighths', 'all'])
 def test_corrections_lose_no_path_and_save_expansions(requests, detail, monkeypatch):
     prepared, ends = requests

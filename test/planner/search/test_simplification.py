@@ -65,6 +65,7 @@ def test_no_choice_of_corners_is_smaller(seed):
     assert corners == pytest.approx(brute_force(points, deviation, forbidden))
 
 
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize('seed', range(5))
 def test_long_paths_stay_near_and_clear(seed):
     rng = np.random.default_rng(seed)

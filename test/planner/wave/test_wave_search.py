@@ -28,6 +28,7 @@ def cycles_of(cells, start_yaw, goal_yaw, pace):
     return total + pace.last_turn_cycles(goal_yaw - heading)
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('seed', range(10))
 def test_no_path_takes_fewer_cycles(seed):
     for request in random_requests(seed, 30):

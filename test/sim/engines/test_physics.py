@@ -308,6 +308,7 @@ def test_an_obstacle_stops_a_leg_and_is_told(make):
     assert (ends['free'][1], ends['blocked'][1]) == (set(), {'obstacle'})
 
 
+@pytest.mark.sweep(kept=3)
 @pytest.mark.parametrize(
     ('name', 'motion'),
     [
@@ -337,6 +338,7 @@ def test_a_turn_to_the_right_mirrors_a_turn_to_the_left(make):
     assert turns[0] == pytest.approx(turns[1], abs=0.02)
 
 
+@pytest.mark.sweep(kept=1)
 def test_a_short_walk_round_a_corner_arrives(make):
     plan = Plan.through([[0.0, 0.0], [0.5, 0.0], [0.5, 0.4]], math.pi / 2)
     simulation = Simulation(make(), ROBOT, ORIGIN)

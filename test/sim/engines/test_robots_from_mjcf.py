@@ -39,6 +39,7 @@ def engine(request):
     return request.param
 
 
+@pytest.mark.sweep(kept=2)
 def test_it_stands_level_on_four_feet_that_bear_its_weight(robot, engine):
     simulator = make_simulator(engine, robot, None)
     try:
@@ -65,6 +66,7 @@ def test_it_stands_level_on_four_feet_that_bear_its_weight(robot, engine):
 @pytest.mark.parametrize(
     ('robot', 'engine'), list(zip(STYLES, ENGINES * len(STYLES))), indirect=True
 )
+@pytest.mark.sweep(kept=1)
 def test_it_crawls_forward_as_far_as_it_is_asked_to(robot, engine):
     gait = load_gait('crawl', robot)
     controller = measuring_controller(robot, gait, least_margin=0.005)

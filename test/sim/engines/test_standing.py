@@ -72,6 +72,7 @@ def foot_of(simulator, robot, leg):
     return seen.position + matrix_from_quaternion(seen.orientation) @ feet[leg]
 
 
+@pytest.mark.sweep(kept=6)
 @pytest.mark.parametrize('name', available_robots())
 @pytest.mark.parametrize(('slope', 'yaw'), [(0.0, 0.5), (SLOPE, 0.0), (SLOPE, 2.0)])
 def test_a_standing_robot_does_not_creep(make, name, slope, yaw):

@@ -58,6 +58,7 @@ def test_obstacles_lie_in_the_room_and_keep_their_distance(count):
             assert apart(a, b) >= room.gap - 1e-9
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('seed', range(12))
 def test_a_disc_as_large_as_the_robot_finds_a_way_from_start_to_goal(seed):
     room = random_room(seed, 12 if seed % 2 else None)

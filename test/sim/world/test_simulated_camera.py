@@ -79,6 +79,7 @@ def blobs(image, color):
     return centers[1:] + 0.5, stats[1:, cv2.CC_STAT_AREA]
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize('name', MODELS)
 def test_things_are_seen_where_the_model_projects_them(make, name):
     model = MODELS[name]

@@ -79,6 +79,7 @@ def near_an_edge(blocks, points, distance):
     return near
 
 
+@pytest.mark.sweep(kept=5)
 @pytest.mark.parametrize('text', [*KINDS, *SUMS])
 def test_the_ground_that_is_simulated_is_that_of_the_terrain_and_of_its_map(make, text):
     world = world_of(text)
@@ -281,6 +282,7 @@ def gap_below(world, foot, radius):
     return float(np.min(foot[2] - below - world.ground_at(around_it)))
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize(
     ('text', 'place'),
     [

@@ -200,6 +200,7 @@ def test_an_attack_counts_its_cases():
     assert told == [('points', 1, 2), ('points', 2, 2), ('colors', 1, 2), ('colors', 2, 2)]
 
 
+@pytest.mark.sweep(kept=8)
 @pytest.mark.parametrize('words', COMMANDS, ids=' '.join)
 def test_the_command_lines_that_are_changed_reach_their_work(folder, words, capsys):
     cases.write_all(folder)
@@ -207,6 +208,7 @@ def test_the_command_lines_that_are_changed_reach_their_work(folder, words, caps
         assert run_in_process(CommandLine(words, must_fail=False)) == ''
 
 
+@pytest.mark.sweep(kept=9)
 @pytest.mark.parametrize(
     'words',
     [

@@ -11,6 +11,7 @@ pytest.importorskip('pybullet')
 from quad_lab.attacks.walks.pauses import FLAT, QUICK_CASES, all_cases, walk_with_pauses
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('case', QUICK_CASES, ids=lambda case: case.ground)
 def test_a_robot_that_feels_for_the_ground_stays_upright(case):
     outcome = walk_with_pauses(case)
