@@ -129,12 +129,9 @@ class UnevenWalk(Walk):
         self._planning = self._over_footholds(state)
         return self._plan_on(state, self._planning)
 
-    def _plan_on(self, state: RobotState, planning: Pieces[StrideGoal | None]) -> Command | Done:
+    def _plan_on(self, state: RobotState, planning: Pieces[StrideGoal | None]) -> Command:
         """Do one more piece of planning footsteps; begin the stride once that is done."""
         guidance = self._guidance
-        if guidance.is_to_halt:
-            self._planning = None
-            return Done(Activity.STANDING)
         try:
             next(planning)
         except StopIteration as end:
@@ -222,6 +219,9 @@ class UnevenWalk(Walk):
 
     def update(self, state: RobotState) -> Command | Done:
         """Carry planning or the stride on; be done when the robot is at rest."""
+        if self._planning is not None and self._guidance.is_to_halt:
+            self._planning = None
+            return Done(Activity.STANDING)
         if self._planning is not None:
             return self._plan_on(state, self._planning)
         if self._stride is not None:

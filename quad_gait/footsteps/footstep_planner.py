@@ -174,9 +174,7 @@ class FootstepPlanner:
         most = self._options.most_expansions if expansions is None else expansions
         return whole(self._planning_over(lattice, target, most))
 
-    def _planning_over(
-        self, lattice: Lattice, target: Pose2D, most: int
-    ) -> Pieces[FootstepPlan]:
+    def _planning_over(self, lattice: Lattice, target: Pose2D, most: int) -> Pieces[FootstepPlan]:
         try:
             return (yield from self._planned(lattice, target, self._body, most))
         except FootstepsNotFound:

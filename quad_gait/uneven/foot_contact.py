@@ -4,6 +4,8 @@ Which feet bear load, and where one met the ground.
 
 from __future__ import annotations
 
+import numpy as np
+
 from quad_common.robot.leg_moments import GRAVITY
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
@@ -36,6 +38,12 @@ def unloaded_legs(robot: Robot, now: Stance, options: UnevenOptions) -> list[int
         return []
     little = _LITTLE * options.contact_fraction * robot.mass * GRAVITY
     return [leg for leg in range(len(LEGS)) if now.loads[leg] < little]
+
+
+def may_stand(robot: Robot, met: Stance, leg: int) -> bool:
+    """Tell whether a foot can stand on what it has met: on what is higher than a step it cannot."""
+    others = np.delete(met.feet[:, 2], leg)
+    return float(met.feet[leg, 2] - others.max()) <= robot.step_height + robot.roughness
 
 
 def as_touched(
@@ -104,31 +112,3 @@ class Touch:
             if fraction <= _SURE * least:
                 return True, None
         return True, as_touched(self._robot, leg, self._before, self._first, now)
-
-
-class LoweredFeet:
-    """
-    Tells which of the feet that are lowered have met the ground.
-
-    Parameters
-    ----------
-    robot : Robot
-        The robot.
-    options : UnevenOptions
-        How it walks.
-    """
-
-    def __init__(self, robot: Robot, options: UnevenOptions) -> None:
-        self._robot, self._options = robot, options
-        self._bearing: set[int] = set()
-
-    def begin(self) -> None:
-        """Begin to lower others."""
-        self._bearing = set()
-
-    def found(self, now: Stance, legs: list[int], is_quick: bool) -> set[int]:
-        """Return those of the legs that bear load; where they are lowered quickly, once sure."""
-        before = self._bearing
-        self._bearing = set(legs) & set(loaded_legs(self._robot, now, self._options))
-        # A leg that is set in motion quickly seems to bear load for a measurement.
-        return self._bearing & before if is_quick else self._bearing

@@ -250,6 +250,11 @@ class MotionOutput:
             return None
         return self.motion.extended(time, self._reaction, samples)
 
+    def go_on(self, time: float, samples: int) -> JointTrajectory | None:
+        """Give out more samples of the motion, if there are any to be given out yet."""
+        more = self.more(time, samples)
+        return None if more is None else self.give(more)
+
 
 def braking_time(displacement: Array, velocity: Array, fastest: Array) -> float:
     """

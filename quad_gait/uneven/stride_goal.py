@@ -9,19 +9,24 @@ upright.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import GaitError
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.cycle.gait import Gait
+from quad_gait.uneven.candidates import first_possible
 
 Array = NDArray[np.float64]
+Planned = TypeVar('Planned')
 
 _SHORTER = 0.5
 """Fraction of a stride that is walked down steps."""
@@ -90,6 +95,39 @@ class LegOrder:
     def has_begun(self) -> bool:
         """Whether a leg has swung."""
         return self._next > 0
+
+    def choose(
+        self, plan: Callable[[int], Planned], is_fixed: bool
+    ) -> tuple[Planned, GaitError | None]:
+        """
+        Plan for the leg that is next, or for one after it, which is next then.
+
+        Parameters
+        ----------
+        plan : callable
+            Plans for a leg, or raises GaitError.
+        is_fixed : bool
+            Whether no other leg may be next.
+
+        Returns
+        -------
+        planned
+            What was planned.
+        problem : GaitError or None
+            What was wrong with the leg that was next before.
+
+        Raises
+        ------
+        GaitError
+            The same, if there is no other.
+        """
+        legs = [self.leg] if is_fixed or self.hangs else self.ahead
+        (leg, planned), problem = first_possible(
+            lambda leg: (leg, plan(leg)), [(leg,) for leg in legs]
+        )
+        if problem is not None:
+            self.bring_forward([leg])
+        return planned, problem
 
     def bring_forward(self, legs: list[int]) -> None:
         """Let legs swing before the others that have not swung."""

@@ -1,5 +1,7 @@
 """
 The course of a swing: where body and feet are at any time of it.
+
+A foot feels for the ground straight down, gently at first.
 """
 
 from __future__ import annotations
@@ -13,7 +15,6 @@ from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.uneven.foot_aims import FootAim
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.search_down import searched
 
 Array = NDArray[np.float64]
 
@@ -123,3 +124,16 @@ class PlannedSwing:
     """Depth below the expected ground down to which the foot feels for it [m]."""
     limit: str = ''
     """Reason why it is shorter than wanted; empty if it is not."""
+
+
+def ramp(duration: float) -> float:
+    """Return how much longer a search takes because it begins gently [s]."""
+    return 0.0 if duration <= 0.0 else 0.03
+
+
+def searched(times: Array, speed: float, depth: float) -> Array:
+    """Return how far down a foot has felt: it gathers speed, then keeps it [m]."""
+    begun = 2.0 * ramp(1.0)
+    gathered = np.where(times < begun, times**2 / (2.0 * begun), times - begun / 2.0)
+    distances: Array = np.clip(speed * np.where(times > 0.0, gathered, 0.0), 0.0, depth)
+    return distances

@@ -41,8 +41,7 @@ from quad_gait.uneven.foot_aims import FootAim, FootAims
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along
-from quad_gait.uneven.search_down import ramp, searched
-from quad_gait.uneven.swing_course import PlannedSwing, SwingCourse, SwingTimes
+from quad_gait.uneven.swing_course import PlannedSwing, SwingCourse, SwingTimes, ramp, searched
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
@@ -231,14 +230,14 @@ class SwingPlanner:
         return first_possible(plan, QUICK_SEARCHES if quickly else SEARCHES)[0]
 
     def search_some(
-        self, now: Stance, commanded: Array | None, legs: list[int]
+        self, now: Stance, commanded: Array | None, legs: list[int], quickly: bool = False
     ) -> tuple[JointMotion, list[int]]:
         """Plan how feet are lowered, all or the first one that can be; return which, too."""
         kinds = dict.fromkeys([tuple(legs), *((leg,) for leg in legs)])
 
         def plan(*some: float) -> tuple[JointMotion, list[int]]:
             lowered = [int(leg) for leg in some]
-            return self.search(now, commanded, lowered), lowered
+            return self.search(now, commanded, lowered, quickly), lowered
 
         return first_possible(plan, kinds)[0]
 

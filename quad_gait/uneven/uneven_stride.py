@@ -22,11 +22,11 @@ from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.candidates import first_possible
 from quad_gait.uneven.felt_ground import FeltGround
-from quad_gait.uneven.foot_contact import LoweredFeet, Touch, loaded_legs, unloaded_legs
+from quad_gait.uneven.foot_contact import Touch, loaded_legs, may_stand, unloaded_legs
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import MotionOutput
+from quad_gait.uneven.lowered_feet import LoweredFeet
 from quad_gait.uneven.stride_goal import LegOrder, StrideGoal
 from quad_gait.uneven.swing_course import PlannedSwing
 from quad_gait.uneven.swing_planner import BIT, SwingPlanner
@@ -38,8 +38,9 @@ _MOST_SEARCHES = 3
 """Searches for the ground before a foot is lifted all the same: the swing may free the others."""
 
 
-_SLIP = 0.02
-"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII]."""
+_SLIP, _SETTLED = 0.008, 2
+"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII], and
+number of samples of a motion in which none is looked for."""
 
 _MOST_CATCHES = 4
 """Number of slips in a stride at which feet are put down."""
@@ -91,8 +92,6 @@ class UnevenStride:
         self._goal, self._order = goal, LegOrder(goal.order)
         self.height_map = height_map
         self._phase, self._touch = _Phase.SEEKING, Touch(robot, options)
-        self._seeking: list[int] = []
-        self._sought: set[int] = set()
         self._lowered = LoweredFeet(robot, options)
         self._has_lowered = False
         self._searches = self._catches = self._raises = 0
@@ -169,37 +168,46 @@ class UnevenStride:
             if self._output.is_done:
                 self._phase = _Phase.OVER
             return None
-        assert self._swinging is not None
-        if self._is_slipping(now, self._swinging):
+        if self._is_slipping(now):
             with suppress(GaitError):
                 return self._catch(now)
+        assert self._swinging is not None
         return self._feel(now, self._swinging)
 
     def _is_held(self, now: Stance) -> bool:
         """Tell whether a foot that is to be in the air bears load: it has met something."""
-        legs = self._seeking if self._phase is _Phase.SEEKING else np.flatnonzero(~self.in_contact)
+        legs = np.flatnonzero(~self.in_contact)
+        if self._phase is _Phase.SEEKING:
+            legs = np.array(self._lowered.legs)
         return bool(np.isin(legs, loaded_legs(self._robot, now, self._options)).any())
 
-    def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
+    def _is_slipping(self, now: Stance) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
-        # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
         motion = self._output.motion
-        if self.height_map is None or motion is None or motion.done < swing.lifted_at:
+        # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
+        if self.height_map is None or motion is None or self._catches >= _MOST_CATCHES:
+            return False
+        # Where a foot has just come down loads change, and with them the heights.
+        if motion.done < _SETTLED:
             return False
         far = self._robot.relative_size * _SLIP
-        slips = self._catches < _MOST_CATCHES and self._felt.slip(now, self.leg) > far
         # Loads last: to find them takes longer than all the rest of a measurement.
-        return slips and now.loads is not None
+        return self._felt.slip(now, self.leg) > far and now.loads is not None
 
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
         self._catches += 1
-        self._lowered.begin()
         legs = sorted({self.leg, *unloaded_legs(self._robot, now, self._options)})
-        search = self._planner.search(now, self._output.commanded, legs, True)
-        self._seeking, self._return_to, self._phase = legs, None, _Phase.SEEKING
-        self._sought.clear()
+        search = self._search(now, legs, quickly=True)
+        self._return_to = None
         self.limit = f'a foot has slipped, so {LEGS[self.leg]} is put down again'
+        return search
+
+    def _search(self, now: Stance, legs: list[int], quickly: bool = False) -> JointTrajectory:
+        """Begin to lower feet."""
+        search = self._planner.search(now, self._output.commanded, legs, quickly)
+        self._lowered.begin(legs)
+        self._phase = _Phase.SEEKING
         return self._output.give(search)
 
     def _feel(self, now: Stance, swing: PlannedSwing) -> JointTrajectory | None:
@@ -212,16 +220,21 @@ class UnevenStride:
             return None
         is_felt, met = self._touch.look(now, leg)
         if met is not None:
-            self._felt.note_contact(leg, met, self.height_map)
+            is_ground = may_stand(self._robot, met, leg)
+            if is_ground:
+                self._felt.note_contact(leg, met, self.height_map)
             is_new = self._return_to is None and self._raises < _MOST_RAISES
             if is_new and motion.done < swing.falls_from:
                 with suppress(GaitError):
                     return self._over(now)
+            if self._return_to is None and not is_ground:
+                with suppress(GaitError):
+                    return self._go_back(now)
             return self._land(met)
         if is_felt:
             return None
         if not motion.is_done:
-            return self._feel_on(now)
+            return self._output.go_on(now.time, BIT)
         if now.loads is None:
             return self._land(now)
         if now.time < motion.end + self._options.reaction_time:
@@ -233,10 +246,14 @@ class UnevenStride:
             with suppress(GaitError):
                 deeper = self._planner.search_deeper(now, self._output.commanded, leg, swing.depth)
                 return self._begin(deeper)
-        # No ground here: back to where the foot stood.
+        # No ground here.
         self._felt.note_gap(leg, now, self.height_map)
+        return self._go_back(now)
+
+    def _go_back(self, now: Stance) -> JointTrajectory:
+        """Take a foot back to where it stood."""
         assert self._stood is not None
-        self._return_to = self._stood.place_in(now, leg)
+        self._return_to = self._stood.place_in(now, self.leg)
         return self._swing(now)
 
     def _over(self, now: Stance) -> JointTrajectory:
@@ -259,48 +276,40 @@ class UnevenStride:
         if lifting is None:
             return None
         unloaded = unloaded_legs(self._robot, now, self._options)
-        self._seeking = [other for other in unloaded if other != self.leg]
-        if self._seeking and self._searches < _MOST_SEARCHES:
+        hanging = [other for other in unloaded if other != self.leg]
+        if hanging and self._searches < _MOST_SEARCHES:
             self._searches += 1
             # Where the legs have no room for it the foot is lifted all the same.
             with suppress(GaitError):
-                search = self._planner.search(now, self._output.commanded, self._seeking)
-                self._sought.clear()
-                self._phase = _Phase.SEEKING
-                return self._output.give(search)
+                return self._search(now, hanging)
         return self._output.give(lifting)
-
-    def _feel_on(self, now: Stance) -> JointTrajectory | None:
-        """Let a foot feel on, as nothing was met."""
-        more = self._output.more(now.time, BIT)
-        return None if more is None else self._output.give(more)
 
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
+        lowered, is_quick = self._lowered, self._catches > 0
         if self._output.motion is not None:
-            found = self._lowered.found(now, self._seeking, is_quick=self._catches > 0)
-            if not found and not self._output.is_done:
-                return self._feel_on(now)
-            self._sought.update(found or self._seeking)
-        unloaded = {*unloaded_legs(self._robot, now, self._options), *self._seeking}
-        self._seeking = sorted(unloaded - self._sought)
-        lowering = self._lower(now) if self._seeking else None
+            if not lowered.look(now, self.leg, self._output.is_done, is_quick):
+                return self._output.go_on(now.time, BIT)
+            self._catches += lowered.has_lost
+        hanging = lowered.next_legs(now)
+        lowering = self._lower(now, hanging) if hanging else None
         if lowering is not None:
             return lowering
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)
 
-    def _lower(self, now: Stance) -> JointTrajectory | None:
+    def _lower(self, now: Stance, hanging: list[int]) -> JointTrajectory | None:
         """Begin to lower feet, all or one; None where a single one hangs, which swings first."""
-        hanging = self._seeking
+        commanded, is_quick = self._output.commanded, self._catches > 0
         try:
-            search, self._seeking = self._planner.search_some(now, self._output.commanded, hanging)
+            search, legs = self._planner.search_some(now, commanded, hanging, is_quick)
         except GaitError:
             # A stretched leg gets no farther down. No other may be lifted while its foot hangs.
             if self._goal.is_exact or not self._order.bring_hanging(hanging):
                 raise
             return None
+        self._lowered.go_on(hanging, legs)
         return self._output.give(search)
 
     def _land(self, now: Stance) -> JointTrajectory:
@@ -323,7 +332,9 @@ class UnevenStride:
             swing = self._planner.swing_back(now, self._output.commanded, ground, leg, back_to)
         else:
             try:
-                swing = self._any_swing(now, ground)
+                swing, problem = self._order.choose(
+                    lambda leg: self._planned(now, ground, leg, True), self._goal.is_exact
+                )
             except GaitError as error:
                 if self._order.hangs or not self._order.has_begun:
                     raise
@@ -331,22 +342,12 @@ class UnevenStride:
                 self.stuck = leg
                 self.limit = self.limit or f'a foot stays where it is: {error}'
                 return self._finish(now)
+            if problem is not None:
+                self.limit = self.limit or f'another foot goes first: {problem}'
         self.limit = self.limit or swing.limit
         self._stood, self._has_lowered = now, False
         self._touch.forget()
         return self._begin(swing)
-
-    def _any_swing(self, now: Stance, ground: GroundModel) -> PlannedSwing:
-        """Plan the swing of the leg that is next, or of one after it if that is not possible."""
-        must_be_next = self._goal.is_exact or self._order.hangs
-        candidates = [self.leg] if must_be_next else self._order.ahead
-        (leg, swing), problem = first_possible(
-            lambda leg: (leg, self._planned(now, ground, leg, True)), [(leg,) for leg in candidates]
-        )
-        if problem is not None:
-            self._order.bring_forward([leg])
-            self.limit = self.limit or f'another foot goes first: {problem}'
-        return swing
 
     def _planned(self, now: Stance, ground: GroundModel, leg: int, stands: bool) -> PlannedSwing:
         """Plan a swing, just onto its foothold or near to it."""

@@ -22,6 +22,7 @@ from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
+from quad_gait.uneven.foot_contact import may_stand
 from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.swing_planner import SwingPlanner
 from quad_gait.uneven.uneven_options import UnevenOptions, check_suits_uneven_ground
@@ -179,54 +180,80 @@ def test_a_foot_stops_where_it_meets_the_ground(height):
     assert feet[-1] == pytest.approx(legs.ground[2], abs=0.008)
 
 
-@pytest.mark.parametrize(
-    ('lean', 'has_map', 'slips'),
-    [(0.02, True, False), (0.12, True, True), (-0.12, True, True), (0.12, False, False)],
-)
-def test_feet_are_put_down_at_once_where_another_one_slips(lean, has_map, slips):
-    shown = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02) if has_map else None
-    legs, stride = Legs(), stride_for(height_map=shown)
+def lifted(**options):
+    """Return legs of which the left hind one was just lifted, over a map of level ground."""
+    shown = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
+    legs, stride = Legs(), stride_for(**{'height_map': shown, **options})
     while stride.in_contact[2]:
         legs.run(stride, 0.02)
     legs.run(stride, 0.3)
-    # The body tips over two feet: seen from the level, those on its sides stand otherwise.
-    legs.orientation = np.array([math.sin(lean / 2.0), 0.0, 0.0, math.cos(lean / 2.0)])
+    return legs, stride
+
+
+def lean_by(legs, angle):
+    """Let the body tip over its two feet: seen from the level, those on its sides sink, or rise."""
+    legs.orientation = np.array([math.sin(angle / 2.0), 0.0, 0.0, math.cos(angle / 2.0)])
+
+
+def below_its_neighbour(feet):
+    """Return how far hind feet are below front feet of their side: leaning changes both alike."""
+    return feet[:2, 2] - feet[2:, 2]
+
+
+@pytest.mark.parametrize(
+    ('lean', 'has_map', 'slips'),
+    [(0.01, True, False), (0.03, True, True), (-0.12, True, True), (0.12, False, False)],
+)
+def test_feet_are_put_down_at_once_where_another_one_slips(lean, has_map, slips):
+    legs, stride = lifted() if has_map else lifted(height_map=None)
+    lean_by(legs, lean)
     legs.run(stride, 0.02)
     assert ('a foot has slipped, so lh is put down again' in stride.limit) == slips
     if slips:
         ends = legs.trajectory.positions.reshape(-1, 4, 3)[[0, -1]]
-        start, end = (TITAN.foot_positions(joints) for joints in ends)
-        assert end[2, 2] < start[2, 2] - 0.003
-        assert np.delete(end - start, 2, axis=0) == pytest.approx(np.zeros((3, 3)), abs=0.004)
+        start, end = (below_its_neighbour(TITAN.foot_positions(joints)) for joints in ends)
+        assert end[0] > start[0] + 0.003
+        assert end[1] == pytest.approx(start[1], abs=0.003)
     legs.orientation = LEVEL
     assert legs.run(stride, 30.0)
 
 
+def test_a_foot_that_comes_off_the_ground_meanwhile_is_lowered_with_the_others():
+    legs, stride = lifted()
+    lean_by(legs, 0.12)
+    legs.bearing = [0, 1, 3]
+    legs.run(stride, 0.06)
+    start = below_its_neighbour(legs.measure().feet)
+    # Now the right front foot hangs as well as the left hind one.
+    legs.bearing = [0, 3]
+    legs.run(stride, 0.2)
+    lowered = below_its_neighbour(legs.measure().feet) - start
+    assert lowered[0] > 0.008
+    assert lowered[1] < -0.008
+
+
 def test_a_foot_put_down_at_once_is_lowered_until_its_load_is_sure():
-    shown = HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02)
-    legs, stride = Legs(), stride_for(height_map=shown)
-    while stride.in_contact[2]:
-        legs.run(stride, 0.02)
-    legs.run(stride, 0.3)
-    legs.orientation = np.array([math.sin(0.06), 0.0, 0.0, math.cos(0.06)])
+    legs, stride = lifted()
+    lean_by(legs, 0.12)
     # Two feet hang. A leg that is set in motion quickly seems to bear load for a moment.
     legs.bearing = [0, 3]
     legs.run(stride, 0.02)
-    start = legs.measure().feet[:, 2]
+    start = below_its_neighbour(legs.measure().feet)
     legs.bearing = [0, 1, 2, 3]
     legs.run(stride, 0.02)
     legs.bearing = [0, 3]
     legs.run(stride, 0.14)
-    lowered = start - legs.measure().feet[:, 2]
-    assert (lowered[[1, 2]] > 0.008).all()
+    lowered = below_its_neighbour(legs.measure().feet) - start
+    assert lowered[0] > 0.008
+    assert lowered[1] < -0.008
     # One that bears load twice has met the ground, the other one is lowered on.
     legs.bearing = [0, 1, 3]
     legs.run(stride, 0.06)
-    met = legs.measure().feet[:, 2]
+    met = below_its_neighbour(legs.measure().feet)
     legs.run(stride, 0.1)
-    lowered = met - legs.measure().feet[:, 2]
-    assert lowered[2] > 0.008
-    assert np.delete(lowered, 2) == pytest.approx(np.zeros(3), abs=0.003)
+    lowered = below_its_neighbour(legs.measure().feet) - met
+    assert lowered[0] > 0.008
+    assert lowered[1] == pytest.approx(0.0, abs=0.004)
 
 
 def meet_something(legs, stride):
@@ -497,3 +524,13 @@ def test_a_gait_on_two_feet_is_refused():
 @pytest.mark.parametrize('name', ['crawl', 'turn', 'crab', 'wave'])
 def test_gaits_on_three_feet_are_taken(name):
     check_suits_uneven_ground(load_gait(name))
+
+
+@pytest.mark.parametrize(
+    ('rise', 'stands'), [(-0.2, True), (0.08, True), (0.12, True), (0.16, False)]
+)
+def test_what_is_higher_than_a_step_is_no_ground_to_stand_on(rise, stands):
+    legs = Legs()
+    met = legs.measure()
+    met.feet[2, 2] += rise
+    assert may_stand(TITAN, met, 2) == stands
