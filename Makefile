@@ -17,12 +17,13 @@ unexport PYTHONDONTWRITEBYTECODE
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv demo view test smoke smokes bench lint lock site tf nav2 simulation control interfaces clean
+.PHONY: help venv demo view test sweeps smoke smokes bench lint lock site tf nav2 simulation control interfaces clean
 
 help:
 	@echo 'make demo    set everything up and let TITAN-VIII walk over the sample map to a goal'
 	@echo 'make view    set everything up and show a robot on a page in the browser, where a click lets it walk'
-	@echo 'make test    set everything up and run every test'
+	@echo 'make test    set everything up and run the tests'
+	@echo 'make sweeps  run the tests of laws that hold in many cases in all of them; make test runs a few'
 	@echo 'make smokes  on each other Python that is there: set up, walk once over topics, test the core'
 	@echo 'make bench   measure how well it walks, and print a table'
 	@echo 'make lint    ruff and mypy'
@@ -75,6 +76,10 @@ view: venv
 # that has nothing left to do takes tests over from another. One at a time: make test ARGS='-n 0'
 test: venv
 	@$(BIN)/python -m pytest -n 3 --dist worksteal --durations=15 $(ARGS)
+
+# Every case of what make test runs in a few cases.
+sweeps: venv
+	@$(BIN)/python -m pytest -n 3 --dist worksteal --sweeps -m sweep $(ARGS)
 
 # Some of the core: what depends on the version of Python is imports, compiled searches and wheels.
 SMOKE := test/common/trajectory test/common/maps test/planner/grid test/planner/search test/gait/following test/sim/engines/test_registry.py
