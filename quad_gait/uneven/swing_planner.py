@@ -230,14 +230,14 @@ class SwingPlanner:
         return first_possible(plan, QUICK_SEARCHES if quickly else SEARCHES)[0]
 
     def search_some(
-        self, now: Stance, commanded: Array | None, legs: list[int], quickly: bool = False
+        self, now: Stance, commanded: Array | None, legs: list[int]
     ) -> tuple[JointMotion, list[int]]:
         """Plan how feet are lowered, all or the first one that can be; return which, too."""
         kinds = dict.fromkeys([tuple(legs), *((leg,) for leg in legs)])
 
         def plan(*some: float) -> tuple[JointMotion, list[int]]:
             lowered = [int(leg) for leg in some]
-            return self.search(now, commanded, lowered, quickly), lowered
+            return self.search(now, commanded, lowered), lowered
 
         return first_possible(plan, kinds)[0]
 

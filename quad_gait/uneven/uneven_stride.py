@@ -38,9 +38,8 @@ _MOST_SEARCHES = 3
 """Searches for the ground before a foot is lifted all the same: the swing may free the others."""
 
 
-_SLIP, _SETTLED = 0.008, 2
-"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII], and
-number of samples of a motion in which none is looked for."""
+_SLIP = 0.008
+"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII]."""
 
 _MOST_CATCHES = 4
 """Number of slips in a stride at which feet are put down."""
@@ -168,10 +167,10 @@ class UnevenStride:
             if self._output.is_done:
                 self._phase = _Phase.OVER
             return None
-        if self._is_slipping(now):
+        assert self._swinging is not None
+        if self._is_slipping(now, self._swinging):
             with suppress(GaitError):
                 return self._catch(now)
-        assert self._swinging is not None
         return self._feel(now, self._swinging)
 
     def _is_held(self, now: Stance) -> bool:
@@ -181,18 +180,16 @@ class UnevenStride:
             legs = np.array(self._lowered.legs)
         return bool(np.isin(legs, loaded_legs(self._robot, now, self._options)).any())
 
-    def _is_slipping(self, now: Stance) -> bool:
+    def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
         motion = self._output.motion
         # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
-        if self.height_map is None or motion is None or self._catches >= _MOST_CATCHES:
-            return False
-        # Where a foot has just come down loads change, and with them the heights.
-        if motion.done < _SETTLED:
+        if self.height_map is None or motion is None or motion.done < swing.lifted_at:
             return False
         far = self._robot.relative_size * _SLIP
+        slips = self._catches < _MOST_CATCHES and self._felt.slip(now, self.leg) > far
         # Loads last: to find them takes longer than all the rest of a measurement.
-        return self._felt.slip(now, self.leg) > far and now.loads is not None
+        return slips and now.loads is not None
 
     def _catch(self, now: Stance) -> JointTrajectory:
         """Lower all feet that bear nothing at once: on two of them a robot tips over."""
@@ -287,10 +284,9 @@ class UnevenStride:
     def _seek(self, now: Stance) -> JointTrajectory | None:
         """Lower feet that bear nothing until all four stand."""
         lowered, is_quick = self._lowered, self._catches > 0
-        if self._output.motion is not None:
-            if not lowered.look(now, self.leg, self._output.is_done, is_quick):
-                return self._output.go_on(now.time, BIT)
-            self._catches += lowered.has_lost
+        is_moving = self._output.motion is not None
+        if is_moving and not lowered.look(now, self._output.is_done, is_quick):
+            return self._output.go_on(now.time, BIT)
         hanging = lowered.next_legs(now)
         lowering = self._lower(now, hanging) if hanging else None
         if lowering is not None:
@@ -301,15 +297,14 @@ class UnevenStride:
 
     def _lower(self, now: Stance, hanging: list[int]) -> JointTrajectory | None:
         """Begin to lower feet, all or one; None where a single one hangs, which swings first."""
-        commanded, is_quick = self._output.commanded, self._catches > 0
         try:
-            search, legs = self._planner.search_some(now, commanded, hanging, is_quick)
+            search, legs = self._planner.search_some(now, self._output.commanded, hanging)
         except GaitError:
             # A stretched leg gets no farther down. No other may be lifted while its foot hangs.
             if self._goal.is_exact or not self._order.bring_hanging(hanging):
                 raise
             return None
-        self._lowered.go_on(hanging, legs)
+        self._lowered.go_on(legs)
         return self._output.give(search)
 
     def _land(self, now: Stance) -> JointTrajectory:

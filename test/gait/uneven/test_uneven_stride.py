@@ -218,20 +218,6 @@ def test_feet_are_put_down_at_once_where_another_one_slips(lean, has_map, slips)
     assert legs.run(stride, 30.0)
 
 
-def test_a_foot_that_comes_off_the_ground_meanwhile_is_lowered_with_the_others():
-    legs, stride = lifted()
-    lean_by(legs, 0.12)
-    legs.bearing = [0, 1, 3]
-    legs.run(stride, 0.06)
-    start = below_its_neighbour(legs.measure().feet)
-    # Now the right front foot hangs as well as the left hind one.
-    legs.bearing = [0, 3]
-    legs.run(stride, 0.2)
-    lowered = below_its_neighbour(legs.measure().feet) - start
-    assert lowered[0] > 0.008
-    assert lowered[1] < -0.008
-
-
 def test_a_foot_put_down_at_once_is_lowered_until_its_load_is_sure():
     legs, stride = lifted()
     lean_by(legs, 0.12)
