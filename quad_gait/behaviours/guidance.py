@@ -111,12 +111,6 @@ class Guidance:
         ahead = [self._follower.pose_ahead(pose, distance) for distance in distances]
         return [place for place in ahead if place is not None]
 
-    @property
-    def is_to_halt(self) -> bool:
-        """Whether nothing more is to be begun: to stop, to wait or to sit is wished for."""
-        is_over = self.has_new_plan and self.wanted_plan is None
-        return is_over or self.is_to_sit or bool(self.plan_waits_for)
-
     # Wishes
 
     def take_plan(self, wish: FollowPlan, refusal: str) -> None:

@@ -129,6 +129,13 @@ class UnevenWalk(Walk):
         self._planning = self._over_footholds(state)
         return self._plan_on(state, self._planning)
 
+    @property
+    def _is_to_halt(self) -> bool:
+        """Whether no stride is to begin: to stop, to wait or to sit was wished for meanwhile."""
+        guidance = self._guidance
+        is_over = guidance.has_new_plan and guidance.wanted_plan is None
+        return is_over or guidance.is_to_sit or bool(guidance.plan_waits_for)
+
     def _plan_on(self, state: RobotState, planning: Pieces[StrideGoal | None]) -> Command:
         """Do one more piece of planning footsteps; begin the stride once that is done."""
         guidance = self._guidance
@@ -219,7 +226,7 @@ class UnevenWalk(Walk):
 
     def update(self, state: RobotState) -> Command | Done:
         """Carry planning or the stride on; be done when the robot is at rest."""
-        if self._planning is not None and self._guidance.is_to_halt:
+        if self._planning is not None and self._is_to_halt:
             self._planning = None
             return Done(Activity.STANDING)
         if self._planning is not None:

@@ -19,7 +19,7 @@ from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep import Footstep
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import FootstepPlanner, pose_over
-from quad_gait.footsteps.pieces import Pieces, whole
+from quad_gait.footsteps.pieces import Pieces
 from quad_gait.state.body_placement import strain_over
 from quad_gait.state.stance import Stance
 from quad_gait.uneven.ground_model import GroundModel
@@ -110,12 +110,6 @@ class FootstepRoute:
                 (leg, float(goal.footholds[leg, 0]), float(goal.footholds[leg, 1])),
             ]
         self.forget()
-
-    def stride_ahead(
-        self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D], is_asked: bool = False
-    ) -> StrideGoal | None:
-        """Return what :meth:`planning` does, with all of its work done at once."""
-        return whole(self.planning(now, pose, targets, is_asked))
 
     def planning(
         self, now: Stance, pose: Pose2D, targets: Sequence[Pose2D], is_asked: bool = False

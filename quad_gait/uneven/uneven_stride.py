@@ -217,16 +217,17 @@ class UnevenStride:
             return None
         is_felt, met = self._touch.look(now, leg)
         if met is not None:
-            is_ground = may_stand(self._robot, met, leg)
-            if is_ground:
+            is_new = self._return_to is None
+            is_wall = is_new and not may_stand(self._robot, met, leg)
+            if not is_wall:
                 self._felt.note_contact(leg, met, self.height_map)
-            is_new = self._return_to is None and self._raises < _MOST_RAISES
-            if is_new and motion.done < swing.falls_from:
+            if is_new and self._raises < _MOST_RAISES and motion.done < swing.falls_from:
                 with suppress(GaitError):
                     return self._over(now)
-            if self._return_to is None and not is_ground:
+            if is_wall:
                 with suppress(GaitError):
                     return self._go_back(now)
+                self._felt.note_contact(leg, met, self.height_map)
             return self._land(met)
         if is_felt:
             return None

@@ -17,6 +17,7 @@ from quad_gait.footsteps.foothold_map import FootholdMap
 from quad_gait.footsteps.footstep_options import FootstepOptions
 from quad_gait.footsteps.footstep_planner import FootstepPlanner, pose_over
 from quad_gait.footsteps.footstep_route import FootstepRoute
+from quad_gait.footsteps.pieces import whole
 from quad_gait.footsteps.search_values import Lattice
 from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
 from quad_gait.state.stance import Stance
@@ -315,12 +316,16 @@ def route_over(heights):
     return route
 
 
+def stride_ahead(route, *args, **options):
+    return whole(route.planning(*args, **options))
+
+
 def test_on_even_ground_no_footsteps_are_planned():
     heights = HeightMap.level((-1.0, -1.0, 3.0, 1.0), 0.02)
     feet = standing_feet(TITAN, heights)
-    assert route_over(heights).stride_ahead(stance_on(feet), Pose2D(0, 0, 0), [AHEAD]) is None
+    assert stride_ahead(route_over(heights), stance_on(feet), Pose2D(0, 0, 0), [AHEAD]) is None
     unknown = heights.with_heights(np.full(heights.heights.shape, np.nan))
-    assert route_over(unknown).stride_ahead(stance_on(feet), Pose2D(0, 0, 0), [AHEAD]) is None
+    assert stride_ahead(route_over(unknown), stance_on(feet), Pose2D(0, 0, 0), [AHEAD]) is None
 
 
 def test_a_route_that_was_prepared_gives_the_same_strides():
@@ -331,7 +336,7 @@ def test_a_route_that_was_prepared_gives_the_same_strides():
         route = route_over(heights)
         if is_prepared:
             route.prepare()
-        given.append(route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD]))
+        given.append(stride_ahead(route, stance_on(feet), pose_over(TITAN, feet), [AHEAD]))
     assert given[0].order == given[1].order
     assert np.array_equal(given[0].footholds, given[1].footholds)
 
@@ -356,7 +361,9 @@ def test_half_a_plan_is_walked_before_its_second_half_is_looked_at(monkeypatch, 
     monkeypatch.setattr(FootstepPlanner, 'touching', touching)
     walked = 0
     while not plans or (walked < len(plans[0].steps) and len(plans) == 1):
-        stride = route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD], is_asked=True)
+        stride = stride_ahead(
+            route, stance_on(feet), pose_over(TITAN, feet), [AHEAD], is_asked=True
+        )
         walked += len(stride.order)
         feet = np.column_stack([stride.footholds, feet[:, 2]])
         feet[:, 2] = heights.height_at(feet[:, :2]) + TITAN.foot_radius
@@ -367,20 +374,20 @@ def test_half_a_plan_is_walked_before_its_second_half_is_looked_at(monkeypatch, 
 def test_strides_follow_the_plan_until_a_foot_goes_astray():
     heights = stones()
     route, feet = route_over(heights), standing_feet(TITAN, heights)
-    first = route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD])
+    first = stride_ahead(route, stance_on(feet), pose_over(TITAN, feet), [AHEAD])
     assert first.is_exact
     assert len(set(first.order)) == len(first.order) > 0
     unmoved = [leg for leg in range(4) if leg not in first.order]
     assert first.footholds[unmoved] == pytest.approx(feet[unmoved, :2])
     there = np.column_stack([first.footholds, heights.height_at(first.footholds) + 0.015])
     planned = route._steps
-    second = route.stride_ahead(stance_on(there), first.place, [AHEAD])
+    second = stride_ahead(route, stance_on(there), first.place, [AHEAD])
     assert route._steps == planned[len(second.order) :]
     astray = there.copy()
     astray[second.order[0], 0] -= 0.05
     third = route_over(heights)
     third._steps, third._length, third._feet, third._target = planned, len(planned), there, AHEAD
-    goal = third.stride_ahead(stance_on(astray), first.place, [AHEAD])
+    goal = stride_ahead(third, stance_on(astray), first.place, [AHEAD])
     still = [leg for leg in range(4) if leg not in goal.order]
     assert goal.footholds[still] == pytest.approx(astray[still, :2])
 
@@ -388,9 +395,9 @@ def test_strides_follow_the_plan_until_a_foot_goes_astray():
 def test_a_foothold_that_a_leg_could_not_get_to_is_left_out():
     heights = stones()
     route, feet = route_over(heights), standing_feet(TITAN, heights)
-    goal = route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD])
+    goal = stride_ahead(route, stance_on(feet), pose_over(TITAN, feet), [AHEAD])
     leg = goal.order[0]
     route.block(goal, leg)
-    other = route.stride_ahead(stance_on(feet), pose_over(TITAN, feet), [AHEAD])
+    other = stride_ahead(route, stance_on(feet), pose_over(TITAN, feet), [AHEAD])
     lost = goal.footholds[leg]
     assert np.hypot(*(other.footholds[leg] - lost)) > OPTIONS.cell
