@@ -22,6 +22,7 @@ from quad_gait.state.measurement import Measurement
 from quad_gait.state.stance import Stance
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
+from quad_gait.uneven import uneven_stride
 from quad_gait.uneven.foot_contact import may_stand
 from quad_gait.uneven.stride_goal import StrideGoal
 from quad_gait.uneven.swing_planner import SwingPlanner
@@ -520,3 +521,26 @@ def test_what_is_higher_than_a_step_is_no_ground_to_stand_on(rise, stands):
     met = legs.measure()
     met.feet[2, 2] += rise
     assert may_stand(TITAN, met, 2) == stands
+
+
+@pytest.mark.parametrize('gets_back', [True, False])
+def test_a_foot_that_meets_a_wall_goes_back_or_stands_on_it_where_it_cannot(monkeypatch, gets_back):
+    legs, stride = Legs(), stride_for(height_map=HeightMap.level((-1.0, -1.0, 1.0, 1.0), 0.02))
+    start = legs.measure().feet[2, :2]
+    monkeypatch.setattr(uneven_stride, 'may_stand', lambda *_: False)
+    monkeypatch.setattr(uneven_stride, '_MOST_RAISES', 0)
+    if not gets_back:
+        monkeypatch.setattr(SwingPlanner, 'swing_back', no_swing)
+    meet_something(legs, stride)
+    if gets_back:
+        while stride.leg == 2:
+            legs.run(stride, 0.02)
+        assert legs.measure().feet[2, :2] == pytest.approx(start, abs=0.02)
+    else:
+        assert stride.leg != 2
+        # It is known that it stands there: it is no slip when the next foot is lifted.
+        assert stride._felt.slip(legs.measure(), -1) < 0.008
+
+
+def no_swing(*_):
+    raise FootholdNotFound('lh', 0.0)
