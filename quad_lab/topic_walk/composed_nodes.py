@@ -18,6 +18,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.run_node import make_executor
+from quad_lab.topic_walk.draining import drain
 from quad_lab.topic_walk.node_processes import in_simulated_time
 from quad_lab.topic_walk.standstill import Standstill
 from quad_lab.topic_walk.walk_observer import WalkObserver
@@ -30,9 +31,6 @@ _NODES = {
     'ceiling_camera_node': ('quad_perception.ceiling_camera_node', 'CeilingCameraNode'),
 }
 """Module and class of each node."""
-
-_QUIET = 3
-"""Looks in a row at an executor that has nothing more to do."""
 
 _SETTLING = 0.3
 """Time on the wall clock for what is latched, once all have found one another [s]."""
@@ -123,11 +121,7 @@ class ComposedNodes:
 
     def _drain(self) -> None:
         """Run callbacks until none is left."""
-        idle = 0
-        while idle < _QUIET:
-            before = self._calls()
-            self.executor.spin_once(timeout_sec=0.0)
-            idle = idle + 1 if self._calls() == before else 0
+        drain(self.executor, self._calls)
 
     def _calls(self) -> int:
         received = sum(observer.received for observer in self._observers)

@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter
 
 from quad_common.ros.guarded_node import GuardedNode
 from quad_gait.gait_node import GaitNode
+from quad_lab.topic_walk.draining import drain
 from quad_lab.topic_walk.node_processes import in_simulated_time
 from quad_perception.ceiling_camera_node import CeilingCameraNode
 from quad_planner.planner_node import PlannerNode
@@ -30,9 +31,6 @@ _NODES: dict[str, type[GuardedNode]] = {
     'sim_node': SimNode,
     'ceiling_camera_node': CeilingCameraNode,
 }
-
-_QUIET = 3
-"""Looks in a row at an executor that has nothing more to do."""
 
 _PAUSE = 0.05
 """Longest wait for what comes while nothing is simulated [s], on the wall clock."""
@@ -86,6 +84,9 @@ class ComposedBench(Bench):
             super().kill(name)
             return
         self._executor.remove_node(self._made[name])
+        for timer in self._made[name].timers:
+            # One that is due after what follows would be called of a node that is no more.
+            timer.cancel()
         # What it has received already is still brought to it.
         self._drain()
         self._made.pop(name).destroy_node()
@@ -119,11 +120,7 @@ class ComposedBench(Bench):
         self._drain()
 
     def _drain(self) -> None:
-        idle = 0
-        while idle < _QUIET:
-            before = self._calls()
-            self._executor.spin_once(timeout_sec=0.0)
-            idle = idle + 1 if self._calls() == before else 0
+        drain(self._executor, self._calls)
 
     def _calls(self) -> int:
         return self.received + sum(node.callbacks for node in self._made.values())

@@ -10,8 +10,17 @@ pytest.importorskip('yourdfpy')
 
 import mujoco
 import trimesh
-from mjcf_robots import FOOT, FOOT_GEOMS, STYLES, with_angles, with_classes, with_double_joints
+from mjcf_robots import (
+    FOOT,
+    FOOT_GEOMS,
+    STYLES,
+    called_here,
+    with_angles,
+    with_classes,
+    with_double_joints,
+)
 
+from quad_common.description import reading
 from quad_common.description.mjcf import robot_from_mjcf
 from quad_common.description.mjcf_shapes import pose_from
 from quad_common.description.reading import read_description
@@ -31,6 +40,11 @@ from quad_common.importing.robot_import import import_robot
 FAST = ImportOptions(speed=(20.0,))
 
 TURNING = int(mujoco.mjtJoint.mjJNT_HINGE)
+
+
+@pytest.fixture(autouse=True)
+def _read_here(monkeypatch):
+    monkeypatch.setattr(reading, 'call_in_bounds', called_here)
 
 
 class Pair:

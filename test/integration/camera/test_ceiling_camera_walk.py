@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from geometry_msgs.msg import PoseStamped
-from harness import OK, SLOWLY, WARN, Bench
+from harness import OK, PHYSICS, SLOWLY, WARN, Bench
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.planar_pose import Pose2D, distance_to_polyline
@@ -32,7 +32,7 @@ def start(bench: Bench) -> None:
     bench.start('ceiling_camera_node')
     bench.start(
         'sim_node',
-        backend='bullet',
+        backend=PHYSICS,
         real_time_factor=SLOWLY,
         map_file='none',
         camera=True,
@@ -81,7 +81,7 @@ def test_an_obstacle_on_the_path_and_a_goal_that_moves_lead_to_new_plans(bench: 
             goes_to(bench, goal) and distance_to_polyline(pillar, bench.plan.corners) > clearance
         ),
     )
-    moved = Pose2D(3.6, 4.2, 1.5)
+    moved = Pose2D(3.3, 3.5, 1.2)
     put_goal(bench, moved)
     bench.wait_until('a plan to the moved goal', lambda: goes_to(bench, moved))
     bench.wait_for_arrival(moved)

@@ -41,7 +41,8 @@ def has_fallen(bench: Bench) -> bool:
     return bench.statuses['sim_node'].values['has_fallen'] == 'True'
 
 
-def test_a_walk_outlives_its_planner(bench: Bench):
+def test_a_walk_outlives_its_planner(composed_bench: Bench):
+    bench = composed_bench
     # By default a plan waits for its planner after some seconds of the wall clock.
     bench.start_robot({'planner_timeout': 0.0}, real_time_factor=SLOWLY)
     bench.give_goal(GOAL)

@@ -20,7 +20,7 @@ from quad_sim.ros_conversions import trajectory_from_message
 
 pytestmark = pytest.mark.ros
 
-GOAL = Pose2D(1.3, 2.2, math.pi / 2)
+GOAL = Pose2D(1.3, 1.8, math.pi / 2)
 
 
 def test_a_goal_is_reached(bench: Bench):
@@ -43,7 +43,7 @@ def test_a_goal_is_reached(bench: Bench):
     assert min(message.data for message in margins) >= 0.0
 
     trajectories = [trajectory_from_message(message) for message in heard]
-    assert len(trajectories) >= 7
+    assert len(trajectories) >= 5
     for before, after in pairwise(trajectories):
         assert after.joint_names == before.joint_names
         assert after.stamp + after.times[0] >= before.end

@@ -5,19 +5,22 @@ import pytest
 
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
-
-pytest.importorskip('pybullet')
-
 from quad_lab.closed_loop.camera_walk import CameraWalk, CameraWalkOptions
+from quad_sim.engines.registry import ENGINES, preferred
 from quad_sim.simulation import ObstacleChange
 from quad_sim.world.random_room import random_room
 from quad_sim.world.world import Obstacle
+
+ENGINE = 'mujoco' if ENGINES['mujoco'].is_installed else 'bullet'
+"""MuJoCo draws pictures in a tenth of the time."""
 
 
 def test_the_camera_alone_leads_to_the_goal_around_an_obstacle_that_is_dropped():
     room = random_room(1, start=Pose2D(1.0, 1.0, 0.0))
     options = CameraWalkOptions(gait='wave', method='shortest', picture_period=2.0, noise=4.0)
-    walk = CameraWalk(load_robot('titan_viii'), room, options)
+    pytest.importorskip(ENGINES[ENGINE].package)
+    with preferred(ENGINE):
+        walk = CameraWalk(load_robot('titan_viii'), room, options)
     dropped = []
 
     def drop(walk):

@@ -69,3 +69,25 @@ def test_those_that_do_not_fit_are_not_waited_for():
         restless(talker)
         nodes.tell(Observer())
         assert publisher.get_subscription_count() == 0
+
+
+def test_what_comes_behind_much_that_nobody_counts_is_waited_for():
+    # As each clock does, by the timers that it sets: a simulation over MuJoCo ran ahead of its
+    # camera and of all who listened to odometry.
+    with composed_with('talker', 'listener') as (nodes, talker, listener):
+        observer = Observer()
+
+        def count(_):
+            observer.received += 1
+
+        topics = [f'uncounted_{k}' for k in range(8)]
+        publishers = [talker.create_publisher(String, topic, 10) for topic in (*topics, 'counted')]
+        for topic in topics:
+            listener.create_subscription(String, topic, lambda message: None, 10)
+        listener.create_subscription(String, 'counted', count, 10)
+        nodes.tell(observer)
+        for k in range(20):
+            for publisher in publishers:
+                publisher.publish(String(data='words'))
+            nodes._drain()
+            assert observer.received == k + 1
