@@ -100,6 +100,11 @@ class BodyBalance:
             body = centered(body, self._robot.center_of_mass(joints), inside)
         return body
 
+    def center(self, now: Stance) -> Array:
+        """Return where the center of mass is, in the frame of the stance, shape (2,) [m]."""
+        place: Array = now.body.transform(self._center_of_mass(now))[:2]
+        return place
+
     def _center_of_mass(self, now: Stance) -> Array:
         """Find the center of mass in the body frame, shape (3,) [m]; of a stance once."""
         stance, center = self._center

@@ -63,6 +63,9 @@ class ComposedBench(Bench):
             return
         if name == 'sim_node':
             parameters = {'backend': 'kinematic', **parameters, 'real_time_factor': 0.0}
+            if parameters['backend'] == 'kinematic':
+                # Nothing slips or touches in between.
+                parameters.setdefault('sensor_rate', 25.0)
         given = in_simulated_time(name, parameters)
         overrides = [Parameter(key, value=value) for key, value in given.items()]
         # Plans are there when the callback that asks for them ends, not when a thread is through.

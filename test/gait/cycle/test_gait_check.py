@@ -18,6 +18,8 @@ WAVE, CRAWL, TROT = (load_gait(name, TITAN) for name in ('wave', 'crawl', 'trot'
 
 each_gait = pytest.mark.parametrize('gait', available_gaits())
 each_robot = pytest.mark.parametrize('robot', ROBOTS)
+# The same ones in each test, which are checked once.
+few = pytest.mark.sweep(kept=6)
 
 
 @cache
@@ -47,13 +49,14 @@ def check_each_direction_is_told_of(report):
         assert '\n' not in problem
 
 
-@pytest.mark.sweep(kept=6)
+@few
 @each_robot
 @each_gait
 def test_nothing_is_wrong_with_the_gaits_that_ship(robot, gait):
     assert report_of(robot, gait).problems == ()
 
 
+@few
 @each_robot
 @each_gait
 def test_each_of_the_six_directions_has_a_size_of_its_own_sign(robot, gait):
@@ -64,6 +67,7 @@ def test_each_of_the_six_directions_has_a_size_of_its_own_sign(robot, gait):
             assert done * wanted > 0.0 if wanted else done == 0.0
 
 
+@few
 @each_robot
 @each_gait
 def test_what_forbids_more_is_one_sentence(robot, gait):
@@ -72,6 +76,7 @@ def test_what_forbids_more_is_one_sentence(robot, gait):
         assert '\n' not in motion.limit
 
 
+@few
 @each_robot
 @each_gait
 def test_all_four_legs_swing_once_in_every_direction(robot, gait):

@@ -69,7 +69,7 @@ def lame_walk():
         walk.walk.close()
 
 
-@pytest.mark.sweep(kept=3)
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize(
     ('joint', 'kind', 'time', 'feet', 'uneven'),
     [
@@ -97,7 +97,7 @@ def test_a_robot_whose_joint_fails_does_not_fall_stands_still_and_says_why(
     assert walk.largest_tilt < math.radians(25.0)
 
 
-@pytest.mark.sweep(kept=4)
+@pytest.mark.sweep(kept=2)
 @pytest.mark.parametrize(
     ('joint', 'kind', 'time'),
     [

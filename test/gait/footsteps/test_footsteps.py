@@ -190,7 +190,7 @@ def test_where_stones_are_small_more_of_their_places_are_looked_at():
     for blocks in (3,), (3, 2):
         options = FootstepOptions(blocks=blocks)
         count = 0
-        for seed in range(6):
+        for seed in range(3):
             heights = stones(scale, gap=0.25 * leg / scale, seed=seed)
             ground = FootholdMap(a1, UnevenOptions(), options, heights)
             try:
@@ -199,8 +199,8 @@ def test_where_stones_are_small_more_of_their_places_are_looked_at():
                 continue
             count += 1
         found.append(count)
-    assert found[1] == 6
-    assert found[0] < 6
+    assert found[1] == 3
+    assert found[0] < 3
 
 
 def test_where_the_body_is_already_no_step_is_planned():

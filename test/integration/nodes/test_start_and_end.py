@@ -41,14 +41,15 @@ ENDS_WITHIN = 20.0
 
 INVALID = [
     ('gait_node', {'settle_time': -1}, "'settle_time' is -1; it must be a finite number from 0"),
-    ('gait_node', {'use_sim_time': 'perhaps'}, "'use_sim_time' to 'perhaps'"),
     ('planner_node', {'robot': 'unicorn'}, "there is no robot 'unicorn'; available: "),
+    ('gait_node', {'use_sim_time': 'perhaps'}, "'use_sim_time' to 'perhaps'"),
     ('sim_node', {'map_file': '/nowhere.yaml'}, 'map file /nowhere.yaml cannot be read: '),
     ('viewer_node', {'host': '192.0.2.1'}, "'host' is '192.0.2.1'; it must be an address of"),
     ('viewer_node', {'port': 70000}, "'port' is 70000; it must be a whole number from 0 to"),
 ]
 
 
+@pytest.mark.sweep(kept=4)
 @pytest.mark.parametrize(('node', 'parameters', 'words'), INVALID)
 def test_an_invalid_parameter_ends_a_node_with_one_sentence(bench: Bench, node, parameters, words):
     bench.start(node, **parameters)
@@ -97,12 +98,13 @@ def test_whole_numbers_will_do_where_others_are_expected(composed_bench: Bench):
     assert bench.is_near(Pose2D(2.0, 3.0, 0.0))
 
 
-@pytest.mark.parametrize('gap', [0.0, 0.1])
-def test_two_interrupts_end_every_node_quietly_in_the_middle_of_a_walk(bench: Bench, gap):
+@pytest.mark.sweep(kept=1)
+@pytest.mark.parametrize('gaps', [(0.0, 0.1, 0.0), (0.1, 0.0, 0.1)])
+def test_two_interrupts_end_every_node_quietly_in_the_middle_of_a_walk(bench: Bench, gaps):
     bench.start_robot()
     bench.give_goal(Pose2D(2.0, 1.2, 0.0))
     bench.wait_for_walking()
-    for node, process in bench.processes.items():
+    for (node, process), gap in zip(bench.processes.items(), gaps, strict=True):
         assert bench.interrupt(node, gap) == 0, node
         assert 'Traceback' not in process.log_tail(1000)
 
@@ -146,7 +148,8 @@ def is_running(pid: int) -> bool:
 
 
 @pytest.mark.skipif(sys.platform != 'linux', reason='what ends with its parent is up to Linux')
-@pytest.mark.parametrize('end', [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.sweep(kept=2)
+@pytest.mark.parametrize('end', [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_no_node_outlives_the_command_that_started_it(bench: Bench, end):
     command = [sys.executable, '-c', STARTER, 'planner_node', 'gait_node']
     starter = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)

@@ -103,7 +103,8 @@ def test_a_robot_that_is_reset_walks_again_from_its_start(composed_bench: Bench)
     assert not has_fallen(bench)
 
 
-def test_a_simulator_that_comes_back_with_time_at_zero_is_walked_on(bench: Bench):
+def test_a_simulator_that_comes_back_with_time_at_zero_is_walked_on(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot(real_time_factor=SLOWLY)
     bench.give_goal(GOAL)
     bench.wait_for_walking()

@@ -55,8 +55,9 @@ def test_an_emergency_stop_freezes_the_robot_until_it_is_released(composed_bench
     assert bench.statuses['sim_node'].values['has_fallen'] == 'False'
 
 
-def test_an_emergency_stop_outlives_the_gait_node_that_was_asked_for_it(bench: Bench):
-    bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
+def test_an_emergency_stop_outlives_the_gait_node_that_was_asked_for_it(composed_bench: Bench):
+    bench = composed_bench
+    bench.start('sim_node')
     bench.start('gait_node')
     bench.wait_for_status('gait_node', 'standing', level=OK)
     assert bench.call('emergency_stop', SetBool, SetBool.Request(data=True)).success
@@ -97,8 +98,9 @@ def test_a_stop_that_somebody_else_publishes_is_taken_over_in_mid_step(composed_
     bench.wait_for_arrival(GOAL)
 
 
-def test_a_driver_that_holds_the_joints_by_itself_stops_the_robot(bench: Bench):
-    bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
+def test_a_driver_that_holds_the_joints_by_itself_stops_the_robot(composed_bench: Bench):
+    bench = composed_bench
+    bench.start('sim_node')
     bench.start('gait_node')
     bench.wait_for_status('gait_node', 'standing', level=OK)
     for is_on in (True, False):
@@ -114,7 +116,8 @@ def test_a_driver_that_holds_the_joints_by_itself_stops_the_robot(bench: Bench):
     bench.wait_until('the gait takes the stop over', is_stopped)
 
 
-def test_the_planner_remembers_an_emergency_stop_where_no_simulator_does(bench: Bench):
+def test_the_planner_remembers_an_emergency_stop_where_no_simulator_does(composed_bench: Bench):
+    bench = composed_bench
     bench.start('planner_node', use_sim_time=False)
     bench.start('gait_node', use_sim_time=False)
     bench.wait_for_status('gait_node', 'odometry')
@@ -126,14 +129,16 @@ def test_the_planner_remembers_an_emergency_stop_where_no_simulator_does(bench: 
     bench.wait_for_status('gait_node', 'the emergency stop is on', level=WARN)
 
 
-def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(bench: Bench):
-    bench.start('sim_node', backend='kinematic', real_time_factor=4.0)
-    bench.start('gait_node', planner_timeout=1.0)
+def test_a_plan_waits_for_a_planner_whose_heartbeat_stops(composed_bench: Bench):
+    bench = composed_bench
+    bench.start('sim_node', map_file='none')
+    # Of the wall clock, on which the simulation goes as fast as it can.
+    bench.start('gait_node', planner_timeout=0.3)
     bench.wait_for_status('gait_node', 'standing', level=OK)
     bench.wait_for_robot()
     start = bench.pose
     heartbeat = bench.publisher(Header, 'plan/heartbeat', 10)
-    plan = Plan.through([[start.x, start.y], [start.x + 2.0, start.y]], 0.0)
+    plan = Plan.through([[start.x, start.y], [start.x + 8.0, start.y]], 0.0)
     bench.publisher(Path, 'plan', LATCHED).publish(path_message(plan, 'map', Time()))
 
     def lives() -> bool:
@@ -142,7 +147,7 @@ def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(benc
 
     bench.wait_until('the robot walks', lives)
     # From here on nobody says that the planner lives.
-    bench.wait_for_status('gait_node', 'no heartbeat of the planner for 1 s', level=WARN)
+    bench.wait_for_status('gait_node', 'no heartbeat of the planner for 0.3 s', level=WARN)
     waiting = bench.pose
     since = bench.elapsed
     bench.wait_until('eight seconds pass', lambda: bench.elapsed - since > 8.0)
@@ -154,8 +159,8 @@ def test_a_plan_waits_for_a_planner_that_falls_silent_and_steering_does_not(benc
 
     bench.wait_until('the robot goes on', goes_on)
     # Silent again; but the next plan is of somebody who never said that he lives.
-    bench.wait_for_status('gait_node', 'no heartbeat of the planner for 1 s', level=WARN)
+    bench.wait_for_status('gait_node', 'no heartbeat of the planner for 0.3 s', level=WARN)
     waiting = bench.pose
-    longer = Plan.through([[waiting.x, waiting.y], [start.x + 3.0, start.y]], 0.0)
+    longer = Plan.through([[waiting.x, waiting.y], [start.x + 9.0, start.y]], 0.0)
     bench.publisher(Path, 'plan', LATCHED).publish(path_message(longer, 'map', Time()))
     bench.wait_until('it follows that', lambda: bench.pose.distance_to(waiting) > 0.3)

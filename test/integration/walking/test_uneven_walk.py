@@ -39,6 +39,7 @@ def start_nodes(bench: Bench, terrain: str, **simulator):
     bench.wait_for_robot()
 
 
+@pytest.mark.sweep(kept=1)
 @pytest.mark.parametrize('sees', [True, False])
 def test_it_climbs_a_kerb_with_its_body_level(composed_bench: Bench, sees: bool):
     bench = composed_bench

@@ -23,7 +23,8 @@ pytestmark = pytest.mark.ros
 GOAL = Pose2D(1.3, 1.8, math.pi / 2)
 
 
-def test_a_goal_is_reached(bench: Bench):
+def test_a_goal_is_reached(composed_bench: Bench):
+    bench = composed_bench
     bench.start_robot(backend=PHYSICS)
     margins = bench.hear(Float64, 'stability_margin')
     heard = bench.hear(JointTrajectory, 'joint_trajectory')

@@ -18,7 +18,7 @@ def test_every_walk_is_kept():
     assert all(digests.keys() == WALKS.keys() for digests in KEPT['machines'].values())
 
 
-@pytest.mark.sweep(kept=16)
+@pytest.mark.sweep(kept=10)
 @pytest.mark.parametrize('name', WALKS)
 def test_a_walk_is_as_it_was(name):
     trace, kept = WALKS[name](), KEPT['walks'][name]

@@ -125,6 +125,7 @@ def test_engines_agree_with_legs_of_any_axes(serial_robot):
         assert check.center < 1e-3
 
 
+@pytest.mark.sweep(kept=1)
 def test_legs_of_any_axes_are_kept_in_the_data_file(serial_robot):
     robot = load_robot(serial_robot)
     assert robot.leg_type == 'serial'

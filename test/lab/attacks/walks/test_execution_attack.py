@@ -32,7 +32,7 @@ def test_commands_keep_the_limits_whatever_trajectories_come(monkeypatch):
 def test_joints_that_go_out_of_range_on_their_way_are_found_out(monkeypatch):
     monkeypatch.setattr(JointLimits, 'keeps_range', lambda *_: True)
     monkeypatch.setattr(JointLimits, 'clip', lambda _, positions: positions)
-    values, details = quiet_attack(monkeypatch, 1500)
+    values, details = quiet_attack(monkeypatch, 600)
     assert values['commands out of range'] > 0
     assert 'rad out of range' in details['wrong'][0]
 
