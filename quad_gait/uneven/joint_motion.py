@@ -211,6 +211,8 @@ class MotionOutput:
         self._reaction = reaction_time
         self.motion: JointMotion | None = None
         """Motion that was given out last; None before the joints move."""
+        self.way: list[Array] = []
+        """Where the joints were commanded to be on their way so far, each of shape (4, 3) [rad]."""
 
     @property
     def end(self) -> float:
@@ -236,13 +238,19 @@ class MotionOutput:
         """Look how far the joints are; return the motion again if it seems to be lost."""
         if self.motion is None:
             return None
-        self.motion = self.motion.followed(time, joint_positions)
+        before, self.motion = self.motion.done, self.motion.followed(time, joint_positions)
+        self.way.extend(self.motion.positions[before + 1 : self.motion.done + 1])
         return self.motion.repeated(time, joint_positions, self._reaction)
 
     def give(self, motion: JointMotion) -> JointTrajectory:
         """Give out a motion, or more of it."""
         self.motion = motion
         return motion.trajectory(self._reaction)
+
+    def forget_way_before(self, sample: int) -> None:
+        """Forget the way so far, if the joints have not got beyond a sample of the motion."""
+        if self.motion is not None and self.motion.done < sample:
+            self.way.clear()
 
     def more(self, time: float, samples: int) -> JointMotion | None:
         """Return the motion with more samples; None if nothing is to be given out yet."""

@@ -110,6 +110,54 @@ def motion_along(
     )
 
 
+def motion_back(robot: Robot, options: UnevenOptions, now: Stance, way: list[Array]) -> JointMotion:
+    """
+    Take the joints back the way they came: what they have reached they reach again.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : UnevenOptions
+        How it walks.
+    now : Stance
+        The robot as it stands.
+    way : list of ndarray, each of shape (4, 3)
+        Where the joints were commanded to be, evenly spaced in time, up to now; two at least
+        [rad].
+
+    Returns
+    -------
+    JointMotion
+        The motion.
+
+    Raises
+    ------
+    GaitError
+        If a joint is too slow.
+    """
+    # Minimum jerk is 1.875 times as fast as it is on average.
+    duration = 2.0 * options.sample_period * (len(way) - 1)
+    times: Array = np.linspace(0.0, duration, 2 * len(way) - 1, dtype=np.float64)
+    places = (len(way) - 1) * (1.0 - minimum_jerk(0.0, duration, times)[0])
+    before = np.minimum(places.astype(int), len(way) - 2)
+    part = (places - before)[:, None, None]
+    passed = np.array(way)
+    joints = (1.0 - part) * passed[before] + part * passed[before + 1]
+    velocities = np.gradient(joints, times, axis=0)
+    velocities[0] = velocities[-1] = 0.0
+    _check_speeds(robot, times, joints, velocities)
+    return JointMotion(
+        robot.joint_names,
+        times,
+        joints,
+        velocities,
+        np.broadcast_to(robot.velocity, (4, 3)).reshape(-1),
+        start=now.time + options.reaction_time,
+        given=len(times) - 1,
+    )
+
+
 def may_reach(robot: Robot, now: Stance, paths: PlannedPaths) -> bool:
     """Tell whether all legs reach at the samples of some paths, which may be a few of a motion."""
     try:

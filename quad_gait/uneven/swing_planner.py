@@ -41,7 +41,7 @@ from quad_gait.uneven.candidates import (
 from quad_gait.uneven.foot_aims import FootAim, FootAims
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
-from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along
+from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along, motion_back
 from quad_gait.uneven.swing_course import PlannedSwing, SwingCourse, SwingTimes, ramp, searched
 from quad_gait.uneven.uneven_options import UnevenOptions
 
@@ -212,6 +212,13 @@ class SwingPlanner:
             return self._swing_along(now, commanded, course)
 
         return first_possible(plan, POSTURES)[0]
+
+    def way_back(self, now: Stance, way: list[Array]) -> PlannedSwing:
+        """Plan the return of a foot by the way that the joints came since it was lifted."""
+        motion = motion_back(self._robot, self._options, now, way)
+        last = len(motion.times) - 1
+        # It is in touch with what it has met at first.
+        return PlannedSwing(motion, 0, last, last, given=last, depth=0.0)
 
     def search(
         self, now: Stance, commanded: Array | None, legs: list[int], quickly: bool = False

@@ -91,8 +91,7 @@ class UnevenStride:
         self._goal, self._order = goal, LegOrder(goal.order)
         self.height_map = height_map
         self._phase, self._touch = _Phase.SEEKING, Touch(robot, options)
-        self._lowered = LoweredFeet(robot, options)
-        self._has_lowered = False
+        self._lowered, self._has_lowered = LoweredFeet(robot, options), False
         self._searches = self._catches = self._raises = 0
         self._return_to: Array | None = None
         self._swinging: PlannedSwing | None = None
@@ -167,11 +166,13 @@ class UnevenStride:
             if self._output.is_done:
                 self._phase = _Phase.OVER
             return None
-        assert self._swinging is not None
-        if self._is_slipping(now, self._swinging):
+        swing = self._swinging
+        assert swing is not None
+        self._output.forget_way_before(swing.lifted_at)
+        if self._is_slipping(now, swing):
             with suppress(GaitError):
                 return self._catch(now)
-        return self._feel(now, self._swinging)
+        return self._feel(now, swing)
 
     def _is_held(self, now: Stance) -> bool:
         """Tell whether a foot that is to be in the air bears load: it has met something."""
@@ -229,13 +230,11 @@ class UnevenStride:
                     return self._go_back(now)
                 self._felt.note_contact(leg, met, self.height_map)
             return self._land(met)
-        if is_felt:
-            return None
-        if not motion.is_done:
+        if not is_felt and not motion.is_done:
             return self._output.go_on(now.time, BIT)
-        if now.loads is None:
+        if not is_felt and now.loads is None:
             return self._land(now)
-        if now.time < motion.end + self._options.reaction_time:
+        if is_felt or now.time < motion.end + self._options.reaction_time:
             return None
         if self._return_to is not None:
             raise FootholdNotFound(LEGS[leg], swing.depth)
@@ -249,10 +248,15 @@ class UnevenStride:
         return self._go_back(now)
 
     def _go_back(self, now: Stance) -> JointTrajectory:
-        """Take a foot back to where it stood."""
+        """Take a foot back to where it stood, or as it came where joints get nowhere else."""
         assert self._stood is not None
         self._return_to = self._stood.place_in(now, self.leg)
-        return self._swing(now)
+        try:
+            return self._swing(now)
+        except GaitError:
+            if len(self._output.way) < 2:
+                raise
+        return self._begin(self._planner.way_back(now, self._output.way))
 
     def _over(self, now: Stance) -> JointTrajectory:
         """Lift a foot over what it has met on its way: beside an edge it bears next to nothing."""
@@ -273,8 +277,7 @@ class UnevenStride:
         lifting = self._output.more(now.time, samples)
         if lifting is None:
             return None
-        unloaded = unloaded_legs(self._robot, now, self._options)
-        hanging = [other for other in unloaded if other != self.leg]
+        hanging = [k for k in unloaded_legs(self._robot, now, self._options) if k != self.leg]
         if hanging and self._searches < _MOST_SEARCHES:
             self._searches += 1
             # Where the legs have no room for it the foot is lifted all the same.

@@ -10,7 +10,7 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.trajectory_gate import JointLimits, velocities_between
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
-from quad_gait.uneven.path_motion import PlannedPaths, motion_along
+from quad_gait.uneven.path_motion import PlannedPaths, motion_along, motion_back
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 ROBOT = load_robot('titan_viii')
@@ -48,6 +48,26 @@ def test_what_is_not_refused_passes_the_gate_between_its_points_too():
             passed += 1
     assert passed > 20
     assert refused > 20
+
+
+@pytest.mark.parametrize('done', [1, 2, 10, 30])
+def test_joints_go_back_the_way_they_came_and_pass_the_gate(done):
+    options, there = (
+        UnevenOptions(),
+        motion_along(ROBOT, UnevenOptions(), STANCE, None, swing(0.6, 0.1)),
+    )
+    way = list(there.positions[: done + 1])
+    back = motion_back(ROBOT, options, STANCE, way)
+    count = len(back.times)
+    positions, velocities = (part.reshape(count, -1) for part in (back.positions, back.velocities))
+    JointLimits.of(ROBOT).check(back.times, positions, velocities)
+    assert back.positions[0] == pytest.approx(way[-1])
+    assert back.positions[-1] == pytest.approx(way[0])
+    assert not velocities[[0, -1]].any()
+    # Nowhere is it off the way by more than what the joints do within a sample.
+    off = np.abs(back.positions[:, None] - np.array(way)).max(axis=(2, 3)).min(axis=1)
+    assert off.max() <= np.abs(np.diff(way, axis=0)).max()
+    assert back.given == count - 1
 
 
 def search(speed, period=0.02):
