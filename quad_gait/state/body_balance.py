@@ -14,7 +14,7 @@ from quad_common.errors import GaitError, SupportTooNarrow
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_gait.state.body_placement import BodyPose, inner_radius
-from quad_gait.state.stance import Stance
+from quad_gait.state.stance import CenterOfMass, Stance
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class BodyBalance:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._center: tuple[Stance | None, Array] = (None, np.zeros(3))
+        self._center = CenterOfMass(robot)
 
     def check_support(self, now: Stance, leg: int, least: float) -> None:
         """
@@ -85,7 +85,7 @@ class BodyBalance:
         -------
         BodyPose
         """
-        body = centered(body, self._center_of_mass(now), inside)
+        body = centered(body, self._center.in_body(now), inside)
         far = self._robot.relative_size * _FAR
         if math.dist(body.position[:2], now.body.position[:2]) <= far:
             return body
@@ -99,19 +99,6 @@ class BodyBalance:
                 break
             body = centered(body, self._robot.center_of_mass(joints), inside)
         return body
-
-    def center(self, now: Stance) -> Array:
-        """Return where the center of mass is, in the frame of the stance, shape (2,) [m]."""
-        place: Array = now.body.transform(self._center_of_mass(now))[:2]
-        return place
-
-    def _center_of_mass(self, now: Stance) -> Array:
-        """Find the center of mass in the body frame, shape (3,) [m]; of a stance once."""
-        stance, center = self._center
-        if stance is not now:
-            center = self._robot.center_of_mass(now.joint_positions)
-            self._center = now, center
-        return center
 
 
 def centered(body: BodyPose, center: Array, inside: Inside) -> BodyPose:

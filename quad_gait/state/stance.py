@@ -107,3 +107,31 @@ class Stance:
 
         feet = body.transform(robot.foot_positions(joints))
         return cls(time, body, feet, joints, find_loads)
+
+
+class CenterOfMass:
+    """
+    Finds the center of mass of a robot as it stands, once for each stance.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._found: tuple[Stance | None, Array] = (None, np.zeros(3))
+
+    def in_body(self, now: Stance) -> Array:
+        """Return where it is in the body frame, shape (3,) [m]."""
+        stance, center = self._found
+        if stance is not now:
+            center = self._robot.center_of_mass(now.joint_positions)
+            self._found = now, center
+        return center
+
+    def over(self, now: Stance) -> Array:
+        """Return where it is in the frame of the stance, shape (2,) [m]."""
+        place: Array = now.body.transform(self.in_body(now))[:2]
+        return place

@@ -14,7 +14,7 @@ from quad_common.robot.leg_moments import GRAVITY
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose
-from quad_gait.state.stance import Stance
+from quad_gait.state.stance import CenterOfMass, Stance
 from quad_gait.uneven.path_motion import turned_by
 from quad_gait.uneven.uneven_options import UnevenOptions
 
@@ -68,7 +68,7 @@ class BodyPace:
     """
 
     def __init__(self, robot: Robot, options: UnevenOptions) -> None:
-        self._radius = robot.footprint_radius
+        self._radius, self._center = robot.footprint_radius, CenterOfMass(robot)
         self._least = options.shift_time
         self._speed = robot.relative_size * options.shift_speed
         center = robot.center_of_mass(robot.initial_joint_angles)
@@ -78,7 +78,7 @@ class BodyPace:
         self._sway = _PEAK * height / (GRAVITY * _SWAY * width)
         self._fall_time = math.sqrt(height / GRAVITY)
 
-    def duration(self, now: Stance, center: Array, end: BodyPose) -> float:
+    def duration(self, now: Stance, end: BodyPose) -> float:
         """
         Return how long the body takes, so that it goes at its speed and does not rock.
 
@@ -86,8 +86,6 @@ class BodyPace:
         ----------
         now : Stance
             The robot as it stands.
-        center : ndarray, shape (2,)
-            Its center of mass, in the frame of the stance [m].
         end : BodyPose
             Where the body is to be.
 
@@ -105,7 +103,7 @@ class BodyPace:
         distance = max(distance, self._radius * float(turned))
         least = max(self._least, math.sqrt(self._sway * math.hypot(*moved[:2])))
         usual = max(least, distance / self._speed)
-        return max(usual, self._balanced(now.feet, center, moved, usual))
+        return max(usual, self._balanced(now.feet, self._center.over(now), moved, usual))
 
     def _balanced(self, feet: Array, center: Array, moved: Array, usual: float) -> float:
         """

@@ -20,7 +20,6 @@ from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_balance import BodyBalance
 from quad_gait.state.body_placement import (
-    BodyPose,
     balanced,
     balanced_on_four,
     body_over,
@@ -255,7 +254,7 @@ class SwingPlanner:
         """Plan how the body is lowered, so that a foot gets farther down."""
         speed = self._scale * self._options.search_speed
         target = now.body.lowered(self._scale * LOWEST)
-        shift = self._shift_time(now, target)
+        shift = self._body_pace.duration(now, target)
         times = self._times(shift + depth / speed + ramp(depth))
         path = np.repeat(now.feet[None], len(times), axis=0)
         path[:, leg, 2] -= searched(times - shift, speed, depth)
@@ -307,7 +306,7 @@ class SwingPlanner:
             target = target.lowered(self._scale * lower)
             target = target.leaning_to(place, fraction, self._scale * self._options.foothold_reach)
             target = self._balance.balanced(target, now, inside)
-            duration = self._shift_time(now, target)
+            duration = self._body_pace.duration(now, target)
             times = self._times(duration)
             progress = minimum_jerk(0.0, duration, times)[0]
             feet = np.repeat(now.feet[None], len(times), axis=0)
@@ -333,7 +332,7 @@ class SwingPlanner:
         inside = partial(balanced, triangle=triangle, margin=scale * margin)
         body = self._balance.balanced(body, now, inside)
 
-        shift = self._shift_time(now, body)
+        shift = self._body_pace.duration(now, body)
         # The body need not be quite there: it is slow at the end of its motion.
         lift = _LIFT_AT * shift
         lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
@@ -372,10 +371,6 @@ class SwingPlanner:
         times = course.telling
         paths = PlannedPaths(times, course.body, course.progress(times), course.feet(times))
         return may_reach(self._robot, now, paths)
-
-    def _shift_time(self, now: Stance, end: BodyPose) -> float:
-        """Return how long the body takes to a pose over its feet [s]."""
-        return self._body_pace.duration(now, self._balance.center(now), end)
 
     def _lasting(self, distance: float, least: float, pace: float) -> float:
         """Return how long a foot takes for a distance [m] at a pace [s]."""

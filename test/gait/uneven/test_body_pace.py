@@ -13,10 +13,16 @@ from quad_gait.uneven.uneven_options import UnevenOptions
 GRAVITY = 9.81
 
 
-def standing_on(robot, feet):
-    """Return a robot that stands with its body level in the origin, on feet (4, 3)."""
-    level = BodyPose(np.zeros(3), 0.0, 0.0, 0.0)
+def standing_on(robot, feet, x=0.0):
+    """Return a robot that stands level on feet (4, 3), its center of mass at an x [m]."""
+    center = robot.center_of_mass(robot.initial_joint_angles)
+    level = BodyPose(np.array([x - center[0], -center[1], 0.0]), 0.0, 0.0, 0.0)
     return Stance(0.0, level, feet, robot.initial_joint_angles, lambda: None)
+
+
+def moved_by(stance, x=0.0, y=0.0):
+    """Return the pose of the body so much farther on [m]."""
+    return BodyPose(stance.body.position + np.array([x, y, 0.0]), 0.0, 0.0, 0.0)
 
 
 def height_of(robot):
@@ -42,8 +48,7 @@ def test_a_body_goes_over_three_feet_without_rocking(name):
     pace = BodyPace(robot, options)
     # Within the feet, where there is room before the motion and behind it.
     for distance in np.linspace(0.005, 0.2, 30) * width:
-        to = BodyPose(np.array([0.0, distance, 0.0]), 0.0, 0.0, 0.0)
-        duration = pace.duration(stance, np.zeros(2), to)
+        duration = pace.duration(stance, moved_by(stance, y=distance))
         usual = max(options.shift_time, distance / (scale * options.shift_speed))
         assert duration >= usual
         if name != 'a1':
@@ -68,12 +73,10 @@ def test_where_feet_leave_little_room_the_body_goes_so_slowly_that_it_does_not_t
     # Both pairs are so far from where the body is, or is to be.
     start, end = 0.25 * reach, -0.25 * reach
     feet[:2, 0], feet[2:, 0] = start + room * reach, end - room * reach
-    stance = standing_on(robot, feet)
     if is_backward:
         start, end = end, start
-    pace = BodyPace(robot, options)
-    to = BodyPose(np.array([end - start, 0.0, 0.0]), 0.0, 0.0, 0.0)
-    duration = pace.duration(stance, np.array([start, 0.0]), to)
+    stance = standing_on(robot, feet, start)
+    duration = BodyPace(robot, options).duration(stance, moved_by(stance, x=end - start))
     points = zero_moment_points(height_of(robot), start, end, duration)
     within = 0.5 * room * reach
     low, high = min(start, end) - within, max(start, end) + within
@@ -87,8 +90,6 @@ def test_where_feet_leave_little_room_the_body_goes_so_slowly_that_it_does_not_t
 def test_where_there_is_no_room_the_body_does_not_take_for_ever():
     robot, options = load_robot('titan_viii'), UnevenOptions()
     pace = BodyPace(robot, options)
-    stance = standing_on(robot, robot.neutral_feet)
-    outside = np.array([0.5, 0.0])
+    outside = standing_on(robot, robot.neutral_feet, 0.5)
     for x, most in ((0.1, 1.5), (0.5, 2.5)):
-        to = BodyPose(np.array([x, 0.0, 0.0]), 0.0, 0.0, 0.0)
-        assert 0.4 < pace.duration(stance, outside, to) <= most
+        assert 0.4 < pace.duration(outside, moved_by(outside, x=x)) <= most
