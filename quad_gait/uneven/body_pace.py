@@ -49,10 +49,10 @@ def _excursions(sways: Array) -> Array:
 
 
 _SWAYS: Array = np.geomspace(1e-3, 10.0, 81).astype(np.float64)
-"""Heights of the center of mass over gravity and the square of a motion's duration."""
+"""Heights of the center of mass, over gravity times the square of a motion's duration."""
 
 _EXCURSIONS = _excursions(_SWAYS)
-"""How far the zero moment point then goes beyond the end, over the distance."""
+"""Distances by which the zero moment point then goes beyond the end, over the motion's."""
 
 
 class BodyPace:
