@@ -94,20 +94,11 @@ def motion_along(
     joints = np.clip(joints, robot.lower, robot.upper)
     joints = joints[: _stoppable(robot, joints, sure, options.reaction_time / times[1])]
     times = times[: len(joints)]
-    velocities = np.gradient(joints, times, axis=0)
-    velocities[0] = velocities[-1] = 0.0
-    _check_speeds(robot, times, joints, velocities)
-    check_nearing_parts(robot, times, joints)
     last = len(times) - 1
-    return JointMotion(
-        robot.joint_names,
-        times,
-        joints,
-        velocities,
-        np.broadcast_to(robot.velocity, (4, 3)).reshape(-1),
-        start=now.time + options.reaction_time,
-        given=last if paths.given is None else min(paths.given, last),
-    )
+    given = last if paths.given is None else min(paths.given, last)
+    motion = _motion(robot, times, joints, now.time + options.reaction_time, given)
+    check_nearing_parts(robot, times, joints)
+    return motion
 
 
 def motion_back(robot: Robot, options: UnevenOptions, now: Stance, way: list[Array]) -> JointMotion:
@@ -144,18 +135,16 @@ def motion_back(robot: Robot, options: UnevenOptions, now: Stance, way: list[Arr
     part = (places - before)[:, None, None]
     passed = np.array(way)
     joints = (1.0 - part) * passed[before] + part * passed[before + 1]
+    return _motion(robot, times, joints, now.time + options.reaction_time, len(times) - 1)
+
+
+def _motion(robot: Robot, times: Array, joints: Array, start: float, given: int) -> JointMotion:
+    """Make a motion of samples (n, 4, 3) that ends at rest; a joint may be too slow for it."""
     velocities = np.gradient(joints, times, axis=0)
     velocities[0] = velocities[-1] = 0.0
     _check_speeds(robot, times, joints, velocities)
-    return JointMotion(
-        robot.joint_names,
-        times,
-        joints,
-        velocities,
-        np.broadcast_to(robot.velocity, (4, 3)).reshape(-1),
-        start=now.time + options.reaction_time,
-        given=len(times) - 1,
-    )
+    fastest = np.broadcast_to(robot.velocity, (4, 3)).reshape(-1)
+    return JointMotion(robot.joint_names, times, joints, velocities, fastest, start, given)
 
 
 def may_reach(robot: Robot, now: Stance, paths: PlannedPaths) -> bool:
