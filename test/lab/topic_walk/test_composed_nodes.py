@@ -10,9 +10,12 @@ import pytest
 pytest.importorskip('nav_msgs')
 
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
+from quad_common.ros.run_node import make_executor
+from quad_lab.topic_walk import composed_nodes
 from quad_lab.topic_walk.composed_nodes import ComposedNodes
 from quad_lab.topic_walk.node_processes import isolated_domain
 
@@ -71,7 +74,9 @@ def test_those_that_do_not_fit_are_not_waited_for():
         assert publisher.get_subscription_count() == 0
 
 
-def test_what_comes_behind_much_that_nobody_counts_is_waited_for():
+@pytest.mark.parametrize('make', [make_executor, SingleThreadedExecutor])
+def test_what_comes_behind_much_that_nobody_counts_is_waited_for(monkeypatch, make):
+    monkeypatch.setattr(composed_nodes, 'make_executor', make)
     # As each clock does, by the timers that it sets: a simulation over MuJoCo ran ahead of its
     # camera and of all who listened to odometry.
     with composed_with('talker', 'listener') as (nodes, talker, listener):
