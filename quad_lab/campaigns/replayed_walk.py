@@ -4,7 +4,6 @@ Finds one walk of a campaign by its seed or its key, and compares figures bit fo
 
 from __future__ import annotations
 
-import re
 import struct
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -17,7 +16,8 @@ from quad_lab.campaigns.result_store import ResultStore
 from quad_lab.seeded_walks.walk_figures import WalkFigures
 from quad_lab.seeded_walks.walk_task import Job, Result, key_of
 
-_SEED = re.compile(r'[0-9]{1,10}')
+_LEAST_KEY = 6
+"""Characters of a key that name a walk at least: fewer would be met by chance."""
 
 
 @dataclass(eq=False, repr=False)
@@ -40,8 +40,9 @@ class WalkNotFound(QuadError):
                 f'its key, {keys}{", ..." if len(self.found) > 5 else ""}'
             )
         return (
-            f'{self.campaign} has no walk of seed or key {quoted(self.walk)}; summary.json in the '
-            f"campaign's folder has those of failed walks, results those of all"
+            f'{self.campaign} has no walk of seed or key {quoted(self.walk)} (of a key at least '
+            f"{_LEAST_KEY} characters); summary.json in the campaign's folder has those of failed "
+            f'walks, results those of all'
         )
 
 
@@ -56,7 +57,8 @@ def find_walk(spec: CampaignSpec, folder: Path, walk: str) -> tuple[Job, Result 
     folder : Path
         Its results, which need not be there unless it tunes.
     walk : str
-        Seed of the walk, or beginning of the key of its result.
+        Seed of the walk, or beginning of the key of its result, of at least six characters. A key
+        may begin with digits alone: what is no seed of the campaign is looked for among keys.
 
     Returns
     -------
@@ -73,9 +75,8 @@ def find_walk(spec: CampaignSpec, folder: Path, walk: str) -> tuple[Job, Result 
     kept = ResultStore(folder).results if folder.is_dir() else {}
     jobs = {} if spec.tuning is not None else {key_of(job): job for job in jobs_of(spec)}
     jobs = {**{key: result.job for key, result in kept.items()}, **jobs}
-    if _SEED.fullmatch(walk):
-        found = [key for key, job in jobs.items() if job.seed == int(walk)]
-    else:
+    found = [key for key, job in jobs.items() if str(job.seed) == walk]
+    if not found and len(walk) >= _LEAST_KEY:
         found = [key for key in jobs if key.startswith(walk)]
     # Results of other code stay in the folder: the campaign's own walk is the one that is meant.
     own = [key for key in found if key == key_of(jobs[key])] or found

@@ -7,6 +7,7 @@ import pytest
 from campaign_parts import BEST, GRID, TUNED, ShuffledPool, figures_of
 
 from quad_common.errors import FileUnusable, QuadError
+from quad_lab.campaigns import replayed_walk
 from quad_lab.campaigns.campaign_run import run_campaign
 from quad_lab.campaigns.jobs import jobs_of
 from quad_lab.campaigns.replayed_walk import WalkNotFound, differing, find_walk
@@ -157,8 +158,20 @@ def test_a_walk_is_found_by_its_seed_and_by_its_key(tmp_path):
         assert same(kept, wanted)
     job, kept = find_walk(GRID, tmp_path / 'nothing', str(wanted.job.seed))
     assert (job, kept) == (wanted.job, None)
-    with pytest.raises(WalkNotFound, match='no walk of seed or key'):
-        find_walk(GRID, tmp_path, '1')
+    # Fewer characters would name a walk by chance, and none names all of them.
+    for text in (key_of(wanted.job)[:5], ''):
+        with pytest.raises(WalkNotFound, match='no walk of seed or key'):
+            find_walk(GRID, tmp_path, text)
+
+
+def test_a_key_that_begins_with_digits_alone_is_no_seed(tmp_path, monkeypatch):
+    def digits(job):
+        return f'99247{int(key_of(job), 16) % 100_000:05d}abcdef'
+
+    monkeypatch.setattr(replayed_walk, 'key_of', digits)
+    wanted = jobs_of(GRID)[5]
+    assert find_walk(GRID, tmp_path / 'nothing', digits(wanted)[:10]) == (wanted, None)
+    assert find_walk(GRID, tmp_path / 'nothing', str(wanted.seed)) == (wanted, None)
 
 
 def test_a_seed_of_several_candidates_needs_the_key(tmp_path):
