@@ -50,6 +50,7 @@ from quad_common.errors.gaits import LeftPath as LeftPath
 from quad_common.errors.gaits import PartsTooNear as PartsTooNear
 from quad_common.errors.gaits import RobotIsLame as RobotIsLame
 from quad_common.errors.gaits import RobotStaysStill as RobotStaysStill
+from quad_common.errors.gaits import ShinTooNear as ShinTooNear
 from quad_common.errors.gaits import SingularPosture as SingularPosture
 from quad_common.errors.gaits import SupportTooNarrow as SupportTooNarrow
 from quad_common.errors.gaits import UnstableCycle as UnstableCycle

@@ -132,6 +132,18 @@ class PartsTooNear(GaitError):
 
 
 @dataclass(eq=False, repr=False)
+class ShinTooNear(GaitError):
+    """The shin of a leg that stands would come too near to the ground."""
+
+    leg: str
+    """Name of the leg, for example ``lf``."""
+
+    def sentence(self) -> str:
+        """Say of which leg."""
+        return f'the shin of {self.leg} would come too near to the ground'
+
+
+@dataclass(eq=False, repr=False)
 class FootholdNotFound(GaitError):
     """A foot was lowered as far as it goes and met no ground."""
 

@@ -7,9 +7,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import ShinTooNear
 from quad_common.footing.shin import points_on_shins
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot.robot import Robot
+from quad_common.robot.robot_build import LEGS
 
 Array = NDArray[np.float64]
 
@@ -58,6 +60,25 @@ class ShinRoom:
         points = np.einsum('nij,nkmj->nkmi', rotations, points_on_shins(self._robot, arms))
         placed: Array = points + positions[:, None, None]
         return placed
+
+    def check(self, position: Array, rotation: Array, stances: Array) -> None:
+        """
+        Raise ShinTooNear if the ground is in a shin's way.
+
+        Parameters
+        ----------
+        position : ndarray, shape (3,)
+            Where the body is [m].
+        rotation : ndarray, shape (3, 3)
+            From its axes to the frame's.
+        stances : ndarray, shape (n, 4, 3)
+            Centers of the feet [m].
+        """
+        positions = np.broadcast_to(position, (len(stances), 3))
+        rotations = np.broadcast_to(rotation, (len(stances), 3, 3))
+        touched = self.touched(self.points(positions, rotations, stances)).any(axis=0)
+        if touched.any():
+            raise ShinTooNear(LEGS[int(np.argmax(touched))])
 
     def touched(self, points: Array) -> NDArray[np.bool_]:
         """

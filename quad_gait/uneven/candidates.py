@@ -41,6 +41,9 @@ VARIANTS = sorted(
 """Kinds of swings in the order in which they are tried: fraction of the step, tilt, lowering, and
 fraction of the height that the foot is to be above the ground."""
 
+LEVEL_VARIANTS = [kind for kind in VARIANTS if kind[0] >= 0.5 and kind[1] == 0.0]
+"""Those in which the body stays level and the step is no less than half as long."""
+
 _PACES = (1.0, 0.6, 0.35)
 """Fractions of its speed at which a foot goes to a foothold that was chosen for it."""
 

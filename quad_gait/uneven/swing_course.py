@@ -6,17 +6,24 @@ A foot feels for the ground straight down, gently at first.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.footing.shin_room import ShinRoom
+from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.uneven.foot_aims import FootAim
+from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 
 Array = NDArray[np.float64]
+
+_STAIRS = 0.1
+"""Rise of the plane through the feet from which on shins are at edges wherever the body goes."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,30 @@ class SwingCourse:
     def sure(self) -> int:
         """Sample at which the foot is where the ground should be."""
         return self.sample_at(self.at.low + self.aim.above / self.search_speed)
+
+    def check_shins(self, robot: Robot, ground: GroundModel, clearance: float) -> None:
+        """
+        Raise ShinTooNear if one comes too near to the ground where the body goes.
+
+        Before the foot is lifted, unless it is in the air, and after it has come down; not on
+        stairs.
+
+        Parameters
+        ----------
+        robot : Robot
+            The robot.
+        ground : GroundModel
+            What is known of the ground.
+        clearance : float
+            Distance of shins from it [m].
+        """
+        if ground.height_map is None or math.hypot(*ground.slope) > _STAIRS:
+            return
+        after = self.standing.copy()
+        after[self.leg] = self.aim.target
+        stances = np.stack([self.standing, after] if self.stands else [after])
+        room = ShinRoom(robot, clearance, ground.height_map, ground.shift)
+        room.check(self.body.position, self.body.rotation, stances)
 
     def progress(self, times: Array) -> Array:
         """Return which fraction of the body's motion is done at some times, (m,) [s]."""

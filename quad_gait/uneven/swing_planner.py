@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.errors import GaitError
 from quad_common.footing.shin import shin_points
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
@@ -30,6 +31,7 @@ from quad_gait.uneven.body_pace import BodyPace
 from quad_gait.uneven.candidates import (
     IN_PLACE,
     LEANS,
+    LEVEL_VARIANTS,
     LOWEST,
     POSTURES,
     QUICK_SEARCHES,
@@ -143,14 +145,18 @@ class SwingPlanner:
             If they can do none.
         """
         start, feels, aims = now.feet[leg], now.loads is not None, self._aims
+        shin_clearance = self._scale * self._options.shin_clearance
         shin = shin_points(self._robot, leg, place - start[:2], now.body.yaw)
         if stands:
             self._balance.check_support(now, leg, self._scale * self._options.least_margin)
 
         @cache
+        def target(fraction: float) -> Array:
+            return aims.target(ground, start, place, fraction, shin)
+
+        @cache
         def aim(fraction: float, clearance: float) -> FootAim:
-            target = aims.target(ground, start, place, fraction, shin)
-            return aims.aim(ground, start, target, feels, clearance)
+            return aims.aim(ground, start, target(fraction), feels, clearance)
 
         @cache
         def course(fraction: float, tilt: float, lower: float, clearance: float) -> SwingCourse:
@@ -160,10 +166,18 @@ class SwingPlanner:
         def plan(*kind: float) -> tuple[float, PlannedSwing]:
             return kind[0], self._swing_along(now, commanded, course(*kind))
 
+        def plan_free(*kind: float) -> tuple[float, PlannedSwing]:
+            course(*kind).check_shins(self._robot, ground, clearance=shin_clearance)
+            return plan(*kind)
+
         def may_do(*kind: float) -> bool:
             return self._may_reach(now, course(*kind))
 
-        (fraction, swing), problem = first_possible(plan, VARIANTS, may_do)
+        try:
+            (fraction, swing), problem = first_possible(plan_free, LEVEL_VARIANTS, may_do)
+        except GaitError:
+            # A shin at an edge is the smaller evil.
+            (fraction, swing), problem = first_possible(plan, VARIANTS, may_do)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )

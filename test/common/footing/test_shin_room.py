@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from quad_common.errors import ShinTooNear
 from quad_common.footing.shin_room import ShinRoom
 from quad_common.maps.height_map import HeightMap
 from quad_common.robot_files.robot_file import load_robot
@@ -55,3 +56,20 @@ def test_neither_what_is_beyond_reach_nor_what_is_not_known_touches():
     assert room.touched(points).tolist() == [[True, False, True, True]]
     unknown = LEVEL.with_heights(np.full_like(LEVEL.heights, np.nan))
     assert not ShinRoom(ROBOT, 0.01, unknown).touched(points).any()
+
+
+def test_the_first_leg_whose_shin_touches_in_a_stance_is_named():
+    (position,), (rotation,), (feet,) = placed()
+    points = ShinRoom(ROBOT, 0.01, LEVEL).points(position[None], rotation[None], feet[None])
+    knee = points[0, 2, -1]
+    near = np.hypot(*np.moveaxis(LEVEL.centers - knee[:2], -1, 0)) < 0.03
+    post = LEVEL.with_heights(np.where(near, knee[2], -1.0))
+    room = ShinRoom(ROBOT, 0.01, post)
+    with pytest.raises(ShinTooNear, match='shin of lh would come too near'):
+        room.check(position, rotation, feet[None])
+    # As the body is higher, or nowhere near.
+    room.check(position + [0.0, 0.0, 0.2], rotation, feet[None] + [0.0, 0.0, 0.2])
+    aside = feet + [0.5, 0.0, 0.0]
+    room.check(position + [0.5, 0.0, 0.0], rotation, aside[None])
+    with pytest.raises(ShinTooNear):
+        room.check(position, rotation, np.stack([aside, feet]))

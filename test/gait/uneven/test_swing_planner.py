@@ -1,11 +1,15 @@
 """Swings are chosen of many kinds: the same ones, however quickly the others are passed over."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from quad_common.errors import GaitError, SupportTooNarrow
+from quad_common.errors import GaitError, ShinTooNear, SupportTooNarrow
+from quad_common.footing.shin_room import ShinRoom
 from quad_common.maps.height_map import HeightMap
 from quad_common.planar_pose import Pose2D
+from quad_common.robot.robot_build import LEGS
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.state.body_placement import BodyPose
 from quad_gait.state.stance import Stance
@@ -18,13 +22,14 @@ JOINTS = ROBOT.initial_joint_angles
 FEET = ROBOT.foot_positions(JOINTS)
 STANCE = Stance(0.0, BodyPose(np.zeros(3), 0.0, 0.0, 0.0), FEET, JOINTS, lambda: np.ones(4))
 UNDER = FEET - [0.0, 0.0, ROBOT.foot_radius]
+LEVEL = HeightMap.level((-2.0, -2.0, 2.0, 2.0), 0.02)
+LEVEL_ROOM = ShinRoom(ROBOT, 0.0, LEVEL)
 
 
 def hole(depth):
     """Ground with a hole where the left fore foot is to go."""
-    level = HeightMap.level((-2.0, -2.0, 2.0, 2.0), 0.02)
-    off = np.hypot(*np.moveaxis(level.centers - FEET[0, :2] - [0.3, 0.0], -1, 0))
-    return GroundModel.through(UNDER, level.with_heights(np.where(off < 0.2, -depth, 0.0)))
+    off = np.hypot(*np.moveaxis(LEVEL.centers - FEET[0, :2] - [0.3, 0.0], -1, 0))
+    return GroundModel.through(UNDER, LEVEL.with_heights(np.where(off < 0.2, -depth, 0.0)))
 
 
 def planned(ground, stride, kind):
@@ -44,6 +49,76 @@ def test_a_quick_look_passes_over_no_swing_that_is_possible(monkeypatch, kind, d
     quick = [planned(hole(depth), stride, kind) for stride in strides]
     monkeypatch.setattr(SwingPlanner, '_may_reach', lambda *_: True)
     assert quick == [planned(hole(depth), stride, kind) for stride in strides]
+
+
+def left_behind(leg):
+    """The robot with a foot that has not come with the others: its shin leans."""
+    feet = FEET.copy()
+    feet[leg, :2] += [-0.1, 0.12 * np.sign(FEET[leg, 1])]
+    joints = np.array(
+        [kinematics.inverse(foot) for kinematics, foot in zip(ROBOT.legs, feet, strict=True)]
+    )
+    return replace(STANCE, feet=feet, joint_positions=joints)
+
+
+def chosen(monkeypatch, now, ground):
+    """What is said of a step of the left fore foot, and its course."""
+    courses, along = [], SwingPlanner._swing_along
+
+    def noted(self, now, commanded, course):
+        courses.append(course)
+        return along(self, now, commanded, course)
+
+    monkeypatch.setattr(SwingPlanner, '_swing_along', noted)
+    planner = SwingPlanner(ROBOT, UnevenOptions(), 0.06)
+    swing = planner.swing(now, None, ground, 0, now.feet[0, :2] + [0.1, 0.0])
+    return swing.limit, courses[-1]
+
+
+def touches(ground, course):
+    """Tell whether a shin comes too near to the ground where the body goes."""
+    try:
+        course.check_shins(ROBOT, ground, UnevenOptions().shin_clearance)
+    except ShinTooNear:
+        return True
+    return False
+
+
+@pytest.mark.parametrize('leg', [2, 3])
+def test_the_body_goes_where_shins_of_legs_that_stand_are_free(monkeypatch, leg):
+    now = left_behind(leg)
+    level = GroundModel.through(now.feet - [0.0, 0.0, ROBOT.foot_radius], LEVEL)
+    limit, before = chosen(monkeypatch, now, level)
+    assert limit == ''
+    body = before.body
+    points = LEVEL_ROOM.points(body.position[None], body.rotation[None], now.feet[None])[0, leg]
+    foot, lean = points[0, :2], points[-1, :2] - points[0, :2]
+    away = LEVEL.centers - foot
+    is_under = (away @ lean / np.hypot(*lean) > 0.08) & (np.linalg.norm(away, axis=-1) < 0.16)
+
+    def stone(height):
+        """Ground with a stone under the shin, near its foot."""
+        return replace(level, height_map=LEVEL.with_heights(np.where(is_under, height, 0.0)))
+
+    # Just so high that the shin comes too near to it.
+    height = next(h for h in np.arange(0.01, 0.2, 0.002) if touches(stone(h), before))
+    limit, after = chosen(monkeypatch, now, stone(height))
+    assert not touches(stone(height), after)
+    assert not limit or limit.endswith(f'the shin of {LEGS[leg]} would come too near to the ground')
+    # On stairs shins are at edges anyway: other postures are no better.
+    steep = replace(stone(height), slope=np.array([0.3, 0.0]))
+    assert not touches(steep, before)
+
+
+def test_a_step_is_done_with_a_shin_at_an_edge_where_none_is_without(monkeypatch):
+    level = GroundModel.through(UNDER, LEVEL)
+    before = planned(level, 0.2, 'swing')
+
+    def touch(*_):
+        raise ShinTooNear('lf')
+
+    monkeypatch.setattr(ShinRoom, 'check', touch)
+    assert planned(level, 0.2, 'swing') == before
 
 
 def test_a_foothold_is_looked_for_once_for_each_length_of_a_step(monkeypatch):
