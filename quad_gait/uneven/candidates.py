@@ -44,6 +44,9 @@ fraction of the height that the foot is to be above the ground."""
 LEVEL_VARIANTS = [kind for kind in VARIANTS if kind[0] >= 0.5 and kind[1] == 0.0]
 """Those in which the body stays level and the step is no less than half as long."""
 
+STRAINED_VARIANTS = [(*kind, 1.0) for kind in VARIANTS if kind[3] == 1.0]
+"""Those with less margin, where legs do not reach otherwise."""
+
 _PACES = (1.0, 0.6, 0.35)
 """Fractions of its speed at which a foot goes to a foothold that was chosen for it."""
 

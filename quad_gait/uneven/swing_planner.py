@@ -36,6 +36,7 @@ from quad_gait.uneven.candidates import (
     POSTURES,
     QUICK_SEARCHES,
     SEARCHES,
+    STRAINED_VARIANTS,
     VARIANTS,
     first_possible,
 )
@@ -159,9 +160,10 @@ class SwingPlanner:
             return aims.aim(ground, start, target(fraction), feels, clearance)
 
         @cache
-        def course(fraction: float, tilt: float, lower: float, clearance: float) -> SwingCourse:
+        def course(*kind: float) -> SwingCourse:
+            fraction, tilt, lower, clearance, *less = kind
             swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=stands)
-            return self._course(now, ground, swing, _Posture(tilt, lower))
+            return self._course(now, ground, swing, _Posture(tilt, lower, bool(less)))
 
         def plan(*kind: float) -> tuple[float, PlannedSwing]:
             return kind[0], self._swing_along(now, commanded, course(*kind))
@@ -177,7 +179,8 @@ class SwingPlanner:
             (fraction, swing), problem = first_possible(plan_free, LEVEL_VARIANTS, may_do)
         except GaitError:
             # A shin at an edge is the smaller evil.
-            (fraction, swing), problem = first_possible(plan, VARIANTS, may_do)
+            kinds = (*VARIANTS, *STRAINED_VARIANTS)
+            (fraction, swing), problem = first_possible(plan, kinds, may_do)
         return (
             swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
         )

@@ -51,14 +51,17 @@ def test_a_quick_look_passes_over_no_swing_that_is_possible(monkeypatch, kind, d
     assert quick == [planned(hole(depth), stride, kind) for stride in strides]
 
 
+def standing(feet):
+    """The robot with its feet at some places, the body as in the initial posture."""
+    joints = [kinematics.inverse(foot) for kinematics, foot in zip(ROBOT.legs, feet, strict=True)]
+    return replace(STANCE, feet=feet, joint_positions=np.array(joints))
+
+
 def left_behind(leg):
     """The robot with a foot that has not come with the others: its shin leans."""
     feet = FEET.copy()
     feet[leg, :2] += [-0.1, 0.12 * np.sign(FEET[leg, 1])]
-    joints = np.array(
-        [kinematics.inverse(foot) for kinematics, foot in zip(ROBOT.legs, feet, strict=True)]
-    )
-    return replace(STANCE, feet=feet, joint_positions=joints)
+    return standing(feet)
 
 
 def chosen(monkeypatch, now, ground):
@@ -119,6 +122,19 @@ def test_a_step_is_done_with_a_shin_at_an_edge_where_none_is_without(monkeypatch
 
     monkeypatch.setattr(ShinRoom, 'check', touch)
     assert planned(level, 0.2, 'swing') == before
+
+
+@pytest.mark.parametrize('leg', [2, 3])
+def test_a_foot_that_was_left_behind_is_fetched_with_less_margin(leg):
+    feet = FEET - [[0.265 * (leg == other), 0.0, 0.0] for other in range(4)]
+    now = standing(feet)
+    ground = GroundModel.through(feet - [0.0, 0.0, ROBOT.foot_radius], LEVEL)
+    options = UnevenOptions()
+    strict = replace(options, least_margin=options.margin)
+    with pytest.raises(GaitError, match=f'foot {LEGS[leg]} would have to be'):
+        SwingPlanner(ROBOT, strict, 0.06).swing(now, None, ground, leg, FEET[leg, :2])
+    swing = SwingPlanner(ROBOT, options, 0.06).swing(now, None, ground, leg, FEET[leg, :2])
+    assert swing.limit == ''
 
 
 def test_a_foothold_is_looked_for_once_for_each_length_of_a_step(monkeypatch):
