@@ -7,6 +7,7 @@ the picture only. So taking pictures cannot disturb the simulation.
 
 from __future__ import annotations
 
+import atexit
 import importlib
 import os
 import weakref
@@ -81,9 +82,12 @@ class MujocoScene:
         self._canvases: list[_Canvas] = []
         self._state: Any = None
         self._gl = _gl_context()
-        # Also where it is not closed: at the interpreter's end it would be too late.
         self.close = weakref.finalize(self, _release, self._gl, self._canvases)
         """Release what OpenGL holds."""
+        # Also where it is never closed, and before the display is: that was registered just now,
+        # and what was registered last is called first.
+        self.close.atexit = False
+        atexit.register(self.close)
 
     def render(
         self,

@@ -1,6 +1,8 @@
 """MuJoCo's pictures and window, where there is nothing to draw them with."""
 
 import importlib
+import subprocess
+import sys
 
 import pytest
 
@@ -43,3 +45,16 @@ def test_without_a_screen_a_window_is_refused(monkeypatch):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(NoDisplay, match=r'there is no screen for a window .* run it without gui'):
         make_simulator('mujoco', ROBOT, None, gui=True)
+
+
+def test_a_simulator_that_draws_and_is_never_closed_ends_in_silence():
+    script = (
+        'from quad_common.robot_files.robot_file import load_robot\n'
+        'from quad_sim.engines.registry import make_simulator\n'
+        'simulator = make_simulator("mujoco", load_robot("genibo"), None)\n'
+        'simulator.prepare_pictures()\n'
+    )
+    ended = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True)
+    if 'need EGL or OSMesa' in ended.stderr:
+        pytest.skip("nothing draws MuJoCo's pictures here")
+    assert (ended.returncode, ended.stderr) == (0, '')
