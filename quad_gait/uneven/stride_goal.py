@@ -137,7 +137,7 @@ class LegOrder:
 
     def bring_hanging(self, legs: list[int]) -> bool:
         """Let a leg swing next whose foot hangs, if it is the only one, and has not swung yet."""
-        if len(legs) > 1 or legs[0] not in self.ahead:
+        if len(legs) != 1 or legs[0] not in self.ahead:
             return False
         self.bring_forward(legs)
         self.hangs = True

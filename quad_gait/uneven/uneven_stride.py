@@ -176,10 +176,13 @@ class UnevenStride:
 
     def _is_held(self, now: Stance) -> bool:
         """Tell whether a foot that is to be in the air bears load: it has met something."""
-        legs = np.flatnonzero(~self.in_contact)
+        motion, swing, legs = self._output.motion, self._swinging, []
         if self._phase is _Phase.SEEKING:
-            legs = np.array(self._lowered.legs)
-        return bool(np.isin(legs, loaded_legs(self._robot, now, self._options)).any())
+            legs = self._lowered.legs
+        elif motion is not None and swing is not None and motion.done >= swing.feels_from:
+            # Before, it may well bear load: what lifts it has not come to the joints.
+            legs = [self.leg]
+        return not set(legs).isdisjoint(loaded_legs(self._robot, now, self._options))
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
@@ -295,6 +298,8 @@ class UnevenStride:
         lowering = self._lower(now, hanging) if hanging else None
         if lowering is not None:
             return lowering
+        if not self._goal.is_exact:
+            self._order.bring_hanging(lowered.in_vain(now))
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)

@@ -356,6 +356,35 @@ def test_a_foot_in_the_air_that_gets_no_farther_down_swings_first(monkeypatch, l
 
 
 @pytest.mark.parametrize('leg', range(4))
+def test_a_foot_that_was_lowered_in_vain_swings_first(leg):
+    """Another one was lifted, the body led over a foot that hung in the air, and the robot fell."""
+    legs, stride = Legs(), stride_for()
+    legs.ground[leg] -= 0.12
+    before = legs.measure().feet[leg, 2]
+    # As long as it is lowered, and until something else is planned.
+    legs.run(stride, 0.8)
+    assert legs.measure().feet[leg, 2] < before - 0.05
+    assert stride.leg == leg
+
+
+def test_a_lift_that_never_came_to_the_joints_is_given_out_again():
+    """The foot that was to be in the air stood still: that was taken for something it had met."""
+    legs, stride = Legs(), stride_for()
+    while stride.in_contact[2]:
+        legs.run(stride, 0.02)
+    # It was lost, with the foot still on the ground.
+    legs.bearing = [0, 1, 2, 3]
+    stood, due, again = below_its_neighbour(legs.measure().feet)[0], stride.end, None
+    while again is None:
+        legs.time += 0.02
+        assert legs.time < due + 2.0
+        again = stride.update(legs.measure())
+    assert legs.time > due - 1.0
+    lifted = below_its_neighbour(TITAN.foot_positions(again.positions[-1].reshape(4, 3)))[0]
+    assert lifted < stood - 0.01
+
+
+@pytest.mark.parametrize('leg', range(4))
 def test_no_other_foot_is_lifted_while_one_hangs_in_the_air(monkeypatch, leg):
     legs, stride = Legs(), stride_for()
     legs.ground[leg] -= 0.02
