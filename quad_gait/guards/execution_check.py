@@ -52,7 +52,7 @@ class ExecutionCheck:
         """Say what is wrong, with the numbers."""
         return (
             f'no joint has followed a trajectory for {self._unfollowed:.0f} s: '
-            "is the controller that executes 'joint_trajectory' running?"
+            "is the controller that executes 'joint_trajectory' running, and nothing in the way?"
         )
 
     def update(self, time: float, unfollowed: float) -> None:
