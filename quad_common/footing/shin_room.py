@@ -63,7 +63,7 @@ class ShinRoom:
 
     def check(self, position: Array, rotation: Array, stances: Array) -> None:
         """
-        Raise ShinTooNear if the ground is in a shin's way.
+        Raise ShinTooNear if a shin is nearer to the ground than the clearance in any stance.
 
         Parameters
         ----------

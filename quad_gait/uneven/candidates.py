@@ -41,11 +41,15 @@ VARIANTS = sorted(
 """Kinds of swings in the order in which they are tried: fraction of the step, tilt, lowering, and
 fraction of the height that the foot is to be above the ground."""
 
-LEVEL_VARIANTS = [kind for kind in VARIANTS if kind[0] >= 0.5 and kind[1] == 0.0]
-"""Those in which the body stays level and the step is no less than half as long."""
+_LONG_VARIANTS = [kind for kind in VARIANTS if kind[0] >= 0.5]
+"""Those of steps that are no less than half as long."""
 
-STRAINED_VARIANTS = [(*kind, 1.0) for kind in VARIANTS if kind[3] == 1.0]
-"""Those with less margin, where legs do not reach otherwise."""
+LEVEL_VARIANTS = [kind for kind in _LONG_VARIANTS if kind[1] == 0.0]
+"""Those of them in which the body stays level, tried where a shin would meet an edge."""
+
+STRAINED_VARIANTS = [(*kind, 1.0) for kind in _LONG_VARIANTS if kind[3] == 1.0]
+"""Those of them that are lifted as high as usual, with the center of mass less far inside the other
+feet, as a fifth number says: tried last, where legs do not reach otherwise."""
 
 _PACES = (1.0, 0.6, 0.35)
 """Fractions of its speed at which a foot goes to a foothold that was chosen for it."""

@@ -7,6 +7,7 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
 from typing import NamedTuple
@@ -165,25 +166,25 @@ class SwingPlanner:
             swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=stands)
             return self._course(now, ground, swing, _Posture(tilt, lower, bool(less)))
 
-        def plan(*kind: float) -> tuple[float, PlannedSwing]:
-            return kind[0], self._swing_along(now, commanded, course(*kind))
-
-        def plan_free(*kind: float) -> tuple[float, PlannedSwing]:
-            course(*kind).check_shins(self._robot, ground, clearance=shin_clearance)
-            return plan(*kind)
+        def plan(*kind: float) -> tuple[tuple[float, ...], PlannedSwing]:
+            return kind, self._swing_along(now, commanded, course(*kind))
 
         def may_do(*kind: float) -> bool:
             return self._may_reach(now, course(*kind))
 
+        def plan_free(*kind: float) -> tuple[tuple[float, ...], PlannedSwing]:
+            course(*kind).check_shins(self._robot, ground, shin_clearance)
+            return plan(*kind)
+
+        (kind, swing), problem = first_possible(plan, (*VARIANTS, *STRAINED_VARIANTS), may_do)
         try:
-            (fraction, swing), problem = first_possible(plan_free, LEVEL_VARIANTS, may_do)
-        except GaitError:
-            # A shin at an edge is the smaller evil.
-            kinds = (*VARIANTS, *STRAINED_VARIANTS)
-            (fraction, swing), problem = first_possible(plan, kinds, may_do)
-        return (
-            swing if fraction == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
-        )
+            course(*kind).check_shins(self._robot, ground, shin_clearance)
+        except GaitError as too_near:
+            # A shin at an edge is the smaller evil, where there is no other way.
+            with suppress(GaitError):
+                (kind, swing), _ = first_possible(plan_free, LEVEL_VARIANTS, may_do)
+                problem = too_near
+        return swing if kind[0] == 1.0 else replace(swing, limit=f'a step was shortened: {problem}')
 
     def swing_onto(
         self,

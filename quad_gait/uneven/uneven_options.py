@@ -23,7 +23,8 @@ class UnevenOptions:
     margin: float = 0.035
     """Distance of the center of mass inside its three feet, if they give so much [m]."""
     least_margin: float = 0.02
-    """The same onto a foothold that was chosen, where the legs do not reach otherwise [m]."""
+    """The same where legs do not reach otherwise: onto a chosen foothold, or for a foot that would
+    be left behind [m]."""
     contact_fraction: float = 0.05
     """Fraction of the weight above which a foot stands."""
     clearance: float = 0.03

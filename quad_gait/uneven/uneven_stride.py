@@ -179,9 +179,9 @@ class UnevenStride:
         motion, swing, legs = self._output.motion, self._swinging, []
         if self._phase is _Phase.SEEKING:
             legs = self._lowered.legs
-        elif motion is not None and swing is not None and motion.done >= swing.feels_from:
-            # Before, it may well bear load: what lifts it has not come to the joints.
-            legs = [self.leg]
+        elif self._phase is _Phase.SWINGING and motion is not None and swing is not None:
+            # Before it may feel, it may well bear load: what lifts it has not come to the joints.
+            legs = [self.leg] if motion.done >= swing.feels_from else []
         return not set(legs).isdisjoint(loaded_legs(self._robot, now, self._options))
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
@@ -298,7 +298,7 @@ class UnevenStride:
         lowering = self._lower(now, hanging) if hanging else None
         if lowering is not None:
             return lowering
-        if not self._goal.is_exact:
+        if not self._goal.is_exact and not self._order.hangs:
             self._order.bring_hanging(lowered.in_vain(now))
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING

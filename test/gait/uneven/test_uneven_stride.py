@@ -361,9 +361,11 @@ def test_a_foot_that_was_lowered_in_vain_swings_first(leg):
     legs, stride = Legs(), stride_for()
     legs.ground[leg] -= 0.12
     before = legs.measure().feet[leg, 2]
-    # As long as it is lowered, and until something else is planned.
+    # The search takes 0.65 s.
     legs.run(stride, 0.8)
     assert legs.measure().feet[leg, 2] < before - 0.05
+    while stride.in_contact.all():
+        legs.run(stride, 0.02)
     assert stride.leg == leg
 
 
@@ -382,6 +384,25 @@ def test_a_lift_that_never_came_to_the_joints_is_given_out_again():
     assert legs.time > due - 1.0
     lifted = below_its_neighbour(TITAN.foot_positions(again.positions[-1].reshape(4, 3)))[0]
     assert lifted < stood - 0.01
+
+
+def test_a_lost_shift_is_given_out_again():
+    """Its samples were compared with those of the swing before, whose foot stands by then."""
+    legs, stride = Legs(), stride_for()
+    while stride.leg != 1 or stride.in_contact[1]:
+        legs.run(stride, 0.02)
+    # As where a foot is searched deeper for: it may feel from the beginning.
+    stride._swinging = replace(stride._swinging, feels_from=0)
+    # From where the last foot has landed on, nothing comes to the joints.
+    while not stride.in_contact[1]:
+        legs.run(stride, 0.02)
+    assert not stride.is_over
+    given, due = 0, stride.end
+    while not stride.is_over:
+        legs.time += 0.02
+        assert legs.time < due + 8.0
+        given += stride.update(legs.measure()) is not None
+    assert given == 2
 
 
 @pytest.mark.parametrize('leg', range(4))

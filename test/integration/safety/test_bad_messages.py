@@ -141,7 +141,7 @@ REFUSED = {
         plan('map', *[(1.2, 1.2)] * 1001),
         '1001 poses; 1000 turning points',
     ),
-    'a plan that takes seconds to take apart': (
+    'a plan of more bytes than are taken apart': (
         'gait_node',
         'plan',
         plan('map', *[(1.2, 1.2)] * 6_000),
