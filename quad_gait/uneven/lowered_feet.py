@@ -31,7 +31,9 @@ class LoweredFeet:
     def begin(self, legs: Sequence[int]) -> None:
         """Lower the feet of legs; no other was lowered before."""
         self._sought: set[int] = set()
-        self._in_vain: set[int] = set()
+        self._missed: set[int] = set()
+        self.in_vain: list[int] = []
+        """Legs whose feet were lowered, met nothing, and bore nothing when last looked at."""
         self.go_on(legs)
 
     def go_on(self, legs: Sequence[int]) -> None:
@@ -60,15 +62,11 @@ class LoweredFeet:
         if not found and not is_over:
             return False
         self._sought.update(found or self.legs)
-        self._in_vain.update(() if found else self.legs)
+        self._missed.update(() if found else self.legs)
         return True
 
     def next_legs(self, now: Stance) -> list[int]:
         """Return the legs whose feet bear nothing, and were not lowered in vain."""
-        unloaded = {*unloaded_legs(self._robot, now, self._options), *self.legs}
-        return sorted(unloaded - self._sought)
-
-    def in_vain(self, now: Stance) -> list[int]:
-        """Return the legs whose feet were lowered, met nothing, and bear nothing still."""
-        unloaded = unloaded_legs(self._robot, now, self._options)
-        return [leg for leg in unloaded if leg in self._in_vain]
+        unloaded = set(unloaded_legs(self._robot, now, self._options))
+        self.in_vain = sorted(unloaded & self._missed)
+        return sorted((unloaded | set(self.legs)) - self._sought)

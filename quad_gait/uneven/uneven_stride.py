@@ -299,7 +299,7 @@ class UnevenStride:
         if lowering is not None:
             return lowering
         if not self._goal.is_exact and not self._order.hangs:
-            self._order.bring_hanging(lowered.in_vain(now))
+            self._order.bring_hanging(lowered.in_vain)
         self._felt.note_stance(now)
         self._phase = _Phase.SWINGING
         return self._swing(now)
