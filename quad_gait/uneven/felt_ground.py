@@ -50,6 +50,9 @@ _WINDOW, _MOVED = 1.2, 0.3
 """Half the side of the part of a map that is looked at around a robot, and distance after which
 it is another one [m, of TITAN-VIII]."""
 
+_SLIP = 0.008
+"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII]."""
+
 _MOST_POINTS = 1000
 """Number of places that are remembered."""
 
@@ -228,6 +231,10 @@ class FeltGround:
         others = np.arange(len(LEGS)) != leg
         off = self._below(now)[others] - self._stood[others]
         return 0.0 if np.isnan(off).any() else float(np.abs(off - np.median(off)).max())
+
+    def is_slipping(self, now: Stance, leg: int) -> bool:
+        """Tell whether a foot other than that leg's slides off what it stood on."""
+        return self.slip(now, leg) > self._robot.relative_size * _SLIP
 
     def _below(self, now: Stance) -> Array:
         """Return the heights of the ground below the feet, from base_link, shape (4,) [m]."""

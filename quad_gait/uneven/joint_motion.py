@@ -234,6 +234,10 @@ class MotionOutput:
         """Whether the joints have got to the end of a motion."""
         return self.motion is not None and self.motion.is_done
 
+    def has_reached(self, sample: int) -> bool:
+        """Tell whether the joints have got to a sample of the motion."""
+        return self.motion is not None and self.motion.done >= sample
+
     def follow(self, time: float, joint_positions: Array) -> JointMotion | None:
         """Look how far the joints are; return the motion again if it seems to be lost."""
         if self.motion is None:
@@ -249,7 +253,7 @@ class MotionOutput:
 
     def forget_way_before(self, sample: int) -> None:
         """Forget the way so far, if the joints have not got beyond a sample of the motion."""
-        if self.motion is not None and self.motion.done < sample:
+        if not self.has_reached(sample):
             self.way.clear()
 
     def more(self, time: float, samples: int) -> JointMotion | None:

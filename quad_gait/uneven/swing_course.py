@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +17,46 @@ from numpy.typing import NDArray
 from quad_common.footing.shin_room import ShinRoom
 from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
-from quad_gait.state.body_placement import BodyPose
+from quad_gait.state.body_balance import BodyBalance
+from quad_gait.state.body_placement import BodyPose, balanced, body_over, heading_over
+from quad_gait.state.stance import Stance
+from quad_gait.uneven.body_pace import BodyPace
 from quad_gait.uneven.foot_aims import FootAim
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
+from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
 
+_LIFT_AT = 0.85
+"""A foot is lifted after this fraction of the time in which the body goes over the others."""
+
 _STAIRS = 0.1
 """Rise of the plane through the feet from which on shins are at edges wherever the body goes."""
+
+
+class Swing(NamedTuple):
+    """What one foot is to do."""
+
+    leg: int
+    """Index of the leg."""
+    aim: FootAim
+    """Where the foot goes, and what it passes."""
+    pace: float
+    """Fraction of its speed at which the foot goes there."""
+    stands: bool
+    """Whether it still stands, and is lifted only when the others do."""
+
+
+class Posture(NamedTuple):
+    """Pose of the body over the other feet."""
+
+    tilt: float
+    """Fraction of the ground's tilt that the body takes."""
+    lower: float
+    """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
+    has_less_margin: bool = False
+    """Whether the body is no farther inside the other feet than it must be."""
 
 
 @dataclass(frozen=True)
@@ -155,6 +188,81 @@ class PlannedSwing:
     """Depth below the expected ground down to which the foot feels for it [m]."""
     limit: str = ''
     """Reason why it is shorter than wanted; empty if it is not."""
+
+
+class SwingCourses:
+    """
+    Lays the courses of swings.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    options : UnevenOptions
+        How it walks.
+    """
+
+    def __init__(self, robot: Robot, options: UnevenOptions) -> None:
+        self._robot, self._options, self._scale = robot, options, robot.relative_size
+        self._balance, self._body_pace = BodyBalance(robot), BodyPace(robot, options)
+
+    def lay(self, now: Stance, ground: GroundModel, swing: Swing, posture: Posture) -> SwingCourse:
+        """
+        Lay a course, whether legs reach or not.
+
+        Parameters
+        ----------
+        now : Stance
+            The robot as it stands.
+        ground : GroundModel
+            What is known of the ground.
+        swing : Swing
+            What the foot is to do.
+        posture : Posture
+            Where the body goes meanwhile.
+
+        Returns
+        -------
+        SwingCourse
+        """
+        options, robot, scale = self._options, self._robot, self._scale
+        leg, (target, top, above, depth, _), pace, stands = swing
+        start = now.feet[leg]
+        feet = now.feet.copy()
+        feet[leg] = 0.5 * (start + target)
+        feet[leg, 2] = target[2]
+        yaw = heading_over(robot, feet)
+        body = body_over(robot, feet, yaw, ground.slope, posture.tilt)
+        body = body.lowered(scale * posture.lower)
+        margin = options.least_margin if posture.has_less_margin else options.margin
+        triangle = np.delete(now.feet[:, :2], leg, axis=0)
+        inside = partial(balanced, triangle=triangle, margin=scale * margin)
+        body = self._balance.balanced(body, now, inside)
+
+        shift = self._body_pace.duration(now, body)
+        # The body need not be quite there: it is slow at the end of its motion.
+        lift = _LIFT_AT * shift
+        lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
+        across = math.dist(start[:2], target[:2])
+        over_end = lift_end + self._lasting(across, options.transfer_time, pace)
+        fall = over_end - 0.2 * options.transfer_time
+        to_feel = top - target[2] - above
+        low = fall + (self._lasting(to_feel, options.lower_time, pace) if to_feel > 0.0 else 0.0)
+        speed = scale * options.search_speed
+        search = (above + depth) / speed
+        times = sample_times(low + search + ramp(search), options.sample_period)
+        at = SwingTimes(shift, lift, lift_end, over_end, fall, low)
+        return SwingCourse(leg, now.feet, swing.aim, body, at, speed, times, stands)
+
+    def _lasting(self, distance: float, least: float, pace: float) -> float:
+        """Return how long a foot takes for a distance [m] at a pace [s]."""
+        return max(least, float(distance) / (self._scale * pace * self._options.foot_speed))
+
+
+def sample_times(duration: float, period: float) -> Array:
+    """Return the times of samples of a motion, about a period apart, from 0 on [s]."""
+    count = max(2, round(duration / period))
+    return np.linspace(0.0, duration, count + 1, dtype=np.float64)
 
 
 def ramp(duration: float) -> float:

@@ -6,11 +6,9 @@ Nothing is remembered here: what has been met, and what comes next, `uneven_stri
 
 from __future__ import annotations
 
-import math
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +20,6 @@ from quad_common.robot.robot import Robot
 from quad_gait.cycle.body_motion import minimum_jerk
 from quad_gait.state.body_balance import BodyBalance
 from quad_gait.state.body_placement import (
-    balanced,
     balanced_on_four,
     body_over,
     heading_over,
@@ -45,13 +42,19 @@ from quad_gait.uneven.foot_aims import FootAim, FootAims
 from quad_gait.uneven.ground_model import GroundModel
 from quad_gait.uneven.joint_motion import JointMotion
 from quad_gait.uneven.path_motion import PlannedPaths, may_reach, motion_along, motion_back
-from quad_gait.uneven.swing_course import PlannedSwing, SwingCourse, SwingTimes, ramp, searched
+from quad_gait.uneven.swing_course import (
+    PlannedSwing,
+    Posture,
+    Swing,
+    SwingCourse,
+    SwingCourses,
+    ramp,
+    sample_times,
+    searched,
+)
 from quad_gait.uneven.uneven_options import UnevenOptions
 
 Array = NDArray[np.float64]
-
-_LIFT_AT = 0.85
-"""A foot is lifted after this fraction of the time in which the body goes over the others."""
 
 _STRETCHED = 0.4
 """Fraction of its speed at which a leg comes back from where there was no ground: it is stretched
@@ -62,30 +65,6 @@ BIT = 3
 
 _LARGEST_LEAN = 0.15
 """Angle by which the body turns over its feet to its heading, at most [rad]."""
-
-
-class _Swing(NamedTuple):
-    """What one foot is to do."""
-
-    leg: int
-    """Index of the leg."""
-    aim: FootAim
-    """Where the foot goes, and what it passes."""
-    pace: float
-    """Fraction of its speed at which the foot goes there."""
-    stands: bool
-    """Whether it still stands, and is lifted only when the others do."""
-
-
-class _Posture(NamedTuple):
-    """Pose of the body over the other feet."""
-
-    tilt: float
-    """Fraction of the ground's tilt that the body takes."""
-    lower: float
-    """Height by which the body is lower than in its initial posture, TITAN-VIII's [m]."""
-    has_less_margin: bool = False
-    """Whether the body is no farther inside the other feet than it must be."""
 
 
 class SwingPlanner:
@@ -107,7 +86,8 @@ class SwingPlanner:
         self._options, self._aims = options, FootAims(robot, options, swing_height)
         self._along = partial(motion_along, robot, options)
         self._balance = BodyBalance(robot)
-        self._body_pace = BodyPace(robot, options)
+        self._body_pace, self._courses = BodyPace(robot, options), SwingCourses(robot, options)
+        self._times = partial(sample_times, period=options.sample_period)
 
     def swing(
         self,
@@ -163,8 +143,8 @@ class SwingPlanner:
         @cache
         def course(*kind: float) -> SwingCourse:
             fraction, tilt, lower, clearance, *less = kind
-            swing = _Swing(leg, aim(fraction, clearance), 1.0, stands=stands)
-            return self._course(now, ground, swing, _Posture(tilt, lower, bool(less)))
+            swing = Swing(leg, aim(fraction, clearance), 1.0, stands=stands)
+            return self._courses.lay(now, ground, swing, Posture(tilt, lower, bool(less)))
 
         def plan(*kind: float) -> tuple[tuple[float, ...], PlannedSwing]:
             return kind, self._swing_along(now, commanded, course(*kind))
@@ -206,8 +186,8 @@ class SwingPlanner:
         @cache
         def course(*kind: float) -> SwingCourse:
             tilt, lower, clearance, pace, less = kind
-            swing = _Swing(leg, aim(clearance), pace, stands=stands)
-            return self._course(now, ground, swing, _Posture(tilt, lower, less > 0.0))
+            swing = Swing(leg, aim(clearance), pace, stands=stands)
+            return self._courses.lay(now, ground, swing, Posture(tilt, lower, less > 0.0))
 
         def plan(*kind: float) -> PlannedSwing:
             return self._swing_along(now, commanded, course(*kind))
@@ -222,10 +202,10 @@ class SwingPlanner:
     ) -> PlannedSwing:
         """Plan the return to where a foot stood, its center, shape (3,) [m]; as `swing`."""
         aim = self._aims.aim(ground, now.feet[leg], target, now.loads is not None, 1.0)
-        swing = _Swing(leg, aim, _STRETCHED, stands=False)
+        swing = Swing(leg, aim, _STRETCHED, stands=False)
 
         def plan(tilt: float, lower: float) -> PlannedSwing:
-            course = self._course(now, ground, swing, _Posture(tilt, lower))
+            course = self._courses.lay(now, ground, swing, Posture(tilt, lower))
             return self._swing_along(now, commanded, course)
 
         return first_possible(plan, POSTURES)[0]
@@ -332,39 +312,6 @@ class SwingPlanner:
 
         return first_possible(plan, LEANS)[0]
 
-    def _course(
-        self, now: Stance, ground: GroundModel, swing: _Swing, posture: _Posture
-    ) -> SwingCourse:
-        """Lay the course of a swing, whether legs reach or not."""
-        options, robot, scale = self._options, self._robot, self._scale
-        leg, (target, top, above, depth, _), pace, stands = swing
-        start = now.feet[leg]
-        feet = now.feet.copy()
-        feet[leg] = 0.5 * (start + target)
-        feet[leg, 2] = target[2]
-        yaw = heading_over(robot, feet)
-        body = body_over(robot, feet, yaw, ground.slope, posture.tilt)
-        body = body.lowered(scale * posture.lower)
-        margin = options.least_margin if posture.has_less_margin else options.margin
-        triangle = np.delete(now.feet[:, :2], leg, axis=0)
-        inside = partial(balanced, triangle=triangle, margin=scale * margin)
-        body = self._balance.balanced(body, now, inside)
-
-        shift = self._body_pace.duration(now, body)
-        # The body need not be quite there: it is slow at the end of its motion.
-        lift = _LIFT_AT * shift
-        lift_end = lift + self._lasting(top - start[2], options.lift_time, pace)
-        across = math.dist(start[:2], target[:2])
-        over_end = lift_end + self._lasting(across, options.transfer_time, pace)
-        fall = over_end - 0.2 * options.transfer_time
-        to_feel = top - target[2] - above
-        low = fall + (self._lasting(to_feel, options.lower_time, pace) if to_feel > 0.0 else 0.0)
-        speed = scale * options.search_speed
-        search = (above + depth) / speed
-        times = self._times(low + search + ramp(search))
-        at = SwingTimes(shift, lift, lift_end, over_end, fall, low)
-        return SwingCourse(leg, now.feet, swing.aim, body, at, speed, times, stands)
-
     def _swing_along(
         self, now: Stance, commanded: Array | None, course: SwingCourse
     ) -> PlannedSwing:
@@ -389,11 +336,3 @@ class SwingPlanner:
         times = course.telling
         paths = PlannedPaths(times, course.body, course.progress(times), course.feet(times))
         return may_reach(self._robot, now, paths)
-
-    def _lasting(self, distance: float, least: float, pace: float) -> float:
-        """Return how long a foot takes for a distance [m] at a pace [s]."""
-        return max(least, float(distance) / (self._scale * pace * self._options.foot_speed))
-
-    def _times(self, duration: float) -> Array:
-        count = max(2, round(duration / self._options.sample_period))
-        return np.linspace(0.0, duration, count + 1, dtype=np.float64)

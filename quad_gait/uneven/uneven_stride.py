@@ -38,9 +38,6 @@ _MOST_SEARCHES = 3
 """Searches for the ground before a foot is lifted all the same: the swing may free the others."""
 
 
-_SLIP = 0.008
-"""Change of the height at which a foot stands that is no give of the ground [m, of TITAN-VIII]."""
-
 _MOST_CATCHES = 4
 """Number of slips in a stride at which feet are put down."""
 
@@ -124,11 +121,10 @@ class UnevenStride:
     @property
     def in_contact(self) -> NDArray[np.bool_]:
         """Which feet stand, by what was measured last, shape (4,)."""
-        standing = np.ones(len(LEGS), dtype=bool)
-        motion, swing = self._output.motion, self._swinging
-        if self._phase is _Phase.SWINGING and motion is not None and swing is not None:
-            is_in_the_air = motion.done >= swing.lifted_at or self._return_to is not None
-            standing[self.leg] = not is_in_the_air
+        standing, swing = np.ones(len(LEGS), dtype=bool), self._swinging
+        if self._phase is _Phase.SWINGING and swing is not None:
+            is_lifted = self._output.has_reached(swing.lifted_at)
+            standing[self.leg] = not is_lifted and self._return_to is None
         return standing
 
     def update(self, now: Stance) -> JointTrajectory | None:
@@ -176,22 +172,19 @@ class UnevenStride:
 
     def _is_held(self, now: Stance) -> bool:
         """Tell whether a foot that is to be in the air bears load: it has met something."""
-        motion, swing, legs = self._output.motion, self._swinging, []
-        if self._phase is _Phase.SEEKING:
-            legs = self._lowered.legs
-        elif self._phase is _Phase.SWINGING and motion is not None and swing is not None:
+        swing, legs = self._swinging, self._lowered.legs
+        if self._phase is not _Phase.SEEKING:
             # Before it may feel, it may well bear load: what lifts it has not come to the joints.
-            legs = [self.leg] if motion.done >= swing.feels_from else []
+            may_feel = swing is not None and self._output.has_reached(swing.feels_from)
+            legs = [self.leg] if may_feel and self._phase is _Phase.SWINGING else []
         return not set(legs).isdisjoint(loaded_legs(self._robot, now, self._options))
 
     def _is_slipping(self, now: Stance, swing: PlannedSwing) -> bool:
         """Tell whether one of the three feet that stand slides off what it stood on."""
-        motion = self._output.motion
         # Without a map feet stand on edges, and find ground below: the foot in the air goes on.
-        if self.height_map is None or motion is None or motion.done < swing.lifted_at:
+        if self.height_map is None or not self._output.has_reached(swing.lifted_at):
             return False
-        far = self._robot.relative_size * _SLIP
-        slips = self._catches < _MOST_CATCHES and self._felt.slip(now, self.leg) > far
+        slips = self._catches < _MOST_CATCHES and self._felt.is_slipping(now, self.leg)
         # Loads last: to find them takes longer than all the rest of a measurement.
         return slips and now.loads is not None
 
@@ -295,8 +288,7 @@ class UnevenStride:
         if is_moving and not lowered.look(now, self._output.is_done, is_quick):
             return self._output.go_on(now.time, BIT)
         hanging = lowered.next_legs(now)
-        lowering = self._lower(now, hanging) if hanging else None
-        if lowering is not None:
+        if hanging and (lowering := self._lower(now, hanging)) is not None:
             return lowering
         if not self._goal.is_exact and not self._order.hangs:
             self._order.bring_hanging(lowered.in_vain)
