@@ -51,6 +51,7 @@ class ComposedBench(Bench):
         self._unexpected: list[str] = []
         self._repeated: list[Any] = []
         self._repeated_at = 0.0
+        self._is_held = False
 
     def start(self, name: str, **parameters: object) -> None:
         """
@@ -105,9 +106,20 @@ class ComposedBench(Bench):
         yield
         self._repeated.remove(each)
 
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """
+        Simulate nothing in this block; the wall clock goes on, and with it each second's status.
+
+        Between two of those a quick machine simulates more than a minute.
+        """
+        self._is_held = True
+        yield
+        self._is_held = False
+
     def _listen(self) -> None:
         """Simulate up to the next measurement, and until everything is received and answered."""
-        simulator = self._made.get('sim_node')
+        simulator = None if self._is_held else self._made.get('sim_node')
         clock, period = (
             (time.monotonic(), _WALL_PERIOD) if simulator is None else (self.elapsed, _PERIOD)
         )
