@@ -65,7 +65,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._robot = load_robot(p.robot)
         self._supervisor = supervisor = Supervisor.from_parameters(p, self._robot)
         supervisor.prepare()
-        self._estimator = StateEstimator(self._robot, p.estimator_options, supervisor.contacts_at)
+        self._estimator = StateEstimator(self._robot, p.estimator_options, supervisor.support_at)
         self._planner = PlannerWatch(p.planner_timeout, time.monotonic)
         self._diagnosis = GaitStatus(supervisor, self._estimator, p, time.monotonic)
         self._odom_frame = 'odom'

@@ -45,6 +45,7 @@ from quad_gait.following.slip_compensation import NO_SLIP, SlipCompensation, com
 from quad_gait.guards.frozen import Frozen
 from quad_gait.parameters import GaitParameters
 from quad_gait.state.robot_state import RobotState
+from quad_gait.state.support import Support
 from quad_gait.transitions import GUARDS, ROUTINE
 from quad_gait.uneven.felt_ground import FeltGround
 
@@ -158,9 +159,9 @@ class Supervisor:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
         return self._routine.walk.in_contact_at(time)
 
-    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
-        """Return which feet stand at a time [s], (4,), where heights do not tell; else None."""
-        return self._routine.walk.contacts_at(time)
+    def support_at(self, time: float) -> Support:
+        """Return what is known at a time [s] of feet and body that their heights do not tell."""
+        return self._routine.walk.support_at(time)
 
     def footholds(self) -> NDArray[np.float64]:
         """Return the footholds at the end of what is planned, (4, 3) [m]; (0, 3) for none."""

@@ -24,6 +24,8 @@ class EstimateOptions:
     half of it a leg that is lifted high and fast feels like ground."""
     slip_fraction: float = 0.25
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
+    fastest: float = 2.0
+    """Velocity, as a fraction of sqrt(g h), beyond which odometry does not go by the estimate."""
     slope_memory: float = 3.0
     """Time over which the ground's gradient is estimated, in units of sqrt(h / g)."""
     slope_fraction: float = 1.0

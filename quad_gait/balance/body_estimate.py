@@ -104,7 +104,8 @@ class BodyEstimator:
         self._touching = options.touching_load * robot.mass * GRAVITY
         center = robot.center_of_mass(robot.initial_joint_angles)
         height = float(center[2] + robot.standing_height)
-        self._slip = options.slip_fraction * math.sqrt(GRAVITY * height)
+        unit = math.sqrt(GRAVITY * height)
+        self._slip, self._fastest = options.slip_fraction * unit, options.fastest * unit
         self._slope = SlopeEstimator(
             options.slope_memory * pendulum_time(height), options.slope_fraction
         )
@@ -119,6 +120,25 @@ class BodyEstimator:
         """Centers of the feet beside the level body at the last measurement, shape (4, 3) [m]."""
         self.bears: NDArray[np.bool_] = np.ones(4, dtype=bool)
         """Which feet stood and bore load at the last measurement, shape (4,)."""
+
+    def velocity_at(self, time: float) -> tuple[float, float] | None:
+        """
+        Return the velocity by the last measurement.
+
+        Parameters
+        ----------
+        time : float
+            Time at which it is asked for [s].
+
+        Returns
+        -------
+        tuple of float or None
+            Along the heading and to the left [m/s]; None if the measurement is too old, or the
+            velocity is one that no trot has: an accelerometer that errs has led it away.
+        """
+        x, y = self._velocity.tolist()
+        is_recent = 0.0 <= time - self._time <= self._options.longest_gap
+        return (x, y) if is_recent and math.hypot(x, y) <= self._fastest else None
 
     def update(self, reading: BodyReading) -> BodyEstimate:
         """Take a measurement."""

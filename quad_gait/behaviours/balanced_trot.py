@@ -27,6 +27,7 @@ from quad_gait.behaviours.wishes import UseHeightMap, Wish
 from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Departure, Step
 from quad_gait.state.robot_state import RobotState
+from quad_gait.state.support import BY_FEET, Support
 
 _CALM_SPEED = 0.06
 """Velocity, as a fraction of sqrt(g h), below which a body is calm."""
@@ -78,14 +79,15 @@ class BalancedTrot(Walk):
             return np.ones(4, dtype=bool)
         return self._motion.clock.in_stance(time)
 
-    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
-        """Return which feet stand and bear at a time [s], (4,); None on level ground."""
+    def support_at(self, time: float) -> Support:
+        """Return which feet stand and bear at a time [s], and how fast the body is."""
         motion = self._motion
         if motion is None or time >= self._joints.busy_until:
-            return None
-        if self._ground is None and motion.slope.is_level:
-            return None
-        return motion.clock.in_stance(time) & self._estimator.bears
+            return BY_FEET
+        # Feet that land and slip tell less than what the body can have gained meanwhile.
+        return Support(
+            motion.clock.in_stance(time) & self._estimator.bears, self._estimator.velocity_at(time)
+        )
 
     def footholds(self) -> NDArray[np.float64]:
         """Return where the feet are to land, (4, 3) [m]; (0, 3) without a motion."""

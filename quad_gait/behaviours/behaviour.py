@@ -24,6 +24,7 @@ from quad_gait.following.motion_sequence import MotionSequence
 from quad_gait.following.slip_compensation import SlipCompensation
 from quad_gait.following.step import Step
 from quad_gait.state.robot_state import RobotState
+from quad_gait.state.support import BY_FEET, Support
 
 
 @dataclass(frozen=True)
@@ -120,9 +121,9 @@ class Walk(Behaviour):
     def in_contact_at(self, time: float) -> NDArray[np.bool_]:
         """Return which feet are planned to be down at a time [s], shape (4,)."""
 
-    def contacts_at(self, time: float) -> NDArray[np.bool_] | None:
-        """Return which feet stand at a time [s], (4,), where heights do not tell; else None."""
-        return None
+    def support_at(self, time: float) -> Support:
+        """Return what is known at a time [s] of feet and body that their heights do not tell."""
+        return BY_FEET
 
     @abstractmethod
     def footholds(self) -> NDArray[np.float64]:

@@ -23,6 +23,7 @@ from quad_gait.cycle.body_motion import BodyMotion
 from quad_gait.following.step import Step
 from quad_gait.state.body_placement import strain_over
 from quad_gait.state.robot_state import RobotState
+from quad_gait.state.support import Support
 from quad_gait.uneven.stride_goal import Descent, StrideGoal
 from quad_gait.uneven.uneven_options import UnevenOptions
 from quad_gait.uneven.uneven_stride import UnevenStride
@@ -92,9 +93,9 @@ class UnevenWalk(Walk):
         """Return which feet stand, by what was measured last, shape (4,)."""
         return np.ones(4, dtype=bool) if self._stride is None else self._stride.in_contact
 
-    def contacts_at(self, time: float) -> NDArray[np.bool_]:
+    def support_at(self, time: float) -> Support:
         """Return which feet stand, as :meth:`in_contact_at` does: they stand at any height."""
-        return self.in_contact_at(time)
+        return Support(self.in_contact_at(time))
 
     def footholds(self) -> NDArray[np.float64]:
         """Return the footholds at the end of the stride, (4, 3) [m]; (0, 3) without one."""

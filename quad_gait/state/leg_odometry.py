@@ -20,6 +20,7 @@ from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import LEGS
 from quad_common.rotations import matrix_from_unit_quaternion
+from quad_gait.state.foot_steps import FootStep, displacement, turn_of_feet
 
 Array = NDArray[np.float64]
 
@@ -73,18 +74,6 @@ class _Sample(NamedTuple):
     """[rad/s]"""
 
 
-class _Step(NamedTuple):
-    """A foot that stood at both of two instants, in the level frame of each [m]."""
-
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-    rolled_x: float
-    """Displacement of its center by rolling, in the axes halfway."""
-    rolled_y: float
-
-
 class LegOdometry:
     """
     Dead reckoning of base_link in the plane.
@@ -103,6 +92,9 @@ class LegOdometry:
     The heading comes from increments of the imu's orientation; without one from its yaw
     rate (trapezoids); without that from the rigid motion in the plane that fits two or
     more standing feet best. Without orientation the body is taken to be level.
+
+    Where a filter of legs and accelerometer knows the velocity better, as feet slip and bounce in
+    a trot, the body moves by that.
 
     While no foot stood at both instants the last velocity is held for at most 0.1 s in
     a row, and taken as zero after that. So is the last yaw rate while neither the imu
@@ -179,6 +171,7 @@ class LegOdometry:
         in_contact: ArrayLike | None = None,
         orientation: ArrayLike | None = None,
         yaw_rate: float | None = None,
+        velocity: tuple[float, float] | None = None,
     ) -> Pose2D:
         """
         Take in what the robot measures at one instant.
@@ -199,6 +192,9 @@ class LegOdometry:
             Of the body in any frame with z up, by the imu: quaternion xyzw.
         yaw_rate : float, optional
             Of the body about the vertical, by the imu [rad/s].
+        velocity : tuple of float, optional
+            Of the body since the update before, along its heading and to the left, if it is known
+            otherwise than by these feet [m/s].
 
         Returns
         -------
@@ -222,24 +218,28 @@ class LegOdometry:
                 self._twist = (0.0, 0.0, 0.0)
             self._time_without_feet = self._time_without_heading = 0.0
         else:
-            self._move_on(before, now)
+            self._move_on(before, now, velocity)
         return self._pose
 
-    def _move_on(self, before: _Sample, now: _Sample) -> None:
+    def _move_on(self, before: _Sample, now: _Sample, known: tuple[float, float] | None) -> None:
         """Move the body by what the feet that stand, and the heading, tell of the time between."""
         dt = now.time - before.time
         rolled = self._rolled(before, now)
         steps = [
-            _Step(*first[:2], *last[:2], *roll)
+            FootStep(*first[:2], *last[:2], *roll)
             for first, last, roll, stood, stands in zip(
                 before.feet, now.feet, rolled, before.in_contact, now.in_contact
             )
             if stood and stands
         ]
         turn = self._turn(before, now, steps, dt)
-        if steps:
+        if known is not None:
             self._time_without_feet = 0.0
-            x, y = _displacement(steps, turn)
+            x, y = known[0] * dt, known[1] * dt
+            velocity = known
+        elif steps:
+            self._time_without_feet = 0.0
+            x, y = displacement(steps, turn)
             velocity = (x / dt, y / dt)
         else:
             held = _time_held(self._time_without_feet, dt)
@@ -298,7 +298,7 @@ class LegOdometry:
             for x, y, _ in (calf @ (before.tilt + now.tilt).T).tolist()
         ]
 
-    def _turn(self, before: _Sample, now: _Sample, steps: Sequence[_Step], dt: float) -> float:
+    def _turn(self, before: _Sample, now: _Sample, steps: Sequence[FootStep], dt: float) -> float:
         """Change of heading since the last update [rad]."""
         gap, self._time_without_heading = self._time_without_heading, 0.0
         if before.heading is not None and now.heading is not None:
@@ -307,7 +307,7 @@ class LegOdometry:
             first = now.yaw_rate if before.yaw_rate is None else before.yaw_rate
             return dt * (first + now.yaw_rate) / 2.0
         if len(steps) >= 2:
-            return _turn_of_feet(steps)
+            return turn_of_feet(steps)
         self._time_without_heading = gap + dt
         return self._twist[2] * _time_held(gap, dt)
 
@@ -363,25 +363,6 @@ def _tilt_and_heading(quaternion: Array) -> tuple[Array, float]:
     c, s = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
     turned_back = (c * x + s * y, c * y - s * x, c * z - s * w, c * w + s * z)
     return matrix_from_unit_quaternion(turned_back), yaw
-
-
-def _displacement(steps: Sequence[_Step], turn: float) -> tuple[float, float]:
-    """Displacement x, y of the body that best explains standing feet, in the axes halfway [m]."""
-    c, s = math.cos(turn / 2.0), math.sin(turn / 2.0)
-    x = y = 0.0
-    for step in steps:
-        x += c * (step.x0 - step.x1) + s * (step.y0 + step.y1) + step.rolled_x
-        y += c * (step.y0 - step.y1) - s * (step.x0 + step.x1) + step.rolled_y
-    return x / len(steps), y / len(steps)
-
-
-def _turn_of_feet(steps: Sequence[_Step]) -> float:
-    """Turn of the body that best explains two or more standing feet [rad]."""
-    before = np.array([(step.x0 + step.rolled_x, step.y0 + step.rolled_y) for step in steps])
-    now = np.array([(step.x1, step.y1) for step in steps])
-    a, b = before - before.mean(axis=0), now - now.mean(axis=0)
-    cross = float(np.sum(b[:, 0] * a[:, 1] - b[:, 1] * a[:, 0]))
-    return math.atan2(cross, float(np.sum(a * b)))
 
 
 def _time_held(gap: float, dt: float) -> float:

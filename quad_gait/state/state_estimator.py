@@ -7,7 +7,6 @@ Joints, imu and odometry come one by one and are checked; each new odometry make
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,11 +19,9 @@ from quad_gait.state.measurement import ImuMotion, Measurement
 from quad_gait.state.rest_check import RestCheck
 from quad_gait.state.robot_state import RobotState
 from quad_gait.state.sensor_inputs import InputOptions, JointReadings, SensorInputs
+from quad_gait.state.support import BY_FEET, Supports
 
 Array = NDArray[np.float64]
-
-Contacts = Callable[[float], NDArray[np.bool_] | None]
-"""Which feet stand at a time [s], shape (4,); None for those that are the lowest."""
 
 _CLOCK_SET_BACK = 1.0
 """Time by which a measurement must be older than the last one for that [s]."""
@@ -54,20 +51,20 @@ class StateEstimator:
         The robot.
     options : EstimatorOptions, optional
         How a state is made.
-    contacts : callable, optional
-        Which feet stand at a time, for leg odometry; without it level feet do.
+    supports : callable, optional
+        What bears the robot at a time, for leg odometry; without it level feet do.
     """
 
     def __init__(
         self,
         robot: Robot,
         options: EstimatorOptions | None = None,
-        contacts: Contacts | None = None,
+        supports: Supports | None = None,
     ) -> None:
         options = EstimatorOptions() if options is None else options
         self._robot = robot
         self._options = options
-        self._contacts = contacts
+        self._supports = supports
         self._inputs = SensorInputs(robot, options.inputs)
         self._rest = RestCheck(robot, options.rest_speed)
         self._last_time = -math.inf
@@ -98,9 +95,11 @@ class StateEstimator:
         if not (is_new and self._is_placed and self._options.has_leg_odometry):
             return False
         time = readings.time or 0.0
-        standing = None if self._contacts is None else self._contacts(time)
+        support = BY_FEET if self._supports is None else self._supports(time)
         imu = self._inputs.imu_at(time)
-        self.leg_odometry.update(time, readings.positions, standing, *imu)
+        self.leg_odometry.update(
+            time, readings.positions, support.in_contact, *imu, support.velocity
+        )
         return True
 
     def take_imu(

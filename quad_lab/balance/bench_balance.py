@@ -223,12 +223,13 @@ def _unpushed(console: Console, quick: bool, seed: int) -> Bars:
     planned = [replace(case, keeps_balance=False) for case in cases]
     duration = 4.0 if quick else _STEADY
     trots = _in_workers(steady_trot, [(case, duration, seed) for case in (*cases, *planned)])
-    table = Table('case', 'asked', 'walked', 'drift', 'tilt rms', 'decision', title='steady trots')
+    columns = ('asked', 'walked', 'drift', 'odometry', 'tilt rms', 'decision')
+    table = Table('case', *columns, title='steady trots')
     for trot in trots:
         table.add_row(
             str(trot.case), f'{trot.asked:.3f} m/s', f'{trot.speed:.3f} m/s',
-            f'{1e2 * trot.drift:.2f} %', f'{math.degrees(trot.tilt_rms):.2f} deg',
-            f'{1e3 * trot.update_time:.2f} ms',
+            f'{1e2 * trot.drift:.2f} %', f'{1e2 * trot.odometry_error:.2f} %',
+            f'{math.degrees(trot.tilt_rms):.2f} deg', f'{1e3 * trot.update_time:.2f} ms',
         )  # fmt: skip
     console.print(table)
     bars = [at_most('falls of steady trots', sum(t.has_fallen for t in trots[: len(cases)]), '', 0)]
@@ -247,6 +248,7 @@ def _trot_bars(trot: SteadyTrot, planned: SteadyTrot) -> list[Criterion]:
         bars += [
             at_most(f'{name}: error of the speed', 1e2 * abs(trot.error), '%', 2.0),
             at_most(f'{name}: drift', 1e2 * trot.drift, '%', 1.0),
+            at_most(f'{name}: error of leg odometry', 1e2 * trot.odometry_error, '%', 1.0),
         ]
     return bars
 

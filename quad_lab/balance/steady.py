@@ -35,6 +35,8 @@ class SteadyTrot:
     """Velocity of the body [m/s]."""
     drift: float
     """Distance sideways of the heading in which it stood, per distance walked; 0 in place."""
+    odometry_error: float
+    """Distance by which it is elsewhere than its legs tell, per distance walked; 0 in place."""
     tilt_rms: float
     """Root mean square of the body's tilt [rad]."""
     update_time: float
@@ -80,8 +82,11 @@ def steady_trot(case: BalanceCase, duration: float, seed: int = 0) -> SteadyTrot
     try:
         loop.controller.update = timed  # type: ignore[method-assign]
         first = len(loop.record.times)
+        begin, begin_by_legs = loop.record.poses[-1], loop.pose_by_legs
         loop.run(duration, until=lambda: loop.record.has_fallen)
         poses = loop.record.poses[first:]
+        way = begin.inverse() @ poses[-1]
+        error = way.distance_to(begin_by_legs.inverse() @ loop.pose_by_legs)
         elapsed = loop.record.times[-1] - loop.record.times[first]
         distance = poses[0].distance_to(poses[-1])
         return SteadyTrot(
@@ -89,6 +94,7 @@ def steady_trot(case: BalanceCase, duration: float, seed: int = 0) -> SteadyTrot
             walk.speed,
             distance / elapsed if elapsed else math.nan,
             abs(poses[-1].y - poses[0].y) / distance if walk.speed else 0.0,
+            error / distance if walk.speed else 0.0,
             float(np.sqrt(np.mean(np.square(loop.record.tilts[first:])))),
             float(np.median(times)),
             float(np.percentile(times, 99.0)),

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import InvalidMessage
+from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.measurement import ImuMotion
@@ -79,7 +80,7 @@ class BalanceLoop(ClosedLoop):
     ) -> None:
         super().__init__(robot, controller, **others)
         options = EstimatorOptions(has_leg_odometry=True, starts_at_origin=True)
-        self._estimator = StateEstimator(robot, options, controller.contacts_at)
+        self._estimator = StateEstimator(robot, options, controller.support_at)
         self.locate = self._place_by_legs
         self._delay = delay
         self._noise = noise
@@ -90,9 +91,13 @@ class BalanceLoop(ClosedLoop):
         self.is_deaf = False
         """Whether trajectories are lost."""
 
+    @property
+    def pose_by_legs(self) -> Pose2D:
+        """Pose of the robot by its own legs and imu, where it began at the origin."""
+        return self._estimator.leg_odometry.pose
+
     def _place_by_legs(self, seen: Observation) -> Place:
-        pose = self._estimator.leg_odometry.pose
-        return pose, pose
+        return self.pose_by_legs, self.pose_by_legs
 
     def _step(self) -> None:
         super()._step()

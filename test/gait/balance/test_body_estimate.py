@@ -1,5 +1,7 @@
 """Which feet are taken to bear load, by the torques of the motors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,22 @@ def test_without_torques_no_foot_tells_of_the_ground():
         BodyReading(**{**vars(reading), 'efforts': None})
     )
     assert estimate.contacts is None
+
+
+def test_its_velocity_counts_while_it_is_recent_and_as_a_trot_may_be():
+    robot = load_robot('cuhk')
+    estimator = BodyEstimator(robot, OPTIONS)
+    assert estimator.velocity_at(0.0) is None
+    reading = reading_of(robot, np.full(4, 0.25))
+    for time in (0.0, 0.02, 0.04):
+        estimate = estimator.update(replace(reading, time=time))
+    assert estimator.velocity_at(0.06) == estimate.velocity
+    assert estimator.velocity_at(0.0) is None
+    assert estimator.velocity_at(0.05 + OPTIONS.longest_gap) is None
+    # An accelerometer that errs while no foot is down to say so.
+    in_the_air = np.zeros(4, dtype=bool)
+    for time in np.arange(0.06, 0.6, 0.02):
+        wrong = replace(reading, time=time, specific_force=100.0 * UP[::-1], in_stance=in_the_air)
+        estimate = estimator.update(wrong)
+    assert np.hypot(*estimate.velocity) > 10.0
+    assert estimator.velocity_at(0.6) is None

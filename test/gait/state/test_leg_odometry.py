@@ -261,6 +261,19 @@ def test_in_the_air_the_velocity_is_held_for_a_moment_only():
     assert odometry.twist == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
 
 
+def test_a_velocity_that_is_known_better_takes_the_place_of_the_feet():
+    odometry = LegOdometry(POINTED)
+    samples = walk(1.0, turn=0.0, count=21)
+    for time, joints, stands, _ in samples[:11]:
+        odometry.update(time, joints, stands)
+    start = odometry.pose
+    for time, joints, stands, _ in samples[11:]:
+        pose = odometry.update(time, joints, stands, velocity=(0.3, -0.2))
+    assert difference(pose, start) == pytest.approx([3.0 * DT, -2.0 * DT, 0.0], abs=1e-9)
+    assert odometry.twist == pytest.approx((0.3, -0.2, 0.0), abs=1e-9)
+    assert odometry.height == pytest.approx(POINTED.standing_height)
+
+
 @each_sense
 @pytest.mark.parametrize('sense_of_turn', [1.0, -1.0])
 def test_the_heading_wraps_at_half_a_turn(senses, sense_of_turn):

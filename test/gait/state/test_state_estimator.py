@@ -12,6 +12,7 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_gait.state.robot_state import RobotState
 from quad_gait.state.sensor_inputs import JointReadings
 from quad_gait.state.state_estimator import EstimatorOptions, StateEstimator
+from quad_gait.state.support import Support
 
 ROBOT = load_robot('titan_viii')
 POSTURE = ROBOT.initial_joint_angles.reshape(-1)
@@ -82,18 +83,21 @@ def test_leg_odometry_of_its_own_frame_needs_no_other_odometry():
     assert estimator.leg_odometry.pose == ORIGIN
 
 
-def test_contacts_are_asked_for_at_the_time_of_the_joints():
+def test_support_is_asked_for_at_the_time_of_the_joints():
     asked = []
 
-    def contacts(time):
+    def support(time):
         asked.append(time)
-        return np.ones(4, dtype=bool)
+        return Support(np.ones(4, dtype=bool), (0.5, -0.1))
 
     options = EstimatorOptions(has_leg_odometry=True, starts_at_origin=True)
-    estimator = StateEstimator(ROBOT, options, contacts)
+    estimator = StateEstimator(ROBOT, options, support)
     for time in (1.0, 1.02, 1.04):
         estimator.take_joints(readings(time))
     assert asked == [1.0, 1.02, 1.04]
+    # The body moves as it is known to, though no joint does.
+    pose = estimator.leg_odometry.pose
+    assert (pose.x, pose.y) == pytest.approx((0.02, -0.004))
 
 
 def test_joints_that_cannot_be_there_change_nothing():
