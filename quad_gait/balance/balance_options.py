@@ -69,6 +69,8 @@ class BalanceOptions:
     late_leveling: float = 0.6
     """Part of all that which is left where answers take effect after the time of two decisions, not
     one: what is made up for too late rocks the body."""
+    late_capture: float = 0.7
+    """Part of the step to the capture point which is left there: it would overshoot."""
     small_tilt: float = 0.05
     """Tilt up to which it is the former [rad]."""
     large_tilt: float = 0.175

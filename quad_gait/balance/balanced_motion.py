@@ -84,7 +84,7 @@ class BalancedMotion:
         )
         self._unit = math.sqrt(GRAVITY * self._planner.height)
         self._trim = (0.0, 0.0)
-        self._leveling = 1.0
+        self._delay = 0.0
         self._decided = -math.inf
 
     @property
@@ -163,7 +163,7 @@ class BalancedMotion:
             It replaces the last one; None if that is to go on.
         """
         self._decided = time
-        self._leveling = 1.0 - delay * (1.0 - self._options.late_leveling)
+        self._delay = delay
         index = self._index_at(time)
         place = index - self._first
         if place >= len(self._knots):
@@ -218,10 +218,12 @@ class BalancedMotion:
     ) -> March:
         """Return the knot that still holds, and those after it that answer to a measurement."""
         roll, pitch = body.tilt_in(times[0] - time)
-        slope = body.slope
+        slope, options = body.slope, self._options
         demand = Demand(
             pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
-            slope, self._trim, body.roughness, ground=ground, leveling=self._leveling,
+            slope, self._trim, body.roughness, ground=ground,
+            leveling=1.0 - self._delay * (1.0 - options.late_leveling),
+            capturing=1.0 - self._delay * (1.0 - options.late_capture),
         )  # fmt: skip
         return self._planner.march(plan, self.clock, times, demand)
 

@@ -155,3 +155,5 @@ class Demand(NamedTuple):
     """The ground ahead."""
     leveling: float = 1.0
     """Part of what swinging feet make up for of a tilt where answers are in time."""
+    capturing: float = 1.0
+    """Part of the step to the capture point that is made where answers are in time."""

@@ -158,7 +158,7 @@ def _here(demand: Demand, pace: Array, no_more_lifts: bool) -> Demand:
     measured = Pace(ahead * pace[0] - x, ahead * pace[1] - y, pace[2])
     return Demand(
         demand.pace, measured, demand.roll, demand.pitch, demand.slope, (x, y),
-        demand.roughness, demand.lead, demand.ground, demand.leveling,
+        demand.roughness, demand.lead, demand.ground, demand.leveling, demand.capturing,
     )  # fmt: skip
 
 
@@ -194,10 +194,11 @@ def _law(
         aim.turn + manner.turn_giving_way * (measured.turn - aim.turn),
     )
     # The step to the capture point, and what a curve needs: (h / g) w x v.
+    capture_time = demand.capturing * manner.capture_time
     leaning = mean.turn / (manner.rate * manner.rate)
     excess = (
-        manner.capture_time * ex + leaning * mean.left,
-        manner.capture_time * ey - leaning * mean.forward,
+        capture_time * ex + leaning * mean.left,
+        capture_time * ey - leaning * mean.forward,
     )
     return _Law(mean, given_way, excess, settling, risen)
 

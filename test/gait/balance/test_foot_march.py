@@ -99,6 +99,20 @@ def test_feet_make_up_for_less_of_a_tilt_where_answers_are_late():
     assert (rolls(1.0) > 0.05).all()
 
 
+def test_the_capture_step_is_shorter_where_answers_are_late():
+    def landing(measured, capturing):
+        planner = FootPlanner(ROBOT, GAIT, OPTIONS)
+        plan, clock = planner.at_rest(ROBOT.neutral_feet), PhaseClock.of(GAIT, 0.05)
+        demand = Demand(STILL, measured, capturing=capturing)
+        feet = planner.march(plan, clock, TIMES, demand).feet
+        return feet[feet['swings'] == 1.0]['target_y']
+
+    pushed, still = Pace(0.0, 0.1, 0.0), landing(STILL, 1.0)
+    none, whole, part = (landing(pushed, k) - still for k in (0.0, 1.0, 0.85))
+    assert (whole - none > 0.005).all()
+    assert part - none == pytest.approx(0.85 * (whole - none))
+
+
 def test_records_hold_what_a_foot_is():
     assert FOOT.names == Foot._fields
     foot = Foot(*range(13))
