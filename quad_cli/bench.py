@@ -101,7 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
     only = _parts(arguments.benchmark, module, arguments.only)
     if arguments.robot:
         if arguments.benchmark != 'robots':
-            raise ParameterError('--robot', arguments.robot[0], 'left out: robots alone takes it')
+            valid = "left out: only 'quadwalk bench robots' takes it"
+            raise ParameterError('--robot', arguments.robot[0], valid)
         only['robots'] = tuple(arguments.robot)
     with preferred(arguments.backend or _usual_backend(module)):
         bars, details = module.measure(console, arguments.quick, arguments.seed, **only)

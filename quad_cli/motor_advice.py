@@ -74,12 +74,13 @@ class MotorAdvice:
         for own in self.torques:
             demand = own.demand
             if demand.is_too_much:
-                what = 'strides stay short' if own.is_possible else f'it does not {own.gait}'
+                what = 'strides stay short' if own.is_possible else f'the robot cannot {own.gait}'
                 said.append(
-                    f'too weak to {own.gait} as far as its legs reach: on the spot {demand.joint} '
-                    f'has to give {demand.torque:.3g} of its {demand.effort:g} N m, and {what}; if '
-                    f'the motors are stronger than that, import it again with '
-                    f'--effort {" ".join(f"{effort:g}" for effort in efforts)}'
+                    f'too weak to {own.gait} with full strides: stepping on the spot takes '
+                    f'{demand.torque:.3g} N m from {demand.joint}, whose limit is '
+                    f'{demand.effort:g} N m, so {what}; if the motors are stronger than that, '
+                    f'import the robot again with --effort '
+                    f'{" ".join(f"{effort:g}" for effort in efforts)}'
                 )
         return said
 

@@ -99,7 +99,11 @@ class GoalWatch:
     def taken_over(self, number: int, now: float) -> None:
         """Note that a goal was canceled, which nobody here has done, at a time [s]."""
         if number == self._newest:
-            self._say('canceled the trajectory: somebody else commands these joints', now)
+            self._say(
+                'canceled the trajectory at the request of another client, which may command the '
+                'same joints',
+                now,
+            )
 
     def problem(self, now: float, is_served: bool) -> str:
         """

@@ -68,8 +68,8 @@ class GaitParameters:
     )
     reaction_time: float = parameter(
         0.06,
-        'On uneven ground a trajectory that answers to a contact begins so long after it; '
-        'joints receive it in that time.',
+        'On uneven ground, time from a foot contact to the start of the trajectory that answers '
+        'it; the trajectory must reach the joints within this time.',
         's',
         lower=0.01,
         upper=0.5,
@@ -101,7 +101,10 @@ class GaitParameters:
         60.0,
     )
     correction_timeout: float = parameter(
-        5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
+        5.0,
+        'Corrections of odometry older than this are reported as old; they stay in force.',
+        's',
+        lower=0.1,
     )
     longest_plan: int = parameter(
         LONGEST_PLAN, 'Plans with more poses are refused.', lower=1, upper=100_000
@@ -124,7 +127,11 @@ class GaitParameters:
         choices=('odom', 'origin'),
     )
     cmd_vel_timeout: float = parameter(
-        1.0, 'Steering older than this is over.', 's', lower=0.05, upper=60.0
+        1.0,
+        'A velocity command older than this is no longer followed.',
+        's',
+        lower=0.05,
+        upper=60.0,
     )
     stamped_cmd_vel: bool = parameter(
         False, 'Whether cmd_vel is a TwistStamped, as later ROS distributions have it.'
@@ -188,7 +195,9 @@ class GaitParameters:
         upper=100.0,
         is_dynamic=True,
     )
-    odom_timeout: float = parameter(1.0, 'Older odometry is said to be missing.', 's', lower=0.05)
+    odom_timeout: float = parameter(
+        1.0, 'Odometry older than this is reported as missing.', 's', lower=0.05
+    )
     joint_timeout: float = parameter(
         0.2,
         'Joint states that are older than the odometry by more are missing: the robot comes to '
@@ -207,8 +216,9 @@ class GaitParameters:
     )
     planner_timeout: float = parameter(
         3.0,
-        'Without a heartbeat of its planner for so long, by the wall clock, a plan waits; 0: it is '
-        'followed to its end. Planners that have no heartbeat are not watched.',
+        'If the planner sends no heartbeat for this long, by the wall clock, the robot stops '
+        'following the plan until it does; 0: plans are followed to their end. Planners that '
+        'publish no heartbeat are not watched.',
         's',
         lower=0.0,
         upper=3600.0,

@@ -99,7 +99,7 @@ class PathTask:
             return None
         result = TaskResult(TaskOutcome.CANCELED)
         if not self._is_canceled:
-            why = f'nothing has told for {_PATIENCE:g} s where the robot is'
+            why = f"the robot's pose has not been known for {_PATIENCE:g} s"
             result = _aborted(FollowCode.PATIENCE_EXCEEDED, why)
             self.cancel()
         self._plan = None

@@ -124,8 +124,8 @@ class PlannerParameters:
     )
     start_tolerance: float = parameter(
         -1.0,
-        'A start may be so much nearer to obstacles than the path; -1: as far as the gait leaves '
-        'room to sway and to turn there.',
+        'How much nearer to obstacles the start may be than the rest of the path; -1: as much as '
+        'still leaves the gait room to sway and to turn there.',
         'm',
         lower=-1.0,
         upper=10.0,
@@ -270,7 +270,10 @@ class PlannerParameters:
         60.0,
     )
     correction_timeout: float = parameter(
-        5.0, 'Older corrections of odometry are said to be old; they stay in force.', 's', lower=0.1
+        5.0,
+        'Corrections of odometry older than this are reported as old; they stay in force.',
+        's',
+        lower=0.1,
     )
     managed: bool = parameter(
         False,
@@ -293,8 +296,8 @@ class PlannerParameters:
     )
     navigation_retries: int = parameter(
         3,
-        'So many times a robot that is stuck on its way to the goal of an action is planned for '
-        'again.',
+        'How many times a path is planned again for a robot that is stuck on its way to the goal '
+        'of an action.',
         lower=0,
         upper=100,
         is_dynamic=True,

@@ -354,9 +354,9 @@ def unheeded_costs(parameters: PlannerParameters) -> str:
     if parameters.map_values != 'costmap' or _takes_costs(parameters):
         return ''
     return (
-        f"map_values is 'costmap', and what method '{parameters.method}' keeps clear of is what is "
-        "occupied alone: costs count with 'shortest' and 'quickest', and with 'potential' if "
-        "potential is 'navigation'"
+        f"map_values is 'costmap', but method '{parameters.method}' ignores costs and avoids only "
+        "lethal cells (100); to use costs, set method to 'shortest' or 'quickest', or to "
+        "'potential' with potential 'navigation'"
     )
 
 

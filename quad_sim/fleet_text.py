@@ -176,7 +176,11 @@ def _free_place(
             except (PlaceTaken, ParameterError):
                 continue
             return pose
-    raise ParameterError('robots', robot.name, 'robots for which there is room around start_pose')
+    raise ParameterError(
+        'robots',
+        robot.name,
+        'given with a place, as name=robot@x,y,yaw: there is no free place around start_pose',
+    )
 
 
 def _pose(text: str, whole: str) -> Pose2D:

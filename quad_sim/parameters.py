@@ -28,10 +28,11 @@ class SimParameters:
         '', "Nav2 map file; empty: the sample map 'room'; 'none': an empty floor, no map."
     )
     publish_map: bool = parameter(
-        True, 'Publish the map; false: whoever needs one has to see for himself.'
+        True,
+        'Publish the map; false: another node, such as ceiling_camera_node, has to publish it.',
     )
     publish_tf: bool = parameter(
-        True, 'Publish transforms; false: whoever finds out where the robot is does it.'
+        True, 'Publish transforms; false: the node that localises the robot publishes them.'
     )
     publish_clock: bool = parameter(
         True,

@@ -90,7 +90,9 @@ def _film(arguments: argparse.Namespace) -> int:
     messages = RecordedMessages(folder, arguments.namespace)
     name = arguments.robot or str(facts_of(folder).get('robot', ''))
     if not name:
-        raise ParameterError('--robot', name, 'a robot: the recording does not say which it was')
+        raise ParameterError(
+            '--robot', name, 'given with this recording, which does not name its robot'
+        )
     width = arguments.width - arguments.width % 2
     options = FilmOptions(
         arguments.first,

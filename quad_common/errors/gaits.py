@@ -44,10 +44,14 @@ class FootOutsideWorkspace(FootTargetUnreachable):
 
     def sentence(self) -> str:
         """Say how far the leg is short of it."""
-        short = f', {1e3 * self.short:.0f} mm short of it' if self.short < 1e3 else ''
+        short = (
+            f'; the nearest reachable point is {1e3 * self.short:.0f} mm away'
+            if self.short < 1e3
+            else ''
+        )
         return (
-            f'foot {self.foot} would have to be {self.distance:.3f} m from its {self.axis}, where '
-            f'the joints of its leg do not take it{short}'
+            f'foot {self.foot} would have to be {self.distance:.3f} m from its {self.axis}, '
+            f'outside the workspace of its leg{short}'
         )
 
 
@@ -189,8 +193,8 @@ class FootstepsNotFound(GaitError):
     def sentence(self) -> str:
         """Say how far they were to lead."""
         return (
-            f'no footsteps lead {self.distance:.2f} m on: of {self.expansions} stances none has a '
-            f'foothold in reach that brings it there'
+            f'no sequence of footholds leads {self.distance:.2f} m ahead: the search expanded '
+            f'{self.expansions} stances, and none has a foothold within reach that gets there'
         )
 
 
@@ -258,8 +262,8 @@ class CyclePeriodsDiffer(GaitError):
     def sentence(self) -> str:
         """Say how long both are."""
         return (
-            f'cycles of walking take {self.walking:g} s and of turning {self.turning:g} s; '
-            f'a pace is counted in cycles of one length'
+            f'the walking gait has a cycle of {self.walking:g} s and the turning gait one of '
+            f'{self.turning:g} s; walking times can be estimated only if both are equally long'
         )
 
 

@@ -55,6 +55,6 @@ class RobotLeftOut(QuadError):
     def sentence(self) -> str:
         """Say how many are reckoned with."""
         return (
-            f'robot {quoted(self.name)} is left out: {self.most} other robots are known already, '
-            'and no more are reckoned with'
+            f'robot {quoted(self.name)} is ignored: {self.most} other robots are tracked already, '
+            'which is the limit'
         )

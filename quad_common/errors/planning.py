@@ -96,7 +96,7 @@ class NoRobotPose(PlannerError):
 
     def sentence(self) -> str:
         """Say what is missing."""
-        return 'where the robot is is not known: no odometry, or none for a while'
+        return "the robot's pose is not known: no odometry has been received, or none recently"
 
 
 @dataclass(eq=False, repr=False)

@@ -27,7 +27,7 @@ class NotSimulated(SimulatorError):
     def sentence(self) -> str:
         """Say which backends have it."""
         names = ' or '.join(repr(backend) for backend in self.backends)
-        return f"{self.what} cannot be had with this simulator; set 'backend' to {names}"
+        return f"this simulator does not support {self.what}; set 'backend' to {names}"
 
 
 @dataclass(eq=False, repr=False)

@@ -63,7 +63,9 @@ def body_frame(
     is_upright = abs(float(first @ up)) > _LEVEL
     reason = unlike_formulas(legs, axes)
     if reason:
-        notes.found.append(f'no closed formulas hold for the legs ({reason}): they are iterated')
+        notes.found.append(
+            f'the legs have no closed-form inverse kinematics ({reason}): it is solved iteratively'
+        )
         ahead = _ahead_of_serial(up, legs, axes)
     elif is_upright:
         up = first * np.sign(first @ up)
@@ -80,7 +82,8 @@ def body_frame(
         return pose, 'serial'
     if not is_upright and abs(float(first @ ahead)) < _LEVEL:
         problem = (
-            'turns about an axis across the body first; of level axes only one along it can be used'
+            'has a first joint that pitches (its axis lies across the body); the first joint must '
+            'roll (axis along the body) or yaw (vertical axis)'
         )
         raise LegNotFeasible(path, legs[0].joints[0].name, problem)
     return pose, 'yaw_pitch_pitch' if is_upright else 'roll_pitch_pitch'

@@ -16,7 +16,7 @@ _RANGES = {
     'SUBNET': 'every machine of this subnet',
     'LOCALHOST': 'this machine only',
     'OFF': 'this machine only, and only by an address that is given',
-    'SYSTEM_DEFAULT': 'whomever the settings of the middleware allow',
+    'SYSTEM_DEFAULT': 'every participant that the middleware settings allow',
 }
 """What each value of ROS_AUTOMATIC_DISCOVERY_RANGE means; the first is the default."""
 
@@ -57,8 +57,8 @@ class SecuritySettingUnknown(QuadError):
     def sentence(self) -> str:
         """Say what would be valid."""
         return (
-            f"{self.name} is '{self.value[:50]}', which ROS takes for no security at all; "
-            f'it must be {self.valid}, in just these letters'
+            f"{self.name} is '{self.value[:50]}', which ROS does not recognize: it would start "
+            f'without enforcing security; it must be {self.valid} (case-sensitive)'
         )
 
 
@@ -86,7 +86,8 @@ def reach_of(environment: Mapping[str, str]) -> str:
     server = environment.get(DISCOVERY_SERVER, '').strip('; ')
     if server:
         # Who asks a server for others finds nobody without it.
-        reach, source = f'whomever the server {server[:200]} knows', f'{DISCOVERY_SERVER} is set'
+        reach = f'every participant that the server {server[:200]} knows'
+        source = f'{DISCOVERY_SERVER} is set'
     elif environment.get('ROS_LOCALHOST_ONLY') == '1':
         # It is deprecated, and goes before the others.
         reach, source, peers = _RANGES['LOCALHOST'], 'ROS_LOCALHOST_ONLY=1', ''

@@ -112,7 +112,7 @@ class SteadyTrot:
             else:
                 high = middle
         reason = (
-            f'at most {self._most:.2f} of the largest speeds of joints are for a steady trot '
-            'that keeps its balance; the rest is for corrections'
+            f'a steady trot that keeps its balance may use at most {100.0 * self._most:.0f} % of '
+            'the largest joint speeds; the rest is reserved for corrections'
         )
         return low, reason

@@ -222,7 +222,8 @@ class UnevenWalk(Walk):
         guidance.impassable = pose @ Pose2D(0.0, 0.0, towards)
         problem = guidance.ways_out.problem
         guidance.give_up(
-            Activity.STOPPED, f'there is no going on here, another path is needed: {problem}'
+            Activity.STOPPED,
+            f'the robot cannot continue here, and another path is needed: {problem}',
         )
 
     def update(self, state: RobotState) -> Command | Done:

@@ -218,7 +218,7 @@ class SafeStop:
     def _predict(self, now: Stance) -> None:
         """Say what would become of the stance with this leg gone."""
         if self.bears:
-            self.prediction = 'its leg still bears'
+            self.prediction = 'the leg still bears load'
             return
         carries = self._standing & self._sound
         if np.count_nonzero(carries) < 2:
@@ -227,11 +227,15 @@ class SafeStop:
         # A stance that stands by itself is left in peace.
         self._is_lost = self._is_lost and margin < self._wanted
         if margin >= 0.0:
-            self.prediction = f'without its leg the stance stands, by {1e3 * margin:.0f} mm'
+            self.prediction = (
+                f'the other feet support the robot without this leg, with a margin of '
+                f'{1e3 * margin:.0f} mm'
+            )
         else:
             self.prediction = (
-                f'without its leg the stance falls: the center of mass was {-1e3 * margin:.0f} mm '
-                f'outside the other feet, and the body would tip by {np.degrees(angle):.0f} degrees'
+                f'the other feet do not support the robot without this leg: the center of mass was '
+                f'{-1e3 * margin:.0f} mm outside their support, and the body would tip by '
+                f'{np.degrees(angle):.0f} degrees'
             )
 
     # Motions

@@ -233,13 +233,14 @@ def _calibration(name: str, entry: object) -> Calibration:
     if not isinstance(entry['gait'], str):
         raise ParameterError(f'{name}.gait', entry['gait'], 'the name of a gait')
     if _size(wanted) == 0.0:
-        raise ParameterError(f'{name}.wanted', entry['wanted'], 'a motion, not nothing')
+        raise ParameterError(f'{name}.wanted', entry['wanted'], 'a motion other than zero')
     excess = BodyMotion(*(_parts(asked) - _parts(wanted)).tolist())
     if _size(excess) > _LARGEST * _size(wanted):
         raise ParameterError(
             f'{name}.asked',
             entry['asked'],
-            f'like the motion that is wanted, {entry["wanted"]}, to half of its size',
+            f'a motion that differs from the wanted one, {entry["wanted"]}, by at most half of '
+            f'its size',
         )
     return Calibration(entry['gait'], period, wanted, asked)
 

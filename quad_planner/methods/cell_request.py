@@ -110,7 +110,7 @@ class CellRequest:
     def no_path(self) -> NoPathFound:
         """Return the error that says why no path leads to the goal."""
         why = self.safety.not_connected(self.s, self.g)
-        why = why or 'no allowed cell is near to one of them'
+        why = why or 'the start or the goal has no free cell nearby'
         return NoPathFound((self.start.x, self.start.y), (self.goal.x, self.goal.y), why)
 
     def joined(self, between: Points) -> Points:

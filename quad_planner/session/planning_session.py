@@ -25,6 +25,8 @@ _TAKEN_OVER = (
     'began: that goal is taken over'
 )
 
+_FOLLOWS_ANOTHER = 'the robot follows a plan that another node published'
+
 _CHECK_PERIOD = 0.2
 """Time between two checks whether the robot has left its path [s]."""
 
@@ -254,8 +256,8 @@ class PlanningSession(SessionMaps):
             self._try_waiting_goal()
             self._output.update_status()
         elif self._goal is not None and self._pending is None:
-            self._output.say('the robot follows the plan of somebody else: its goal here has ended')
-            self._given.conclude(GoalEnd.ENDED, 'the robot follows the plan of somebody else')
+            self._output.say(f'{_FOLLOWS_ANOTHER}: the goal given to this planner is dropped')
+            self._given.conclude(GoalEnd.ENDED, _FOLLOWS_ANOTHER)
             self._goal, self.hold_reason = None, ''
             self._output.update_status()
 

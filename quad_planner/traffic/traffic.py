@@ -280,7 +280,7 @@ class Traffic:
         names = ', '.join(sorted(name for name, duty in duties.items() if duty is worst))
         if worst is Duty.LEAVE and self._has_fallen:
             self._refuge = None
-            self._session.hold('it has fallen')
+            self._session.hold('the robot has fallen')
             return
         if worst is Duty.LEAVE and not self.goes_first:
             self._leave(time, own, before, names)
@@ -347,7 +347,7 @@ class Traffic:
         place = waiting_place(prepared, own, bodies, before, self._room, self._goal)
         if place is None:
             self._refuge = None
-            session.hold(f'{reason}, and there is no place for it')
+            session.hold(f'{reason}, but no free place to wait was found')
             self._lost += 1
             self.goes_first = self._lost >= _TRIES
             return

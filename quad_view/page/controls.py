@@ -138,7 +138,10 @@ class Controls:
 
     def _add_pad(self) -> None:
         """Add the speed pad."""
-        self._gui.add_markdown('*Hold a button, or its key: what is let go, or lost, stops.*')
+        self._gui.add_markdown(
+            '*Hold a button or its key to steer: the robot stops when you let go, or when the '
+            'connection to this page is lost.*'
+        )
         self._speed = self._gui.add_slider('Speed [%]', 5, 100, 5, 50)
         for label, key, direction in _STEERING:
             self._add_steering(label, key, direction)

@@ -23,7 +23,7 @@ NO_ROBOT = (
 
 _WITHOUT = {
     'sim_node': 'nothing moves the robot, unless a real one does',
-    'planner_node': 'a goal is not planned to',
+    'planner_node': 'no path to a goal is planned',
     'gait_node': 'the robot does not walk, stand up, or stop',
 }
 """What is missing without a node."""
@@ -135,4 +135,4 @@ def _named(line: Line) -> str:
 
 
 def _lack(node: str) -> str:
-    return f'{_WITHOUT.get(node, "it does its work no more")}; start it with: {node}'
+    return f'{_WITHOUT.get(node, "it no longer does its work")}; start it with: {node}'

@@ -221,7 +221,7 @@ def test_arguments_that_are_not_understood_end_with_code_2(capsys, arguments):
 
 def test_robots_are_for_the_benchmark_of_robots(capsys):
     assert main(['bench', 'walk', '--robot', 'cuhk']) == 2
-    assert 'robots alone takes it' in capsys.readouterr().err
+    assert "only 'quadwalk bench robots' takes it" in capsys.readouterr().err
 
 
 def imported_by(arguments):

@@ -99,7 +99,7 @@ def test_of_joints_that_are_too_weak_to_crawl_the_efforts_are_said_that_suffice(
     importing += ['--output', str(tmp_path / 'weak.yaml')]
     assert main([*importing, '--effort', '0.3']) == 0
     said = [line for line in capsys.readouterr().out.splitlines() if 'too weak to crawl' in line]
-    assert 'of its 0.3 N m' in said[0]
+    assert 'whose limit is 0.3 N m' in said[0]
     # The efforts as they were printed, and it is not said again.
     efforts = re.search(r'--effort (\S+ \S+ \S+)$', said[0])[1].split()
     assert main([*importing, '--effort', *efforts]) == 0

@@ -69,4 +69,4 @@ def test_a_newest_goal_that_somebody_canceled_is_said(watch):
     number = watch.sent(0.0)
     watch.accepted(number)
     watch.taken_over(number, 1.0)
-    assert 'somebody else' in watch.problem(60.0, is_served=True)
+    assert 'another client' in watch.problem(60.0, is_served=True)

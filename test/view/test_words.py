@@ -32,7 +32,7 @@ def test_a_missing_node_is_named_with_what_follows_and_how_to_start_it():
     level, sentence = headline(rest, True, False, NOW)
     assert level == Level.ERROR
     assert sentence == (
-        'planner_node is missing: a goal is not planned to; start it with: planner_node'
+        'planner_node is missing: no path to a goal is planned; start it with: planner_node'
     )
     level, sentence = headline({}, True, False, NOW)
     assert sentence.startswith('gait_node is missing: the robot does not walk')

@@ -38,7 +38,7 @@ REACHES = [
     ),
     (
         {'ROS_DISCOVERY_SERVER': '10.77.0.1:11811', 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'},
-        'to whomever the server 10.77.0.1:11811 knows (ROS_DISCOVERY_SERVER is set)',
+        'to every participant that the server 10.77.0.1:11811 knows (ROS_DISCOVERY_SERVER is set)',
     ),
     ({'ROS_DISCOVERY_SERVER': ''}, 'to every machine of this subnet'),
     ({}, 'security is off'),
@@ -72,7 +72,7 @@ def test_security_that_cannot_be_had_is_an_error_whatever_the_strategy(strategy)
     ],
 )
 def test_a_misspelt_setting_is_an_error_and_not_a_start_without_security(environment):
-    with pytest.raises(SecuritySettingUnknown, match='no security at all'):
+    with pytest.raises(SecuritySettingUnknown, match='without enforcing security'):
         check_security(environment, lambda: None)
 
 

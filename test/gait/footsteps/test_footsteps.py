@@ -160,7 +160,7 @@ def test_each_step_is_balanced_in_reach_and_on_even_ground(robot, seed):
 def test_a_pit_that_is_too_wide_is_not_stepped_over():
     heights = stones(gap=0.6, side=0.3)
     ground = FootholdMap(TITAN, UnevenOptions(), OPTIONS, heights)
-    with pytest.raises(FootstepsNotFound, match=r'no footsteps lead 1\.20 m on'):
+    with pytest.raises(FootstepsNotFound, match=r'no sequence of footholds leads 1\.20 m ahead'):
         FootstepPlanner(TITAN, OPTIONS).plan(standing_feet(TITAN, heights), AHEAD, ground)
 
 

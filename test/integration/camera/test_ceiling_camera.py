@@ -262,5 +262,5 @@ def test_a_camera_that_cannot_be_is_refused(bench: Bench, parameters, words):
 def test_the_kinematic_backend_has_no_obstacles_and_says_so(bench: Bench):
     bench.start('sim_node')
     obstacles = bench.publisher(MarkerArray, 'obstacles')
-    with bench.expects('sim_node', 'an obstacle cannot be had', level=ERROR):
+    with bench.expects('sim_node', 'this simulator does not support an obstacle', level=ERROR):
         obstacles.publish(MarkerArray(markers=[marker(Marker.CUBE, 5.0, 3.0, (0.5, 0.5, 0.5))]))

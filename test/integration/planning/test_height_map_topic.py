@@ -55,4 +55,4 @@ def test_flat_ground_has_no_height_map(composed_bench: Bench):
 def test_unwelcome_ground_ends_the_node(bench: Bench):
     bench.start('sim_node', backend='kinematic', terrain='bumps')
     died = bench.wait_for_end('sim_node')
-    assert 'uneven ground cannot be had' in str(died)
+    assert 'does not support uneven ground' in str(died)

@@ -265,7 +265,7 @@ def test_a_stream_of_names_is_cut_off_and_those_known_stay():
     scene = Scene()
     for number in range(MOST_ROBOTS):
         scene.tell(f'r{number}', (4.0, 3.5))
-    with pytest.raises(RobotLeftOut, match="robot 'one_more' is left out: 64 other robots"):
+    with pytest.raises(RobotLeftOut, match="robot 'one_more' is ignored: 64 other robots"):
         scene.tell('one_more', (4.0, 3.5))
     scene.tell('r0', (4.0, 3.4))
     assert len(scene.traffic.others) == MOST_ROBOTS
@@ -560,7 +560,7 @@ def test_one_that_has_fallen_itself_gives_way_to_nobody():
     for _ in range(8):
         scene.tell('a', (2.5, 2.0), (0.5, 2.0))
         scene.go_on()
-    assert scene.session.hold_reason == 'it has fallen'
+    assert scene.session.hold_reason == 'the robot has fallen'
     assert scene.output.plans[count:] == [None]
     assert scene.session.goal == Pose2D(7.0, 2.0, 0.0)
     scene.traffic.take_tilt(0.0)

@@ -534,7 +534,7 @@ def test_what_is_no_block_is_refused(fields, told):
 
 
 def test_the_kinematic_simulator_has_flat_ground_only():
-    with pytest.raises(NotSimulated, match=r"uneven ground cannot be had.*'bullet' or 'mujoco'"):
+    with pytest.raises(NotSimulated, match=r"does not support uneven ground.*'bullet' or 'mujoco'"):
         make_simulator('kinematic', ROBOT, world_of('bumps'))
 
 
