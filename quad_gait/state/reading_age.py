@@ -48,6 +48,11 @@ class ReadingAge:
         self.problem = ''
         """What is wrong with the readings, as a sentence; empty if nothing is."""
 
+    @property
+    def has_come(self) -> bool:
+        """Whether there was a reading."""
+        return self._is_new or self._since is not None
+
     def take(self, stamp: float | None) -> None:
         """Note that a reading has come, measured at a time [s]; None if it has no stamp."""
         self._stamp = stamp

@@ -9,6 +9,7 @@ comes to rest, and the measurement says why.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -30,6 +31,10 @@ Array = NDArray[np.float64]
 
 RANGE_MARGIN = 0.25
 """Angle by which a measured joint may be beyond its range, for errors of its encoder [rad]."""
+
+_FIRST_IMU = 1.0
+"""Time from the first odometry on in which an imu is to come, where only that tells the attitude
+[s]."""
 
 _OVERLOAD = 100.0
 """Number of times its limits that a joint's measured velocity and effort may be, for noise."""
@@ -95,6 +100,7 @@ class SensorInputs:
         self.imu_problem = ''
         """That the imu does not tell of now, as a sentence; empty while it does."""
         self._was_moved = False
+        self._first_time = math.inf
 
     def imu_at(self, time: float) -> tuple[Array | None, float | None]:
         """
@@ -208,7 +214,8 @@ class SensorInputs:
         self._was_moved = False
         self._joints_age.advance(time)
         is_imu_recent = self._imu_age.advance(time)
-        self.imu_problem = self._problem_of_imu()
+        self._first_time = min(self._first_time, time)
+        self.imu_problem = self._problem_of_imu(time)
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(
             time=time,
@@ -226,16 +233,19 @@ class SensorInputs:
             imu=None if imu is None else self._imu_motion,
         )
 
-    def _problem_of_imu(self) -> str:
+    def _problem_of_imu(self, time: float) -> str:
         """Say that an imu does not tell of now, and what follows from it; empty if it does."""
         options, problem = self._options, self._imu_age.problem
+        if not (self._imu_age.has_come or options.odometry_has_attitude):
+            # Nothing else would tell that the body falls.
+            problem = 'no imu yet' if time - self._first_time > _FIRST_IMU else ''
         if not problem:
             return ''
         if options.odometry_has_attitude:
             return f"{problem}: odometry's attitude takes its place"
         if options.needs_attitude:
             return f'{problem}, and odometry by legs does not tell roll and pitch'
-        return f'{problem}: the body is taken to be level'
+        return f'{problem}: the body is taken to be level, and a fall is not noticed'
 
     def _problem(self) -> str:
         """Say what is missing for a walk; empty if nothing is."""

@@ -211,12 +211,29 @@ def test_a_silent_imu_is_said_and_stops_only_a_robot_that_needs_it(options, word
     assert inputs.imu_at(2.0)[1] == 0.5
 
 
-def test_an_imu_that_never_spoke_is_not_missed():
-    inputs = standing_inputs(odometry_has_attitude=False, needs_attitude=True)
-    for time in np.arange(1.02, 2.0, 0.02):
+@pytest.mark.parametrize(
+    ('has_attitude', 'is_needed'), [(True, True), (False, False), (False, True)]
+)
+def test_an_imu_that_never_came_is_missed_where_nothing_else_tells_the_attitude(
+    has_attitude, is_needed
+):
+    options = InputOptions(odometry_has_attitude=has_attitude, needs_attitude=is_needed)
+    inputs, first = SensorInputs(ROBOT, options), None
+    for time in np.arange(1.0, 4.0, 0.02):
         inputs.take_joints(readings(time))
-        assert inputs.take_odometry(time, ORIGIN, LEVEL).problem == ''
-    assert inputs.imu_problem == ''
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+        if inputs.imu_problem:
+            first = time if first is None else first
+            assert inputs.imu_problem.startswith('no imu yet')
+            assert bool(now.problem) is is_needed
+        else:
+            assert now.problem == ''
+    if has_attitude:
+        assert first is None
+    else:
+        assert 1.9 < first < 2.2
+        inputs.take_imu(4.0, LEVEL, 0.0)
+        assert inputs.take_odometry(4.0, ORIGIN, LEVEL).problem == inputs.imu_problem == ''
 
 
 @pytest.mark.parametrize(
