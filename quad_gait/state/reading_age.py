@@ -31,12 +31,19 @@ class ReadingAge:
         The readings, several of them, for the sentence.
     timeout : float
         Age at which readings are old [s].
+    patience : float
+        Time from the first odometry on in which the first reading is to come [s]; one that never
+        comes is not missed if not given.
     """
 
-    def __init__(self, what: str, readings: str, timeout: float) -> None:
+    def __init__(
+        self, what: str, readings: str, timeout: float, patience: float = math.inf
+    ) -> None:
         self._what = what
         self._readings = readings
         self._timeout = timeout
+        self._patience = patience
+        self._first = math.inf
         self._now: float | None = None
         self._stamp: float | None = None
         # When the last reading was measured or, if no odometry is as late as that, came.
@@ -48,11 +55,6 @@ class ReadingAge:
         self.problem = ''
         """What is wrong with the readings, as a sentence; empty if nothing is."""
 
-    @property
-    def has_come(self) -> bool:
-        """Whether there was a reading."""
-        return self._is_new or self._since is not None
-
     def take(self, stamp: float | None) -> None:
         """Note that a reading has come, measured at a time [s]; None if it has no stamp."""
         self._stamp = stamp
@@ -63,6 +65,7 @@ class ReadingAge:
     def advance(self, time: float) -> bool:
         """Note that odometry of a time [s] has come; return whether there is a reading of now."""
         self._now = time
+        self._first = min(self._first, time)
         if self._is_new:
             # A stamp of the future says nothing of when they fall silent.
             self._since = time if self._since is None else min(self._since, time)
@@ -87,7 +90,7 @@ class ReadingAge:
 
     def _problem(self, time: float, age: float) -> str:
         if self._since is None:
-            return ''
+            return f'no {self._what} yet' if time - self._first > self._patience else ''
         silence = time - self._since
         is_silent = time - self._came > self._timeout and self._missed >= LEAST_MISSED
         if silence > self._timeout and is_silent:

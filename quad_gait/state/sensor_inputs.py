@@ -94,13 +94,14 @@ class SensorInputs:
         self._joints_age = ReadingAge('joint states', 'joint states', timeouts[0])
         self._imu: tuple[Array | None, float | None] = (None, None)
         self._imu_motion: ImuMotion | None = None
-        self._imu_age = ReadingAge('imu', "the imu's readings", timeouts[1])
+        # Where odometry has no attitude nothing else would tell that the body falls.
+        patience = math.inf if self._options.odometry_has_attitude else _FIRST_IMU
+        self._imu_age = ReadingAge('imu', "the imu's readings", timeouts[1], patience)
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
         self.imu_problem = ''
         """That the imu does not tell of now, as a sentence; empty while it does."""
         self._was_moved = False
-        self._first_time = math.inf
 
     def imu_at(self, time: float) -> tuple[Array | None, float | None]:
         """
@@ -214,8 +215,7 @@ class SensorInputs:
         self._was_moved = False
         self._joints_age.advance(time)
         is_imu_recent = self._imu_age.advance(time)
-        self._first_time = min(self._first_time, time)
-        self.imu_problem = self._problem_of_imu(time)
+        self.imu_problem = self._problem_of_imu()
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(
             time=time,
@@ -233,12 +233,9 @@ class SensorInputs:
             imu=None if imu is None else self._imu_motion,
         )
 
-    def _problem_of_imu(self, time: float) -> str:
+    def _problem_of_imu(self) -> str:
         """Say that an imu does not tell of now, and what follows from it; empty if it does."""
         options, problem = self._options, self._imu_age.problem
-        if not (self._imu_age.has_come or options.odometry_has_attitude):
-            # Nothing else would tell that the body falls.
-            problem = 'no imu yet' if time - self._first_time > _FIRST_IMU else ''
         if not problem:
             return ''
         if options.odometry_has_attitude:

@@ -40,7 +40,7 @@ def test_as_much_of_a_motion_is_possible_as_leaves_the_joints_something(motion):
     fraction, reason = trot.possible(most)
     assert 0.95 * OPTIONS.steady_speed < trot.speed_use(most.scaled(fraction))
     assert trot.speed_use(most.scaled(fraction)) <= OPTIONS.steady_speed
-    assert '0.54 of the largest speeds' in reason
+    assert 'at most 54 % of the largest joint speeds' in reason
 
 
 def test_quick_joints_bound_nothing():

@@ -91,7 +91,7 @@ def test_the_planner_says_what_it_waits_for(bench: Bench):
 
 
 def test_the_gait_node_says_what_it_waits_for(bench: Bench):
-    bench.start('gait_node', use_sim_time=False)
+    bench.start('gait_node', use_sim_time=False, odom_timeout=1.0)
     bench.wait_for_status('gait_node', "no odometry: waiting for it on 'odom'", level=WARN)
     robot = load_robot('titan_viii')
     joints = JointState(
