@@ -116,11 +116,13 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     nodes += start_state_publisher(context, use_sim_time)
     if is_true(context, 'view'):
         # Outside the namespace: it shows the robots of all.
+        odom_topic = LaunchConfiguration('odom_topic').perform(context)
+        shown = [{'odom_topic': odom_topic}] if odom_topic else []
         viewer = Node(
             package='quadwalk',
             executable='viewer_node',
             output='screen',
-            parameters=[config_file('viewer_node.yaml')],
+            parameters=[config_file('viewer_node.yaml'), *shown],
         )
         nodes.append(viewer)
     if is_true(context, 'rviz'):

@@ -385,6 +385,14 @@ def test_the_planner_plans_for_the_gait_that_the_launch_file_was_given():
     assert planner == gait == {'use_sim_time': True, 'gait': 'trot', 'turning': 'arc'}
 
 
+@pytest.mark.parametrize('topic', ['', 'odom/legs'])
+def test_the_viewer_shows_the_pose_that_planner_and_gait_go_by(topic):
+    robot = launch_file('robot')
+    context = started_with(robot, view='true', odom_topic=topic)
+    *_, viewer = robot['start_nodes'](context)
+    assert parameters_of(viewer, context) == ({'odom_topic': topic} if topic else {})
+
+
 def test_the_simulator_drifts_and_localises_as_the_launch_file_was_told():
     walk = launch_file('walk')
     context = started_with(walk, odom_drift='0.05', localiser_rate='1', backend='kinematic')
