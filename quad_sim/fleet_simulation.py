@@ -13,7 +13,8 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_sim.fleet.shared_world import SharedWorld
 from quad_sim.fleet_text import check_apart
-from quad_sim.simulation import ObstacleChange, Simulation, change_empty_world, check_start
+from quad_sim.obstacle_changes import ObstacleChange, change_obstacles
+from quad_sim.simulation import Simulation, check_start
 from quad_sim.world.world import Obstacle
 
 MOST_ROBOTS = 32
@@ -121,7 +122,7 @@ class FleetSimulation:
             # The world is one: any robot's simulation changes it for all.
             simulation.change_obstacles(changes, most)
             return
-        change_empty_world(self._world, changes, most)
+        change_obstacles(self._world, changes, most)
 
     @property
     def obstacles(self) -> Mapping[Hashable, Obstacle]:

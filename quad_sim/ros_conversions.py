@@ -38,8 +38,8 @@ from quad_common.ros.pose_conversions import (
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY, JointTrajectory
 from quad_common.vision.markers import Color
 from quad_sim.engines.simulator import Observation
+from quad_sim.obstacle_changes import ObstacleChange
 from quad_sim.parameters import SimParameters
-from quad_sim.simulation import ObstacleChange
 from quad_sim.world.world import Obstacle
 
 _SIZES = (1e-3, 100.0)

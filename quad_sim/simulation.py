@@ -4,9 +4,8 @@ A robot under its trajectory controller in a simulator: what ``sim_node`` steps.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,6 @@ from quad_common.errors import (
     NotSimulated,
     ObstacleOnRobot,
     ParameterError,
-    TooManyObstacles,
     TrajectoryOver,
 )
 from quad_common.maps.occupancy_grid import OccupancyGrid
@@ -35,6 +33,7 @@ from quad_sim.engines.simulator import (
     SolidSimulator,
     VisibleSimulator,
 )
+from quad_sim.obstacle_changes import ObstacleChange, change_obstacles
 from quad_sim.world.simulated_camera import Picture, SimulatedCamera
 from quad_sim.world.world import Obstacle
 
@@ -94,68 +93,6 @@ def check_start(robot: Robot, grid: OccupancyGrid, start: Pose2D) -> None:
         )
 
 
-class HasObstacles(Protocol):
-    """A world in which obstacles come and go."""
-
-    @property
-    def obstacles(self) -> Mapping[Hashable, Obstacle]:
-        """Those that stand there now, by name."""
-
-    def put_obstacle(self, name: Hashable, obstacle: Obstacle) -> None:
-        """Put an obstacle, in the place of the one of that name if there is one."""
-
-    def remove_obstacle(self, name: Hashable) -> None:
-        """Take an obstacle away, if it is there."""
-
-
-@dataclass(frozen=True)
-class ObstacleChange:
-    """An obstacle comes, moves or goes."""
-
-    name: Hashable
-    """None: all of them."""
-    obstacle: Obstacle | None
-    """None: it goes."""
-
-
-def _count_after(changes: Iterable[ObstacleChange], standing: Iterable[Hashable]) -> int:
-    """Return the number of obstacles once all changes are made."""
-    names = set(standing)
-    for change in changes:
-        if change.obstacle is not None:
-            names.add(change.name)
-        elif change.name is None:
-            names.clear()
-        else:
-            names.discard(change.name)
-    return len(names)
-
-
-def change_empty_world(
-    world: HasObstacles, changes: Sequence[ObstacleChange], most: int | None = None
-) -> None:
-    """Put and remove obstacles where no robot is; see :meth:`Simulation.change_obstacles`."""
-    _check_count(changes, world, most)
-    _put_and_remove(changes, world)
-
-
-def _check_count(changes: Sequence[ObstacleChange], world: HasObstacles, most: int | None) -> None:
-    """Raise TooManyObstacles if there would be more than may be."""
-    count = _count_after(changes, world.obstacles)
-    if most is not None and count > max(most, len(world.obstacles)):
-        raise TooManyObstacles(count, most)
-
-
-def _put_and_remove(changes: Sequence[ObstacleChange], world: HasObstacles) -> None:
-    for change in changes:
-        if change.obstacle is not None:
-            world.put_obstacle(change.name, change.obstacle)
-        else:
-            gone = list(world.obstacles) if change.name is None else [change.name]
-            for name in gone:
-                world.remove_obstacle(name)
-
-
 class Simulation:
     """
     Steps a simulator with the commands of the current trajectory, and keeps the record.
@@ -181,6 +118,7 @@ class Simulation:
         """Whether the joints hold, and no trajectory is executed."""
         self.start_pose = start_pose
         """Pose to which a reset puts the robot back."""
+        self._push_ends = math.inf
         self._failure: JointFailure | None = None
         self.failed: JointFailure | None = None
         """The last joint that has failed since the last reset."""
@@ -215,6 +153,7 @@ class Simulation:
     def reset(self) -> None:
         """Put the robot back to its start pose, at rest, with all joints sound; time goes on."""
         self._simulator.reset(self.start_pose)
+        self._push_ends = math.inf
         self._failure = self.failed = None
         self._executor.hold(self._initial_joints)
         self.contacts_seen.clear()
@@ -288,6 +227,8 @@ class Simulation:
         if failure is not None and self.time >= failure.time - self.time_step / 2.0:
             self._simulator.fail_joint(self._robot.joint_index(failure.joint), failure.kind)
             self._failure, self.failed = None, failure
+        if self.time >= self._push_ends - self.time_step / 2.0:
+            self.push(np.zeros(3))
         self._simulator.step(*self._executor.command(self.time + self.time_step))
 
     def observe(self) -> Observation:
@@ -355,9 +296,8 @@ class Simulation:
         """
         changes = list(changes)
         world = self.check_solid('an obstacle')
-        _check_count(changes, world, most)
         self.check_clear(changes)
-        _put_and_remove(changes, world)
+        change_obstacles(world, changes, most)
 
     def check_clear(self, changes: Iterable[ObstacleChange]) -> None:
         """Raise ObstacleOnRobot if an obstacle would stand where the robot is."""
@@ -378,9 +318,24 @@ class Simulation:
         """Return the normal forces against the feet; see :class:`SolidSimulator`."""
         return self.check_solid('the forces on the feet').foot_forces()
 
-    def push(self, force: Array) -> None:
-        """Push against the body from now on; see :meth:`SolidSimulator.push`."""
+    def push(self, force: Array, duration: float = math.inf) -> None:
+        """
+        Push against the body from now on, in place of the last push.
+
+        Parameters
+        ----------
+        force : ndarray, shape (3,)
+            Against the body's center of mass, in the world's axes [N].
+        duration : float
+            Simulated time for which it lasts [s].
+
+        Raises
+        ------
+        NotSimulated
+            If the simulator has no forces.
+        """
         self.check_solid('a push').push(force)
+        self._push_ends = self.time + duration
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""

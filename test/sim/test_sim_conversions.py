@@ -48,6 +48,7 @@ from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.ros_conversions import joints_from_message, trajectory_message
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.obstacle_changes import ObstacleChange
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
@@ -57,7 +58,6 @@ from quad_sim.ros_conversions import (
     odometry_message,
     trajectory_from_message,
 )
-from quad_sim.simulation import ObstacleChange
 from quad_sim.world.world import Obstacle
 
 ROBOT = load_robot('titan_viii')
