@@ -13,7 +13,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import InvalidMessage
-from quad_common.errors.quoting import quoted
+from quad_common.frames.frame_names import check_frame
 from quad_common.plan import LONGEST_PLAN
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.pose_conversions import (
@@ -165,10 +165,7 @@ def robot_from_message(message: MarkerArray, frame: str) -> RobotOnMap | str:
     name = checked_name(body.ns, what)
     if body.action == Marker.DELETE:
         return name
-    if body.header.frame_id != frame:
-        raise InvalidMessage(
-            what, f'it is in frame {quoted(body.header.frame_id)}; give it in {quoted(frame)}'
-        )
+    check_frame(what, body.header.frame_id, frame)
     if not 0.0 < body.scale.x <= 2.0 * _LARGEST:
         raise InvalidMessage(what, f'the disc is {body.scale.x} m wide; 0 to 20 m are valid')
     points = [] if path is None else path.points

@@ -13,8 +13,8 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot.robot import Robot
 from quad_sim.fleet.shared_world import SharedWorld
 from quad_sim.fleet_text import check_apart
-from quad_sim.obstacle_changes import ObstacleChange, change_obstacles
 from quad_sim.simulation import Simulation, check_start
+from quad_sim.world.obstacle_changes import ObstacleChange, change_obstacles
 from quad_sim.world.world import Obstacle
 
 MOST_ROBOTS = 32

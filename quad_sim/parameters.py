@@ -112,6 +112,14 @@ class SimParameters:
         lower=0.0,
         is_dynamic=True,
     )
+    push_duration: float = parameter(
+        0.1,
+        "Simulated time for which a message on 'push' pushes the robot.",
+        's',
+        lower=0.001,
+        upper=60.0,
+        is_dynamic=True,
+    )
     longest_trajectory: int = parameter(
         LONGEST_TRAJECTORY,
         'Joint trajectories with more points are refused.',

@@ -6,56 +6,42 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Vector3
+from geometry_msgs.msg import Point, Vector3, WrenchStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, JointState
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
-from visualization_msgs.msg import Marker, MarkerArray
 
 from quad_common.errors import (
     InvalidMessage,
-    InvalidPose,
     NoJointsNamed,
-    ParameterError,
     PointMalformed,
     TooManyJoints,
     TooManyPoints,
 )
-from quad_common.errors.quoting import quoted
+from quad_common.frames.frame_names import check_frame
+from quad_common.robot.robot import Robot
 from quad_common.ros.pose_conversions import (
-    checked_name,
-    pose_from_message,
-    pose_message,
     seconds_from_time,
 )
+from quad_common.rotations import matrix_from_quaternion
 from quad_common.trajectory.joint_trajectory import LONGEST_TRAJECTORY, JointTrajectory
-from quad_common.vision.markers import Color
-from quad_sim.engines.simulator import Observation
-from quad_sim.obstacle_changes import ObstacleChange
+from quad_sim.engines.simulator import GRAVITY, Observation
 from quad_sim.parameters import SimParameters
-from quad_sim.world.world import Obstacle
-
-_SIZES = (1e-3, 100.0)
-"""Least and largest side of an obstacle [m]."""
-
-_MOST_MARKERS = 1000
-"""Largest number of markers in one message."""
 
 _MOST_JOINTS = 1000
 """Of a trajectory; that none of them is missing or unknown is checked after it is read."""
 
-MOST_OBSTACLE_BYTES = 1_000_000
-"""Largest size of a message with obstacles; a marker has some three hundred [bytes]."""
-
 _ROOM, _POINT_BYTES = 250_000, 450
 """Sizes of a message with a trajectory: of names, and of twelve joints' numbers [bytes]."""
+
+_MOST_WEIGHTS = 20.0
+"""Largest force of a push, in weights of the robot."""
 
 _EXACT = 1e-12
 """Variance of what is known exactly: zero would mean unknown."""
@@ -217,123 +203,54 @@ def joint_state_message(
     return message
 
 
-def obstacle_changes_from_message(
-    message: MarkerArray, frames: tuple[str, ...]
-) -> list[ObstacleChange]:
+def push_from_message(
+    message: WrenchStamped, robot: Robot, observation: Observation, frames: tuple[str, ...]
+) -> NDArray[np.float64]:
     """
-    Read which obstacles come and go.
+    Read a push against the robot's body.
 
     Parameters
     ----------
-    message : visualization_msgs/MarkerArray
-        Cubes and cylinders that are added, moved or deleted. They stand on the floor: heights
-        of their poses, and roll and pitch, are not used.
+    message : geometry_msgs/WrenchStamped
+        A force; torques must be zero.
+    robot : Robot
+        Robot that is pushed.
+    observation : Observation
+        State of the robot now.
     frames : tuple of str
-        In which poses may be given.
+        Frame of the robot's body, then those that coincide with the world.
 
     Returns
     -------
-    list of ObstacleChange
-        In order; names are namespace and id.
+    ndarray, shape (3,)
+        Force against the body's center of mass, in the world's axes [N].
 
     Raises
     ------
     InvalidMessage
-        If there are too many, or a marker is something else.
+        If the frame is another one, it turns, or the force is no number or too large.
     """
-    if len(message.markers) > _MOST_MARKERS:
-        raise InvalidMessage(
-            "message on 'obstacles'",
-            f'it has {len(message.markers)} markers; {_MOST_MARKERS} are the most',
-        )
-    return [_obstacle_change(marker, frames) for marker in message.markers]
-
-
-def _obstacle_change(marker: Marker, frames: tuple[str, ...]) -> ObstacleChange:
-    name = (marker.ns, marker.id)
-    what = f"marker {quoted(marker.ns)} {marker.id} on 'obstacles'"
-    checked_name(marker.ns, what)
-    if marker.action == Marker.DELETEALL:
-        return ObstacleChange(None, None)
-    if marker.action == Marker.DELETE:
-        return ObstacleChange(name, None)
-    if marker.action != Marker.ADD:
-        raise InvalidMessage(
-            what, f'its action is {marker.action}; known are ADD 0, DELETE 2 and DELETEALL 3'
-        )
-    kinds = {Marker.CUBE: 'box', Marker.CYLINDER: 'cylinder'}
-    if marker.type not in kinds:
-        raise InvalidMessage(what, f'its type is {marker.type}; known are CUBE 1 and CYLINDER 3')
-    check_frame(what, marker.header.frame_id, frames)
-    color = marker.color
-    parts = (color.r, color.g, color.b, color.a)
-    if not all(0.0 <= part <= 1.0 for part in parts):
-        raise InvalidMessage(what, f'its color r, g, b, a is {parts}; each must be from 0 to 1')
-    red, green, blue = (round(255.0 * part) for part in parts[:3])
-    size = marker.scale
-    low, high = _SIZES
-    if not all(low <= side <= high for side in (size.x, size.y, size.z)):
+    what = "message on 'push'"
+    check_frame(what, message.header.frame_id, *frames)
+    force, torque = (
+        np.array([part.x, part.y, part.z]) for part in (message.wrench.force, message.wrench.torque)
+    )
+    most = _MOST_WEIGHTS * robot.mass * GRAVITY
+    # Of numbers whose squares are too large, too; nan compares as false.
+    if not (np.abs(force) <= most).all() or float(np.linalg.norm(force)) > most:
         raise InvalidMessage(
             what,
-            f'it is ({size.x}, {size.y}, {size.z}) m large; each side must be from {low:g} '
-            f'to {high:g} m',
+            f'its force is ({", ".join(f"{part:.4g}" for part in force)}) N; it must be at most '
+            f'{most:.0f} N, {_MOST_WEIGHTS:g} times the weight of the robot',
         )
-    try:
-        pose = pose_from_message(marker.pose)
-        obstacle = Obstacle(
-            kinds[marker.type],
-            pose,
-            size.x,
-            size.y,
-            size.z,
-            # A color that is not set is black and transparent.
-            (red, green, blue) if any(parts) else None,
-        )
-    except (InvalidPose, ParameterError) as error:
-        raise InvalidMessage(what, str(error)) from error
-    return ObstacleChange(name, obstacle)
-
-
-def obstacles_message(
-    obstacles: Mapping[tuple[str, int], Obstacle], frame: str, color: Color
-) -> MarkerArray:
-    """
-    Write which obstacles stand.
-
-    Parameters
-    ----------
-    obstacles : mapping of tuple to Obstacle
-        Obstacles by namespace and id.
-    frame : str
-        Frame of their poses.
-    color : tuple of int
-        Color of those without one: red, green and blue, 0 to 255.
-
-    Returns
-    -------
-    visualization_msgs/MarkerArray
-        Their markers, after one that takes away whatever was shown before.
-    """
-    markers = [Marker(action=Marker.DELETEALL)]
-    kinds = {'box': Marker.CUBE, 'cylinder': Marker.CYLINDER}
-    for (space, number), obstacle in obstacles.items():
-        marker = Marker(ns=space, id=number, type=kinds[obstacle.kind], action=Marker.ADD)
-        marker.header.frame_id = frame
-        marker.pose = pose_message(obstacle.pose)
-        marker.pose.position.z = 0.5 * obstacle.height
-        _set(marker.scale, np.array([obstacle.length, obstacle.width, obstacle.height]))
-        red, green, blue = (part / 255.0 for part in obstacle.color or color)
-        marker.color.r, marker.color.g, marker.color.b, marker.color.a = red, green, blue, 1.0
-        markers.append(marker)
-    return MarkerArray(markers=markers)
-
-
-def check_frame(what: str, frame: str, frames: tuple[str, ...]) -> None:
-    """Raise InvalidMessage unless a frame is one of those that coincide with the world."""
-    if frame not in frames:
+    if torque.any():
         raise InvalidMessage(
-            what, f'it is in frame {quoted(frame)}; give it in {quoted(frames[0])}'
+            what, "its torque is not zero; a push is a force through the body's center of mass"
         )
+    if message.header.frame_id != frames[0]:
+        return force
+    in_world: NDArray[np.float64] = matrix_from_quaternion(observation.orientation) @ force
+    return in_world
 
 
 def _set(vector: Point | Vector3, values: NDArray[np.float64]) -> None:

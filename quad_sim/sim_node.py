@@ -17,18 +17,18 @@ from geometry_msgs.msg import PoseStamped
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
+from quad_common.frames.frame_names import check_frame
 from quad_common.ros.pose_conversions import pose_from_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.run_node import run_node
 from quad_sim.engines.registry import AUTO, resolved
 from quad_sim.entities.entity_services import EntityServices
-from quad_sim.fleet_session import session_from_parameters
-from quad_sim.parameters import SimParameters
-from quad_sim.ros_conversions import (
+from quad_sim.entities.obstacle_conversions import (
     MOST_OBSTACLE_BYTES,
-    check_frame,
     obstacle_changes_from_message,
 )
+from quad_sim.fleet_session import session_from_parameters
+from quad_sim.parameters import SimParameters
 from quad_sim.sim_topics import SimTopics
 
 
@@ -90,7 +90,7 @@ class SimNode(QuadNode[SimParameters]):
         self._topics.publish_obstacles()
 
     def _on_goal_marker(self, message: PoseStamped) -> None:
-        check_frame('goal_marker', message.header.frame_id, self._session.frames_on_map)
+        check_frame('goal_marker', message.header.frame_id, *self._session.frames_on_map)
         pose = pose_from_message(message.pose, 'goal_marker')
         self._session.put_goal_marker(pose)
 

@@ -23,8 +23,8 @@ from quad_common.ros.pose_conversions import camera_transform, time_from_seconds
 from quad_common.ros.ros_node import QuadNode
 from quad_common.ros.transform_publisher import TransformPublisher
 from quad_common.vision.color_parameters import color_from
+from quad_sim.entities.obstacle_conversions import obstacles_message
 from quad_sim.parameters import SimParameters
-from quad_sim.ros_conversions import obstacles_message
 from quad_sim.sim_session import SimSession
 from quad_sim.simulated_robot import SensorReadings
 from quad_sim.simulated_robot_topics import RobotTopics

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import TransformStamped, WrenchStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState, PointCloud2
@@ -35,6 +35,7 @@ from quad_sim.ros_conversions import (
     joint_state_message,
     most_trajectory_bytes,
     odometry_message,
+    push_from_message,
     trajectory_from_message,
     true_odometry_message,
 )
@@ -129,6 +130,7 @@ class RobotTopics:
         place.create_subscription(
             JointTrajectory, 'joint_trajectory', self._on_trajectory, 10, most_bytes=longest
         )
+        place.create_subscription(WrenchStamped, 'push', self._on_push, 10)
         self._held = place.create_publisher(Bool, 'emergency_stop/held', _LATCHED)
         place.create_subscription(Bool, 'emergency_stop/active', self._on_emergency_stop, _LATCHED)
         if node.parameters.real_time_factor == 0.0:
@@ -201,6 +203,12 @@ class RobotTopics:
                 raise
             # Nothing is wrong with it but the machine's pace, as with one that comes late.
             self._node.report(WARN, str(error))
+
+    def _on_push(self, message: WrenchStamped) -> None:
+        robot, simulation = self._robot, self._robot.simulation
+        frames = (robot.parameters.base_frame, *self._session.frames_on_map)
+        force = push_from_message(message, robot.robot, simulation.observe(), frames)
+        simulation.push(force, self._node.parameters.push_duration)
 
     def _on_emergency_stop(self, message: Bool) -> None:
         simulation = self._robot.simulation

@@ -33,7 +33,7 @@ from quad_sim.engines.simulator import (
     SolidSimulator,
     VisibleSimulator,
 )
-from quad_sim.obstacle_changes import ObstacleChange, change_obstacles
+from quad_sim.world.obstacle_changes import ObstacleChange, change_obstacles
 from quad_sim.world.simulated_camera import Picture, SimulatedCamera
 from quad_sim.world.world import Obstacle
 

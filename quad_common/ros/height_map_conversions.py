@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField
 
 from quad_common.errors import InvalidMessage, MapError
-from quad_common.errors.quoting import LONGEST_QUOTE, clipped, quoted
+from quad_common.errors.quoting import LONGEST_QUOTE, clipped
+from quad_common.frames.frame_names import check_frame
 from quad_common.maps.height_map import MAX_CELLS, HeightMap
 from quad_common.ros.pose_conversions import LARGEST_COORDINATE
 
@@ -81,11 +82,7 @@ def height_map_from_message(message: PointCloud2, frames: tuple[str, ...]) -> He
         If it is in another frame, not organized, too large, or its points are on no such grid.
     """
     what = 'height map'
-    frame = message.header.frame_id
-    if frame not in frames:
-        raise InvalidMessage(
-            what, f'it is in frame {quoted(frame)}; give it in {quoted(frames[0])}'
-        )
+    check_frame(what, message.header.frame_id, *frames)
     rows, columns = message.height, message.width
     if rows < 2 or columns < 2:
         raise InvalidMessage(

@@ -20,7 +20,7 @@ from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_planner.parameters import PlannerParameters
 from quad_planner.planner_setup import planner_for
-from quad_sim.obstacle_changes import ObstacleChange
+from quad_sim.world.obstacle_changes import ObstacleChange
 from quad_sim.world.random_room import Room, random_room
 from quad_sim.world.world import Obstacle, occupancy_of
 

@@ -59,6 +59,7 @@ JOINT_STATES = RecordedTopic('joint_states', 'sensor_msgs/msg/JointState', Deliv
 DESCRIPTION = RecordedTopic('robot_description', 'std_msgs/msg/String', Delivery.LATCHED, 1)
 GOAL = RecordedTopic('goal_pose', 'geometry_msgs/msg/PoseStamped', Delivery.RELIABLE)
 GOAL_MARKER = RecordedTopic('goal_marker', 'geometry_msgs/msg/PoseStamped', Delivery.RELIABLE)
+PUSH = RecordedTopic('push', 'geometry_msgs/msg/WrenchStamped', Delivery.RELIABLE)
 IMU = RecordedTopic('imu', 'sensor_msgs/msg/Imu', Delivery.SENSOR, 5)
 TRUTH = RecordedTopic('odom/truth', 'nav_msgs/msg/Odometry', Delivery.SENSOR, 5, is_on_demand=True)
 TRANSFORMS = RecordedTopic('tf', 'tf2_msgs/msg/TFMessage', Delivery.RELIABLE, 100)
@@ -89,6 +90,7 @@ RECORDED = (
     RecordedTopic('plan_markers', 'visualization_msgs/msg/MarkerArray', Delivery.LATCHED, 1),
     RecordedTopic('obstacles', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
     RecordedTopic('obstacles/present', 'visualization_msgs/msg/MarkerArray', Delivery.LATCHED, 1),
+    PUSH,
     RecordedTopic('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', Delivery.RELIABLE),
     RecordedTopic('footholds', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
     RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE, is_frequent=True),

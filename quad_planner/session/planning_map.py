@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from quad_common.errors import InvalidMessage, NoMap, QuadError, WrongFrame
 from quad_common.errors.quoting import quoted
+from quad_common.frames.frame_names import check_frame
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
 from quad_common.maps.occupancy_grid import OccupancyGrid
@@ -219,11 +220,7 @@ class PlanningMap:
         if self._grid is None:
             self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
             return False
-        if frame != self.frame.name:
-            name = self.frame.name
-            raise InvalidMessage(
-                'keepout mask', f'it is in frame {quoted(frame)}; give it in {quoted(name)}'
-            )
+        check_frame('keepout mask', frame, self.frame.name)
         before = self._added, self._mask_frame
         self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
         try:
@@ -256,14 +253,10 @@ class PlanningMap:
         if self._grid is None:
             self._waiting = heights, frame
             return False
-        name = self.frame.name
-        if frame != name:
-            raise InvalidMessage(
-                'height map', f'it is in frame {quoted(frame)}; give it in {quoted(name)}'
-            )
+        check_frame('height map', frame, self.frame.name)
         if self._ground is not None and self._ground.is_like(heights):
             return False
-        return self._take(self._grid, name, Ground(heights, self._limits))
+        return self._take(self._grid, frame, Ground(heights, self._limits))
 
     def take_waiting_heights(self) -> bool:
         """Take the height map that came before the map, if any; see :meth:`take_heights`."""

@@ -11,8 +11,9 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped, Vector3
 from rclpy.parameter import Parameter
 
-from quad_common.errors import FilterUnsupported, InvalidMessage, QuadError, RobotNotFound
+from quad_common.errors import FilterUnsupported, QuadError, RobotNotFound
 from quad_common.errors.quoting import clipped, quoted
+from quad_common.frames.frame_names import check_frame
 from quad_common.named_robots.known_robots import known_names
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import available_robots
@@ -213,10 +214,7 @@ class EntityServices:
 
     def _pose(self, message: PoseStamped) -> Pose2D:
         """Read where a robot is to stand: its height is that of the ground."""
-        frame, frames = message.header.frame_id, self._world.frames_on_map
-        if frame not in (*_WORLD, *frames):
-            reason = f'it is in frame {quoted(frame)}; give it in {quoted(frames[0])}'
-            raise InvalidMessage('initial pose', reason)
+        check_frame('initial pose', message.header.frame_id, *self._world.frames_on_map, *_WORLD)
         return pose_from_message(message.pose, 'initial pose')
 
     def _follow(self) -> None:

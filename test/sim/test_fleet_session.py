@@ -14,9 +14,9 @@ from quad_common.errors import (
 from quad_common.planar_pose import Pose2D
 from quad_sim.fleet_session import FleetSession, session_from_parameters
 from quad_sim.fleet_text import robots_from_text
-from quad_sim.obstacle_changes import ObstacleChange
 from quad_sim.parameters import SimParameters
 from quad_sim.sim_session import SimSession
+from quad_sim.world.obstacle_changes import ObstacleChange
 from quad_sim.world.world import Obstacle
 
 

@@ -12,8 +12,8 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_common.vision.camera import CameraModel
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.engines.registry import ENGINES, engines_with, make_simulator
-from quad_sim.obstacle_changes import ObstacleChange
 from quad_sim.simulation import Simulation
+from quad_sim.world.obstacle_changes import ObstacleChange
 from quad_sim.world.simulated_camera import SimulatedCamera
 from quad_sim.world.world import Obstacle, World, occupancy_of, world_from_map
 

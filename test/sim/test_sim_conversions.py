@@ -10,7 +10,7 @@ pytest.importorskip('rclpy')
 pytest.importorskip('trajectory_msgs')
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Quaternion, TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped, Vector3, WrenchStamped
 from sensor_msgs.msg import CameraInfo, Image
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -48,16 +48,16 @@ from quad_gait.cycle.gait import load_gait
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.ros_conversions import joints_from_message, trajectory_message
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
-from quad_sim.obstacle_changes import ObstacleChange
+from quad_sim.entities.obstacle_conversions import obstacle_changes_from_message, obstacles_message
 from quad_sim.parameters import SimParameters
 from quad_sim.ros_conversions import (
     imu_message,
     joint_state_message,
-    obstacle_changes_from_message,
-    obstacles_message,
     odometry_message,
+    push_from_message,
     trajectory_from_message,
 )
+from quad_sim.world.obstacle_changes import ObstacleChange
 from quad_sim.world.world import Obstacle
 
 ROBOT = load_robot('titan_viii')
@@ -454,3 +454,42 @@ def test_obstacles_that_stand_are_published_as_they_were_put():
         assert read.pose.distance_to(obstacle.pose) < 1e-9
         assert read.color == (obstacle.color or (205, 50, 35))
     assert message.markers[1].pose.position.z == pytest.approx(0.1)
+
+
+def push(x=0.0, y=0.0, z=0.0, frame='map'):
+    message = WrenchStamped()
+    message.header.frame_id = frame
+    message.wrench.force = Vector3(x=x, y=y, z=z)
+    return message
+
+
+def force_of(message):
+    return push_from_message(message, ROBOT, observation(tilted=True), ('base_link', 'map'))
+
+
+def test_a_push_is_along_the_axes_of_its_frame():
+    force = np.array([30.0, -20.0, 100.0])
+    np.testing.assert_array_equal(force_of(push(*force)), force)
+    turned = matrix_from_quaternion(observation(tilted=True).orientation)
+    np.testing.assert_allclose(force_of(push(*force, frame='base_link')), turned @ force)
+
+
+@pytest.mark.parametrize('part', [math.nan, math.inf, -1e308, 7846.0])
+def test_a_push_that_nobody_can_give_is_refused(part):
+    with pytest.raises(InvalidMessage, match=r'N; it must be at most 7845 N, 20 times the weight'):
+        force_of(push(y=part))
+    assert force_of(push(y=7845.0))[1] == 7845.0
+
+
+def test_the_weight_limits_a_push_and_not_its_parts():
+    with pytest.raises(InvalidMessage, match=r'force is \(6000, 6000, 0\) N'):
+        force_of(push(6000.0, 6000.0))
+
+
+def test_a_push_that_turns_or_has_no_frame_is_refused():
+    message = push(1.0)
+    message.wrench.torque.x = math.nan
+    with pytest.raises(InvalidMessage, match='its torque is not zero'):
+        force_of(message)
+    with pytest.raises(InvalidMessage, match="in frame ''; give it in 'base_link'"):
+        force_of(push(1.0, frame=''))

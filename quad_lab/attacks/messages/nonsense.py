@@ -44,6 +44,7 @@ _WORDS = {
     '/joint_trajectory': ('trajectory', 'joint'),
     '/obstacles': ('obstacle',),
     '/goal_marker': ('goal_marker',),
+    '/push': ('push',),
     '/ceiling_camera/camera_info': ('camera_info', 'camera'),
     '/ceiling_camera/image_raw': ('image',),
     '/odom/legs': ('odom', 'stamp'),
@@ -77,6 +78,7 @@ _NO_FRAME = 'nobody knows that frame'
 _X = ('position', 'x')
 _W = ('orientation', 'w')
 _FRAME = ('header', 'frame_id')
+_FORCE = ('wrench', 'force')
 
 
 def _poses(node: str, topic: str, *pose: str | int) -> tuple[Nonsense, ...]:
@@ -153,6 +155,11 @@ CASES = (
     *_poses('sim_node', '/obstacles', 'markers', 0, 'pose'),
     Nonsense('sim_node', '/goal_marker', _FRAME, 'moon', _NO_FRAME),
     *_poses('sim_node', '/goal_marker', 'pose'),
+    Nonsense('sim_node', '/push', _FRAME, 'moon', _NO_FRAME),
+    Nonsense('sim_node', '/push', (*_FORCE, 'x'), math.nan, 'a force is a number'),
+    Nonsense('sim_node', '/push', (*_FORCE, 'y'), -1e6, 'nobody pushes so hard'),
+    Nonsense('sim_node', '/push', (*_FORCE, 'z'), 1e308, 'nobody pushes so hard'),
+    Nonsense('sim_node', '/push', ('wrench', 'torque', 'z'), 1.0, 'a push does not turn'),
     Nonsense(_CAMERA, _INFO, ('k', 0), math.nan, 'a focal length is a number'),
     Nonsense(_CAMERA, _INFO, ('k', 0), 0.0, 'the camera is not calibrated'),
     Nonsense(_CAMERA, _INFO, ('k', 4), 1e308, 'no lens has that focal length'),

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import PoseStamped, Twist, Vector3
+from geometry_msgs.msg import PoseStamped, Twist, Vector3, WrenchStamped
 from nav_msgs.srv import GetPlan
+from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
@@ -62,6 +63,15 @@ def goal_message(goal: Pose2D) -> PoseStamped:
     return message
 
 
+def push_message(force: NDArray[np.float64], frame: str) -> WrenchStamped:
+    """Write a push with a force, shape (3,), along the axes of a frame [N]."""
+    message = WrenchStamped()
+    message.header.frame_id = frame
+    x, y, z = force.tolist()
+    message.wrench.force = Vector3(x=x, y=y, z=z)
+    return message
+
+
 def obstacle_message(x: float, y: float) -> MarkerArray:
     """Write a box of 0.3 m at a place on the map."""
     marker = Marker(ns=OBSTACLE_NAMESPACE, type=Marker.CUBE, action=Marker.ADD)
@@ -103,6 +113,7 @@ def made_up(topic: str, pose: Pose2D, joints: JointState | None) -> Any:
         '/goal_pose': lambda: goal_message(ahead_of(pose)),
         '/plan/impassable': lambda: goal_message(ahead_of(pose)),
         '/goal_marker': lambda: goal_message(ahead_of(pose)),
+        '/push': lambda: push_message(np.array([0.0, 1.0, 0.0]), 'base_link'),
         '/obstacles': lambda: obstacle_message(pose.x + 1.5, pose.y),
         '/cmd_vel': lambda: Twist(linear=Vector3(x=0.02), angular=Vector3(z=0.02)),
         '/plan': lambda: path_message(Plan((pose, ahead_of(pose))), 'map', Time()),

@@ -7,7 +7,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_lab.closed_loop.camera_walk import CameraWalk, CameraWalkOptions
 from quad_sim.engines.registry import ENGINES, preferred
-from quad_sim.obstacle_changes import ObstacleChange
+from quad_sim.world.obstacle_changes import ObstacleChange
 from quad_sim.world.random_room import random_room
 from quad_sim.world.world import Obstacle
 

@@ -55,6 +55,19 @@ def test_a_push_ends_with_the_next_and_with_a_reset(backend):
     assert seen.position[2] == pytest.approx(ROBOT.standing_height, abs=0.01)
 
 
+@pytest.mark.parametrize('backend', ['bullet', 'mujoco'])
+def test_a_push_lasts_as_long_as_it_is_to(backend):
+    simulation, weight = simulation_in(backend), ROBOT.mass * 9.80665
+    simulation.push(np.array([0.0, 0.0, 3.0 * weight]), 0.1)
+    velocities = []
+    for _ in range(round(0.2 / simulation.time_step)):
+        simulation.step()
+        velocities.append(float(simulation.observe().linear_velocity_base_in_base[2]))
+    simulation.close()
+    fastest = int(np.argmax(velocities)) + 1
+    assert fastest * simulation.time_step == pytest.approx(0.1, abs=1.5 * simulation.time_step)
+
+
 def test_what_has_no_world_cannot_be_pushed():
     with pytest.raises(NotSimulated, match='a push'):
         simulation_in('kinematic').push(np.zeros(3))

@@ -10,7 +10,7 @@ from quad_sim.engines.registry import ENGINES, make_simulator
 from quad_sim.engines.simulator import Contact
 from quad_sim.fleet.shared_world import make_shared_world
 from quad_sim.fleet_simulation import FleetSimulation
-from quad_sim.obstacle_changes import ObstacleChange
+from quad_sim.world.obstacle_changes import ObstacleChange
 from quad_sim.world.world import Obstacle
 
 ROBOTS = {name: load_robot(name) for name in ('titan_viii', 'a1')}

@@ -56,13 +56,17 @@ from quad_gait.ros_conversions import (
 )
 from quad_lab.attacks.messages.changes import changes_of
 from quad_lab.attacks.messages.mutations import leaves_of, replaced
+from quad_lab.attacks.stage.examples import push_message
 from quad_perception.ros_conversions import legs_pose, robot_transforms
-from quad_sim.ros_conversions import obstacle_changes_from_message, trajectory_from_message
+from quad_sim.engines.kinematic_simulator import KinematicSimulator
+from quad_sim.entities.obstacle_conversions import obstacle_changes_from_message
+from quad_sim.ros_conversions import push_from_message, trajectory_from_message
 
 pytestmark = pytest.mark.ros
 
 ROBOT = load_robot('titan_viii')
 FRAMES = ('map', 'odom')
+STANDING = KinematicSimulator(ROBOT).observe()
 STAMP = Time(sec=3, nanosec=5)
 
 
@@ -165,6 +169,10 @@ CONVERSIONS: dict[str, tuple[Callable[[], Any], Callable[[Any], Any]]] = {
     'cmd_vel': (Twist, twist_from_message),
     'trajectory': (trajectory, trajectory_from_message),
     'obstacles': (obstacles, lambda m: obstacle_changes_from_message(m, FRAMES)),
+    'push': (
+        lambda: push_message(np.array([3.0, 4.0, 0.0]), 'map'),
+        lambda m: push_from_message(m, ROBOT, STANDING, ('base_link', *FRAMES)),
+    ),
     'camera_info': (lambda: camera_info_message(CAMERA, 'camera', STAMP), camera_model),
     'picture': (
         lambda: image_message(np.full((4, 5, 3), 90, np.uint8), 'camera', STAMP),
