@@ -265,6 +265,7 @@ class SimSession:
             'contacts': contacts,
             'has_fallen': has_fallen,
             'late_trajectories': sum(one.late_trajectories for one in seen.values()),
+            'pushes': sum(one.pushes for one in seen.values()),
             'seconds_in_physics': f'{self._spent["physics"]:.3f}',
             'seconds_publishing': f'{self._spent["publishing"]:.3f}',
             'seconds_in_pictures': f'{self._spent["pictures"]:.3f}',

@@ -128,6 +128,8 @@ class Simulation:
         """Whether the robot has fallen since the last reset."""
         self.late_trajectories = 0
         """Number that came after their first point was due, since the last reset."""
+        self.pushes = 0
+        """Number of pushes since the last reset."""
         self.reset()
 
     @property
@@ -159,6 +161,7 @@ class Simulation:
         self.contacts_seen.clear()
         self.has_fallen = False
         self.late_trajectories = 0
+        self.pushes = 0
 
     def accept(self, trajectory: JointTrajectory) -> None:
         """
@@ -336,6 +339,7 @@ class Simulation:
         """
         self.check_solid('a push').push(force)
         self._push_ends = self.time + duration
+        self.pushes += bool(np.any(force))
 
     def put_goal_marker(self, pose: Pose2D) -> None:
         """Lay the goal's marker on the floor, or move it; NotSimulated if it cannot be seen."""

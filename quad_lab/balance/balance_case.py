@@ -85,6 +85,12 @@ class BalanceCase:
         return replace(self, is_slippery=True, has_payload=True, is_late=True, is_noisy=True)
 
 
+def push_unit(robot: Robot) -> float:
+    """Return the velocity sqrt(g h) by which pushes of a robot are measured [m/s]."""
+    center = robot.center_of_mass(robot.initial_joint_angles)
+    return math.sqrt(GRAVITY * float(center[2] + robot.standing_height))
+
+
 class BalanceWalk:
     """
     A robot that trots steadily.
@@ -129,9 +135,7 @@ class BalanceWalk:
         self.loop = BalanceLoop(robot, controller, delay, noise, seed, world=world)
         """The robot in its simulator."""
         self.robot = robot
-        center = robot.center_of_mass(robot.initial_joint_angles)
-        height = float(center[2] + robot.standing_height)
-        self.unit = math.sqrt(GRAVITY * height)
+        self.unit = push_unit(robot)
         """Velocity sqrt(g h), by which pushes are measured [m/s]."""
         self._weight: Array = np.zeros(3)
         if case.has_payload:

@@ -64,6 +64,12 @@ _WALKS = 20
 """Walks of each over each ground."""
 
 
+_WHO_WALKS: tuple[tuple[str, float | None], ...] = (('cuhk', None), ('a1', 0.3))
+_GOALS, _HALF = 30, 0.5
+"""Robots that walk over topics to so many goals each, pushed by this fraction of a level: A1's own
+period is nearer to 0.3 s."""
+
+
 def measure(
     console: Console, quick: bool, seed: int, only: tuple[str, ...] = ()
 ) -> tuple[list[Criterion], dict[str, Any]]:
@@ -302,6 +308,16 @@ def _over_ground(grounds: dict[str, int | None], quick: bool, seed: int) -> Bars
     return bars, details
 
 
+def _goals(console: Console, quick: bool, seed: int) -> Bars:
+    """Walk to goals over topics, pushed half as hard as nine of ten pushes are survived."""
+    # Only here: the other parts need no ROS.
+    from quad_lab.balance.pushed_walks import pushed_walks
+
+    whos = _WHO_WALKS[:1] if quick else _WHO_WALKS
+    levels = {who[0]: _HALF * _level(*who) for who in whos}
+    return pushed_walks(console, levels, 2 if quick else _GOALS, seed)
+
+
 PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
     'levels': _levels,
     'pushes': _pushes,
@@ -310,5 +326,6 @@ PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
     'silence': _silence,
     'slopes': _slopes,
     'bumps': _bumps,
+    'goals': _goals,
 }
 """What is measured, by the name for ``--only``."""

@@ -124,6 +124,10 @@ class WalkObserver:
             self._recording.take(self._goal_topic, serialize_message(message))
         self._goals.publish(message)
 
+    def publisher(self, kind: Any, topic: str) -> Any:
+        """Make a publisher of the observer's node, for what a walk is disturbed with."""
+        return self._node.create_publisher(kind, topic, 10)
+
     def note_poses(self) -> None:
         """Take down where the robot was; see :meth:`WalkNotes.note_poses`."""
         self.notes.note_poses()

@@ -70,6 +70,7 @@ ROS_COMMANDS = {
     'quad_lab.attacks.walks.soak',
     'quad_lab.attacks.messages.nonsense',
     'quad_lab.robots.topic_walks',
+    'quad_lab.balance.pushed_walks',
 }
 """Of the command line: what walks over topics."""
 
