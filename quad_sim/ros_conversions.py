@@ -203,6 +203,14 @@ def joint_state_message(
     return message
 
 
+def push_message(force: NDArray[np.float64], frame: str) -> WrenchStamped:
+    """Write a push with a force, shape (3,), along the axes of a frame [N]."""
+    message = WrenchStamped()
+    message.header.frame_id = frame
+    _set(message.wrench.force, force)
+    return message
+
+
 def push_from_message(
     message: WrenchStamped, robot: Robot, observation: Observation, frames: tuple[str, ...]
 ) -> NDArray[np.float64]:

@@ -10,9 +10,11 @@ from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from typing import Any, TypeVar
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from quad_common.robot_files.robot_file import load_robot
 from quad_lab.balance.balance_case import BalanceCase
 from quad_lab.balance.pushes import Survival, survival, survivors
 from quad_lab.balance.rough_ground import BUMPS, RAMPS, SLOPES, trot_over
@@ -64,10 +66,8 @@ _WALKS = 20
 """Walks of each over each ground."""
 
 
-_WHO_WALKS: tuple[tuple[str, float | None], ...] = (('cuhk', None), ('a1', 0.3))
-_GOALS, _HALF = 30, 0.5
-"""Robots that walk over topics to so many goals each, pushed by this fraction of a level: A1's own
-period is nearer to 0.3 s."""
+_WHO_WALKS, _GOALS, _HALF = ('cuhk', 'a1'), 30, 0.5
+"""Robots that walk over topics to so many goals each, pushed by this fraction of a level."""
 
 
 def measure(
@@ -108,6 +108,17 @@ def measure(
 def _level(robot: str, period: float | None) -> float:
     """Return the impulse that is to be survived in the engine that runs."""
     return LEVELS[robot, period] * (_IN_MUJOCO if resolved(AUTO) == 'mujoco' else 1.0)
+
+
+def _own_level(robot: str) -> float:
+    """Return that of a robot with its own period: between those of other ones, in proportion."""
+    known = {period: _level(name, period) for name, period in LEVELS if name == robot}
+    if None in known:
+        return known[None]
+    by_period = sorted((period, level) for period, level in known.items() if period is not None)
+    own = load_robot(robot).gaits['trot'].cycle_period or by_period[0][0]
+    periods, levels = np.array(by_period).T
+    return float(np.interp(own, periods, levels))
 
 
 def _in_workers(work: Callable[..., Result], jobs: Sequence[tuple[Any, ...]]) -> list[Result]:
@@ -313,8 +324,8 @@ def _goals(console: Console, quick: bool, seed: int) -> Bars:
     # Only here: the other parts need no ROS.
     from quad_lab.balance.pushed_walks import pushed_walks
 
-    whos = _WHO_WALKS[:1] if quick else _WHO_WALKS
-    levels = {who[0]: _HALF * _level(*who) for who in whos}
+    robots = _WHO_WALKS[:1] if quick else _WHO_WALKS
+    levels = {robot: _HALF * _own_level(robot) for robot in robots}
     return pushed_walks(console, levels, 2 if quick else _GOALS, seed)
 
 

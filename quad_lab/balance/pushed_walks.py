@@ -10,7 +10,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Vector3, WrenchStamped
+from geometry_msgs.msg import WrenchStamped
 from rich.console import Console
 
 from quad_common.planar_pose import Pose2D
@@ -24,6 +24,7 @@ from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_lab.topic_walk.walk_observer import WalkObserver
 from quad_lab.topic_walk.walk_record import WalkResult
 from quad_sim.engines.registry import AUTO, resolved
+from quad_sim.ros_conversions import push_message
 
 _STARTS = {'room': Pose2D(1.2, 1.2, 0.0), 'office': Pose2D(11.62, 6.70, 0.0)}
 """Maps, and where the first walk on each begins."""
@@ -38,7 +39,10 @@ _PUSHES, _DURATION = 3, 0.1
 """Pushes on each way, and how long each lasts, as sim_node has it if it is not told [s]."""
 
 _FIRST, _LAST = 0.1, 0.85
-"""Parts of the way between which the pushes are."""
+"""Parts of the way between which the pushes are, one in each third of that."""
+
+_APART = 1.5
+"""Time from one push to the next, at least [s], simulated."""
 
 _NEAR, _HEADED = 0.05, 5.0
 """Distance from the goal [m] and error of the heading [deg] at the end, at most."""
@@ -55,6 +59,8 @@ class PushedWalk:
     goal: Pose2D
     pushes: int
     """Number of pushes that the simulator counted while the robot walked."""
+    push_times: tuple[float, ...]
+    """Simulated times at which they were published, after the goal was [s]."""
     result: WalkResult
 
     @property
@@ -82,12 +88,16 @@ class Pushes:
     def __init__(self, robot: Robot, level: float, rng: np.random.Generator) -> None:
         size = level * robot.mass * push_unit(robot) / _DURATION
         angles = rng.uniform(-math.pi, math.pi, _PUSHES)
-        self._forces = [size * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
-        # One in each third of the way.
+        self._forces = [
+            size * np.array([math.cos(angle), math.sin(angle), 0.0]) for angle in angles
+        ]
         parts = (np.arange(_PUSHES) + rng.uniform(0.0, 1.0, _PUSHES)) / _PUSHES
         self._parts = _FIRST + (_LAST - _FIRST) * parts
-        self._given = 0
         self._publisher: Any = None
+        self._last: Pose2D | None = None
+        self._walked = 0.0
+        self.times: list[float] = []
+        """Simulated times at which it was pushed [s]."""
         self.counted = 0
         """Number of pushes that the simulator has counted."""
 
@@ -97,18 +107,15 @@ class Pushes:
             self._publisher = observer.publisher(WrenchStamped, 'push')
         values = observer.statuses.get('sim_node', (b'', '', {}))[2]
         self.counted = int(values.get('pushes', 0))
-        plan = observer.plan
-        is_possible = plan is not None and self._publisher.get_subscription_count() > 0
-        if self._given == _PUSHES or not is_possible or not observer.distance_left:
+        pose, plan, given = observer.pose, observer.plan, len(self.times)
+        if pose is None or plan is None or given == _PUSHES:
             return
-        assert plan is not None
-        if 1.0 - observer.distance_left / plan.length >= self._parts[self._given]:
-            message = WrenchStamped()
-            message.header.frame_id = 'base_link'
-            x, y = self._forces[self._given].tolist()
-            message.wrench.force = Vector3(x=x, y=y)
-            self._publisher.publish(message)
-            self._given += 1
+        self._walked += pose.distance_to(self._last or pose)
+        self._last = pose
+        is_time = not self.times or observer.time >= self.times[-1] + _APART
+        if is_time and self._walked >= self._parts[given] * plan.length:
+            self._publisher.publish(push_message(self._forces[given], 'base_link'))
+            self.times.append(observer.time)
 
 
 def pushed_walks(
@@ -175,7 +182,11 @@ def _walks_of(
         )
         pushes = Pushes(data, level, rng)
         record = walk(options, pushes)
-        one = PushedWalk(robot, name, turning, places[name], goal, pushes.counted, record.result())
+        began = record.times[0] if record.times else 0.0
+        one = PushedWalk(
+            robot, name, turning, places[name], goal, pushes.counted,
+            tuple(time - began for time in pushes.times), record.result(),
+        )  # fmt: skip
         made.append(one)
         places[name] = goal
         _say(console, one)
@@ -195,6 +206,7 @@ def _say(console: Console, one: PushedWalk) -> None:
     turned = math.nan if result.heading_error is None else result.heading_error
     console.print(
         f'{one.robot} {one.map_name} {one.turning}: {end}, {off:.0f} mm and {turned:.1f} deg off, '
-        f'{one.pushes} pushes, {result.late_trajectories} late',
+        f'pushed after {", ".join(f"{time:.1f}" for time in one.push_times)} of '
+        f'{result.walking_time:.1f} s, {result.late_trajectories} late',
         highlight=False,
     )

@@ -10,7 +10,7 @@ pytest.importorskip('rclpy')
 pytest.importorskip('trajectory_msgs')
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Quaternion, TransformStamped, Vector3, WrenchStamped
+from geometry_msgs.msg import Quaternion, TransformStamped
 from sensor_msgs.msg import CameraInfo, Image
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
@@ -55,6 +55,7 @@ from quad_sim.ros_conversions import (
     joint_state_message,
     odometry_message,
     push_from_message,
+    push_message,
     trajectory_from_message,
 )
 from quad_sim.world.obstacle_changes import ObstacleChange
@@ -457,10 +458,7 @@ def test_obstacles_that_stand_are_published_as_they_were_put():
 
 
 def push(x=0.0, y=0.0, z=0.0, frame='map'):
-    message = WrenchStamped()
-    message.header.frame_id = frame
-    message.wrench.force = Vector3(x=x, y=y, z=z)
-    return message
+    return push_message(np.array([x, y, z]), frame)
 
 
 def force_of(message):

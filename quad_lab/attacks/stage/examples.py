@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import PoseStamped, Twist, Vector3, WrenchStamped
+from geometry_msgs.msg import PoseStamped, Twist, Vector3
 from nav_msgs.srv import GetPlan
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
@@ -24,6 +23,7 @@ from quad_common.ros.height_map_conversions import height_map_message
 from quad_common.ros.pose_conversions import pose_message
 from quad_lab.attacks.stage.graph import class_of
 from quad_planner.ros_conversions import path_message
+from quad_sim.ros_conversions import push_message
 
 OBSTACLE_NAMESPACE = 'faults'
 """Of the obstacles that an attack puts up."""
@@ -60,15 +60,6 @@ def goal_message(goal: Pose2D) -> PoseStamped:
     """Write a goal on the map."""
     message = PoseStamped(pose=pose_message(goal))
     message.header.frame_id = 'map'
-    return message
-
-
-def push_message(force: NDArray[np.float64], frame: str) -> WrenchStamped:
-    """Write a push with a force, shape (3,), along the axes of a frame [N]."""
-    message = WrenchStamped()
-    message.header.frame_id = frame
-    x, y, z = force.tolist()
-    message.wrench.force = Vector3(x=x, y=y, z=z)
     return message
 
 

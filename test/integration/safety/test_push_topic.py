@@ -16,7 +16,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 
 from quad_common.robot_files.robot_file import load_robot
-from quad_lab.attacks.stage.examples import push_message
+from quad_sim.ros_conversions import push_message
 
 pytestmark = pytest.mark.ros
 

@@ -56,11 +56,10 @@ from quad_gait.ros_conversions import (
 )
 from quad_lab.attacks.messages.changes import changes_of
 from quad_lab.attacks.messages.mutations import leaves_of, replaced
-from quad_lab.attacks.stage.examples import push_message
 from quad_perception.ros_conversions import legs_pose, robot_transforms
 from quad_sim.engines.kinematic_simulator import KinematicSimulator
 from quad_sim.entities.obstacle_conversions import obstacle_changes_from_message
-from quad_sim.ros_conversions import push_from_message, trajectory_from_message
+from quad_sim.ros_conversions import push_from_message, push_message, trajectory_from_message
 
 pytestmark = pytest.mark.ros
 
