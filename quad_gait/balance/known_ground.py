@@ -17,11 +17,16 @@ from quad_gait.ground.ground_match import GroundMatch
 Array = NDArray[np.float64]
 
 _ON_THE_WAY = np.linspace(0.0, 1.0, 7)
-"""Where the ground is looked at on a foot's way, from its liftoff to its touchdown."""
+"""Where the ground is looked at on a foot's way, from its liftoff to its touchdown, and between a
+hind foot and the fore foot on its side."""
 
-_FARTHEST = 0.25
-"""Height off the plane of the feet, over the hips' height, from which on ground counts as unknown:
-no trot steps so high or so low."""
+_HIGHEST_STEP = 0.25
+"""Height of a step there, over the hips' height, from which on ground counts as unknown: no trot
+steps so high or so low."""
+
+_STEEPEST = 0.45
+"""Height off the plane of the feet, over the distance from the body, from which on ground without
+such a step does, too."""
 
 
 class KnownGround:
@@ -40,7 +45,7 @@ class KnownGround:
         self._map = heights
         self._match = GroundMatch(heights, robot)
         self._pose = Pose2D(0.0, 0.0, 0.0)
-        self._farthest = _FARTHEST * robot.hip_height
+        self._highest_step = _HIGHEST_STEP * robot.hip_height
 
     def take(self, heights: HeightMap) -> None:
         """Go on by another map."""
@@ -90,22 +95,29 @@ class KnownGround:
         # The body goes over the ground on which its feet will stand in the middle of a stance.
         middle = landings.stance / 2.0
         under = self._places(landings.neutral, np.full(4, time + middle), body)
-        way = here[:, None] + _ON_THE_WAY[:, None] * (there - here)[:, None]
-        places = np.concatenate([here, there, under, way.reshape(-1, 2)])
+        fore, hind = there[:2], there[2:]
+        begins, ends = np.concatenate([here, hind]), np.concatenate([there, fore])
+        lines = begins[:, None] + _ON_THE_WAY[:, None] * (ends - begins)[:, None]
+        places = np.concatenate([here, there, under, lines.reshape(-1, 2)])
         heights = self._map.height_at(places)
         if not np.isfinite(heights).all() or not landings.stand.any():
             return UNKNOWN
         slope = np.array(landings.slope[:2])
         at_feet = heights[:4] - landings.rises - landings.feet @ slope
         plane = float(at_feet[landings.stand].mean())
+        on_lines = heights[12:].reshape(len(lines), -1)
         begin, end = heights[:4, None], heights[4:8, None]
         straight = begin + _ON_THE_WAY * (end - begin)
-        bumps = np.maximum((heights[12:].reshape(4, -1) - straight).max(axis=1), 0.0)
+        bumps = np.maximum((on_lines[:4] - straight).max(axis=1), 0.0)
+        step = max(float(np.abs(np.diff(on_lines, axis=1)).max()), float(bumps.max()))
         # A body that goes along a slope takes the plane with it.
         climbing = float(slope @ body.velocity)
         rises = heights[4:8] - plane - landings.targets @ slope - climbing * landings.times
         body_rise = (heights[8:12] - landings.neutral @ slope).mean() - plane - climbing * middle
-        if max(float(np.abs(rises).max()), float(bumps.max()), abs(body_rise)) > self._farthest:
+        if max(step, abs(body_rise)) > self._highest_step:
+            return UNKNOWN
+        distances = np.linalg.norm(landings.targets, axis=1)
+        if (np.abs(rises) > np.maximum(_STEEPEST * distances, self._highest_step)).any():
             return UNKNOWN
         a, b, c, d = rises.tolist()
         e, f, g, h = bumps.tolist()

@@ -40,6 +40,10 @@ _MISFIT = 0.15
 _FAIR = 0.025
 """The same, up to which it is, even where level ground would fit better."""
 
+_FINE = 0.004
+"""Mean difference up to which a map that is believed stays so, however small the robot: feet and
+cells are no finer [m]."""
+
 _SURE_AGAIN = 0.5
 """Fraction of both that a map must keep to be believed again."""
 
@@ -199,7 +203,7 @@ class GroundMatch:
             return
         misfit, level = (float(np.abs(d - d.mean()).mean()) for d in (off, unlevel))
         most = min(max(level, _FAIR * self._size), _MISFIT * self._size)
-        self._is_sure = misfit < most * (1.0 if self._is_sure else _SURE_AGAIN)
+        self._is_sure = misfit < (max(most, _FINE) if self._is_sure else _SURE_AGAIN * most)
 
     def _go_on(
         self, time: float, poses: tuple[Pose2D, Pose2D], feet: Array, bears: NDArray[np.bool_]

@@ -284,8 +284,8 @@ def _silence(console: Console, quick: bool, seed: int) -> Bars:
 
 def _slopes(console: Console, quick: bool, seed: int) -> Bars:
     """Trot up, down and across slopes, and over their edges, blind and with a height map."""
-    grounds = {**dict.fromkeys(SLOPES, 20), **dict.fromkeys(RAMPS)}
-    return _over_ground(grounds, quick, seed)
+    grounds = {**dict.fromkeys(SLOPES, 20), **dict.fromkeys(RAMPS, 18)}
+    return _over_ground(grounds, quick, seed, known_only=tuple(RAMPS))
 
 
 def _bumps(console: Console, quick: bool, seed: int) -> Bars:
@@ -293,7 +293,9 @@ def _bumps(console: Console, quick: bool, seed: int) -> Bars:
     return _over_ground({BUMPS: 19}, quick, seed)
 
 
-def _over_ground(grounds: dict[str, int | None], quick: bool, seed: int) -> Bars:
+def _over_ground(
+    grounds: dict[str, int], quick: bool, seed: int, known_only: tuple[str, ...] = ()
+) -> Bars:
     """Trot over each ground, as often as is wanted of it, with sensors that err; planned too."""
     count = 2 if quick else _WALKS
     cases = [
@@ -310,11 +312,10 @@ def _over_ground(grounds: dict[str, int | None], quick: bool, seed: int) -> Bars
         found = [next(trots) for _ in seeds]
         number = sum(trot.succeeds for trot in found)
         name = f'{case}: walks {ground}, of {count}'
-        least = grounds[ground] if case.keeps_balance else None
-        if least is None:
-            bars.append(figure(name, number, ''))
+        if case.keeps_balance and (case.knows_ground or ground not in known_only):
+            bars.append(at_least(name, number, '', math.floor(grounds[ground] * count / _WALKS)))
         else:
-            bars.append(at_least(name, number, '', math.floor(least * count / _WALKS)))
+            bars.append(figure(name, number, ''))
         details[name] = [asdict(trot) for trot in found]
     return bars, details
 

@@ -199,23 +199,50 @@ def test_no_map_leads_a_robot_farther_than_odometry_drifts():
     assert farthest > 0.05
 
 
-def test_ground_that_is_farther_off_than_a_leg_steps_counts_as_unknown():
+def ahead_of_walker(heights_at):
+    """Tell a robot that walks of ground that has heights by x; level under its feet."""
     level = hills(height=0.0)
-    x = level.centers[..., 0]
+    ahead = level.with_heights(heights_at(level.centers[..., 0]))
+    body = replace(AT_REST, velocity=(0.8, 0.0))
+    planner, ground = FootPlanner(ROBOT, GAIT, BalanceOptions()), KnownGround(ahead, ROBOT)
+    plan = planner.at_rest(NEUTRAL)._replace(pace=STILL._replace(forward=0.8))
+    ground.locate(0.0, 2 * (Pose2D(0.0, 0.0, 0.0),), NEUTRAL, np.ones(4, dtype=bool), STANCE)
+    return ground.ahead(0.02, body, planner.landings(plan, CLOCK, 0.0, body))
 
+
+# It begins in front of the fore feet, where they land next.
+EDGE = NEUTRAL[:, 0].max() + 0.05
+
+
+def test_ground_that_is_farther_off_than_a_leg_steps_counts_as_unknown():
     def step(height):
-        # It begins in front of the fore feet, where they land next.
-        ahead = level.with_heights(np.where(x > NEUTRAL[:, 0].max() + 0.05, height, 0.0))
-        body = replace(AT_REST, velocity=(0.8, 0.0))
-        planner, ground = FootPlanner(ROBOT, GAIT, BalanceOptions()), KnownGround(ahead, ROBOT)
-        plan = planner.at_rest(NEUTRAL)._replace(pace=STILL._replace(forward=0.8))
-        ground.locate(0.0, 2 * (Pose2D(0.0, 0.0, 0.0),), NEUTRAL, np.ones(4, dtype=bool), STANCE)
-        return ground.ahead(0.02, body, planner.landings(plan, CLOCK, 0.0, body))
+        return ahead_of_walker(lambda x: np.where(x > EDGE, height, 0.0))
 
     size = ROBOT.hip_height
     assert max(step(0.2 * size).rises) == pytest.approx(0.2 * size)
     assert min(step(-0.2 * size).rises) == pytest.approx(-0.2 * size)
     assert step(0.35 * size) == step(-0.35 * size) == step(100.0) == UNKNOWN
+
+
+@pytest.mark.parametrize('gradient', [0.3, -0.3])
+def test_a_slope_ahead_is_known_where_it_leads_farther_than_a_step(gradient):
+    found = ahead_of_walker(lambda x: gradient * np.maximum(x - EDGE, 0.0))
+    farthest = max(found.rises, key=abs)
+    assert abs(farthest) > 0.25 * ROBOT.hip_height
+    assert farthest * gradient > 0.0
+
+
+@pytest.mark.parametrize('gradient', [0.7, -0.7])
+def test_a_slope_that_is_too_steep_is_unknown(gradient):
+    assert ahead_of_walker(lambda x: gradient * np.maximum(x - EDGE, 0.0)) == UNKNOWN
+
+
+def test_a_wall_between_the_feet_counts_as_unknown():
+    def wall(height):
+        return ahead_of_walker(lambda x: np.where(abs(x) < 0.06, height * ROBOT.hip_height, 0.0))
+
+    assert wall(0.35) == wall(-0.35) == wall(3.0) == UNKNOWN
+    assert wall(0.2).is_known
 
 
 def told(ground, pose, plan=None, time=0.0, rises=NOWHERE):

@@ -81,6 +81,17 @@ def test_with_a_height_map_feet_go_over_bumps_as_if_the_ground_were_level():
     assert math.degrees(trots[0].tilt) < 2.5
 
 
+@pytest.mark.sweep(kept=2)
+@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('ground', ['onto', 'off'])
+def test_with_a_height_map_an_edge_of_a_slope_is_nothing(ground, seed):
+    # It fell where ground that lies farther off than a step is high counted as unknown.
+    case = BalanceCase('a1', speed=0.6, is_noisy=True, knows_ground=True)
+    trot = trot_over(case, ground, seed, duration=5.0)
+    assert trot.succeeds
+    assert math.degrees(trot.tilt) < 10.0
+
+
 @pytest.mark.parametrize('every', [0.3, math.inf])
 def test_random_heights_in_place_of_a_map_do_not_make_it_stumble(every):
     walk = BalanceWalk(BalanceCase('a1', is_noisy=True), seed=1)
