@@ -330,7 +330,7 @@ class Simulation:
         force : ndarray, shape (3,)
             Against the body's center of mass, in the world's axes [N].
         duration : float
-            Simulated time for which it lasts [s].
+            Simulated time for which it lasts, a time step at least [s].
 
         Raises
         ------
@@ -338,7 +338,7 @@ class Simulation:
             If the simulator has no forces.
         """
         self.check_solid('a push').push(force)
-        self._push_ends = self.time + duration
+        self._push_ends = self.time + max(duration, self.time_step)
         self.pushes += bool(np.any(force))
 
     def put_goal_marker(self, pose: Pose2D) -> None:

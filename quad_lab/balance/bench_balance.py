@@ -327,7 +327,7 @@ def _goals(console: Console, quick: bool, seed: int) -> Bars:
 
     robots = _WHO_WALKS[:1] if quick else _WHO_WALKS
     levels = {robot: _HALF * _own_level(robot) for robot in robots}
-    return pushed_walks(console, levels, 2 if quick else _GOALS, seed)
+    return pushed_walks(console, levels, 1 if quick else _GOALS, seed)
 
 
 PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from itertools import product
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from quad_common.planar_pose import Pose2D
 from quad_common.resources import sample_map
 from quad_common.robot.robot import Robot
 from quad_common.robot_files.robot_file import load_robot
+from quad_gait.behaviours.activity import Activity
 from quad_lab.balance.balance_case import push_unit
 from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
@@ -62,6 +63,11 @@ class PushedWalk:
     push_times: tuple[float, ...]
     """Simulated times at which they were published, after the goal was [s]."""
     result: WalkResult
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether it fell, as the simulator sees it, or as the gait does, which lowers it then."""
+        return self.result.fallen or self.result.problem.startswith(Activity.FALLEN.value)
 
     @property
     def is_good(self) -> bool:
@@ -149,7 +155,7 @@ def pushed_walks(
         name = f'{robot}: walks over topics with {_PUSHES} pushes of {level:.3g} m sqrt(g h)'
         bars += [
             at_least(f'{name} that end well, of {count}', sum(w.is_good for w in made), '', count),
-            at_most(f'{robot}: falls', sum(w.result.fallen for w in made), '', 0),
+            at_most(f'{robot}: falls', sum(w.has_fallen for w in made), '', 0),
             figure(f'{robot}: largest distance from a goal', max(off, default=math.nan), 'm'),
             figure(f'{robot}: largest error of a heading', max(turned, default=math.nan), 'deg'),
         ]
@@ -167,7 +173,7 @@ def _walks_of(
     drawers = {name: GoalDrawer(data, file, seed) for name, file in files.items()}
     places = dict(_STARTS)
     made: list[PushedWalk] = []
-    for number, (turning, name) in zip(range(count), _endless(_TURNINGS, _STARTS)):
+    for number, (turning, name) in zip(range(count), cycle(product(_TURNINGS, _STARTS))):
         goal = drawers[name].draw(places[name], _SHORTEST, _LONGEST)
         options = WalkOptions(
             map_file=files[name],
@@ -191,12 +197,6 @@ def _walks_of(
         places[name] = goal
         _say(console, one)
     return made
-
-
-def _endless(*lists: Any) -> Any:
-    """Yield all combinations, again and again."""
-    while True:
-        yield from product(*lists)
 
 
 def _say(console: Console, one: PushedWalk) -> None:

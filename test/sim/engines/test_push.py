@@ -68,6 +68,16 @@ def test_a_push_lasts_as_long_as_it_is_to(backend):
     assert fastest * simulation.time_step == pytest.approx(0.1, abs=1.5 * simulation.time_step)
 
 
+@pytest.mark.parametrize('backend', ['bullet', 'mujoco'])
+def test_the_shortest_push_lasts_for_a_step(backend):
+    simulation, weight = simulation_in(backend), ROBOT.mass * 9.80665
+    simulation.push(np.array([0.0, 0.0, 20.0 * weight]), 0.001)
+    simulation.step()
+    velocity = float(simulation.observe().linear_velocity_base_in_base[2])
+    simulation.close()
+    assert velocity > 0.1
+
+
 def test_what_has_no_world_cannot_be_pushed():
     with pytest.raises(NotSimulated, match='a push'):
         simulation_in('kinematic').push(np.zeros(3))
