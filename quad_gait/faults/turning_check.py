@@ -24,6 +24,10 @@ class TurningOptions:
     distance: float = 0.03
     """Angle that its command has turned since, from which on it should have moved, besides what
     its load has bent it [rad]."""
+    least_off: float = 0.025
+    """Distance from its command from which on it may be a joint that does not turn: a sound one
+    that comes to rest from high speed, and is bent back by its load, may seem to have missed as
+    much as ``distance`` and be nearer [rad]."""
     compliance: float = 0.35
     """Distance from its command at which a position drive gives all its torque [rad]."""
     patience: float = 0.12
@@ -94,7 +98,8 @@ class TurningCheck:
             return -1
         # A load that has come on bends a drive back; one that jams pulls as well.
         bent = options.compliance * np.maximum(loaded * np.sign(behind), 0.0) / self._largest
-        is_asked = far > options.distance + bent
+        off = np.abs(positions - commanded)
+        is_asked = (far > options.distance + bent) & (off > options.least_off)
         if np.count_nonzero(is_asked) != 1:
             # Joints that rest together wait for their trajectory.
             return -1

@@ -75,3 +75,16 @@ def test_a_joint_that_is_not_asked_to_turn_is_not_missed():
         return joints
 
     assert noticed(spoil, size=0.01)[0] == -1
+
+
+def test_a_joint_that_came_to_rest_from_high_speed_and_is_bent_by_its_load_is_sound():
+    check = TurningCheck(LARGEST)
+    told = []
+    for k, time in enumerate(np.arange(0.0, 0.5, STEP)):
+        asked = commands(time)
+        joints = asked.copy()
+        # As a knee that lands: ahead of its command in time, at 2 rad/s, then behind by its load.
+        asked[5] = max(0.2 - 0.04 * k, 0.0)
+        joints[5] = asked[5] - 0.014 if k < 4 else 0.022
+        told.append(check.update(asked, joints, NO_LOAD, STEP))
+    assert told == [-1] * len(told)
