@@ -13,7 +13,7 @@ class EstimateOptions:
 
     leg_gain: float = 0.5
     """Part of the difference to what the feet say that is made up at each measurement."""
-    bias_gain: float = 10.0
+    bias_gain: float = 40.0
     """Gain with which a bias of the accelerometer is learned [1/s^2]."""
     largest_bias: float = 2.0
     """Bias, at most [m/s^2]."""
@@ -78,7 +78,7 @@ class BalanceOptions:
     righting: float = 0.5
     """Time constant with which a leg that has landed rights the body, over the duration of a
     stance."""
-    trim_gain: float = 2.0
+    trim_gain: float = 1.2
     """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
     largest_trim: float = 0.3
     """Trim, at most, as a fraction of sqrt(g h)."""

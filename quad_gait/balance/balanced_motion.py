@@ -14,7 +14,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import UNKNOWN, Demand, FootPlan, GroundAhead
-from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace
+from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, pendulum_time
 from quad_gait.balance.foot_plan import FootPlanner, March
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.known_ground import KnownGround
@@ -93,6 +93,18 @@ class BalancedMotion:
         return self._unit
 
     @property
+    def lead(self) -> float:
+        """
+        Time after which the body has a velocity that is asked for [s].
+
+        Feet land, in the mean, half a stance after they are planned; and an error of the velocity
+        by which the capture step answers is worth sqrt(h / g) of an acceleration.
+        """
+        options = self._options
+        stance = self.clock.stance_times[0]
+        return options.reaction_time + stance / 2.0 + pendulum_time(self._planner.height)
+
+    @property
     def pace(self) -> Pace:
         """Velocity that is planned at the first knot that answers to the last measurement."""
         return self._knots[min(1, len(self._knots) - 1)].pace
@@ -138,6 +150,7 @@ class BalancedMotion:
         time: float,
         body: BodyEstimate,
         pace: Pace,
+        due: Pace | None = None,
         ground: KnownGround | None = None,
         delay: float = 0.0,
     ) -> JointTrajectory | None:
@@ -151,7 +164,9 @@ class BalancedMotion:
         body : BodyEstimate
             How the body moves.
         pace : Pace
-            Velocity that is wanted.
+            Velocity that is wanted once the body has answered.
+        due : Pace, optional
+            Velocity that it should have by now; the same if not given.
         ground : KnownGround, optional
             What is known of the ground ahead.
         delay : float
@@ -171,7 +186,7 @@ class BalancedMotion:
         if self.is_leaning(time):
             pace = STILL
         else:
-            self._adapt_trim(body, self._knots[place].pace, pace)
+            self._adapt_trim(body, self._knots[place].pace, due, pace)
         times = [self._time_of(index + k) for k in range(self._options.knots + 1)]
         plan = self._planner.met(self._knots[place], self.clock, time, body)
         ahead = UNKNOWN
@@ -253,11 +268,14 @@ class BalancedMotion:
             times.append(times[-1] + options.rest_knot_time)
         return self._planner.march(plan, clock, times, demand), times
 
-    def _adapt_trim(self, body: BodyEstimate, pace: Pace, wanted: Pace) -> None:
-        """Ask for less while the body is faster than planned, but for pushes and changes."""
+    def _adapt_trim(
+        self, body: BodyEstimate, planned: Pace, due: Pace | None, wanted: Pace
+    ) -> None:
+        """Ask for less while the body is faster than it should be, but for pushes and changes."""
         options, unit = self._options, self._unit
-        x, y = body.velocity[0] - pace.forward, body.velocity[1] - pace.left
-        change = math.hypot(wanted.forward - pace.forward, wanted.left - pace.left)
+        due = due or planned
+        x, y = body.velocity[0] - due.forward, body.velocity[1] - due.left
+        change = math.hypot(wanted.forward - planned.forward, wanted.left - planned.left)
         if math.hypot(x, y) > options.pushed * unit or change > options.steady * unit:
             return
         step, most = options.trim_gain * options.knot_time, options.largest_trim * unit

@@ -8,12 +8,15 @@ import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from quad_common.planar_pose import Pose2D, Twist2D, wrap_angle
+from quad_common.planar_pose import STILL, Pose2D, Twist2D, wrap_angle
 from quad_gait.balance.foot_laws import Pace
 from quad_gait.cycle.body_motion import BodyMotion
 
 _TURN_TIME = 0.5
 """Time in which the largest correction of a turn turns by a radian [s]."""
+
+_FARTHEST_TURNED = math.radians(12.0)
+"""Angle off its course from which on a robot's next step begins nearer to where it is [rad]."""
 
 
 class Guide(NamedTuple):
@@ -27,6 +30,17 @@ class Guide(NamedTuple):
     """Time by which the velocity that is wanted is ahead [s]: a body has it so long after."""
     turns_back: bool
     """Whether it is turned to the course, too."""
+
+
+class Start(NamedTuple):
+    """Where a step begins, and how."""
+
+    pose: Pose2D
+    """Pose of the body then, by odometry."""
+    entry: Twist2D = STILL
+    """Velocity of the body then."""
+    before: Course | None = None
+    """Course that leads there; None for a robot that waits for it."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +63,46 @@ class Course:
     """Motion of the body in it."""
     exit: Twist2D
     """Velocity of the body at its end."""
+    before: Course | None = None
+    """Course that leads to it, while it has not begun; None for a robot that waits for it."""
+
+    @classmethod
+    def from_start(
+        cls, start: Start, times: tuple[float, float], motion: BodyMotion, exit: Twist2D
+    ) -> Course:
+        """Return the course of a step that begins at a time and takes another [s]."""
+        before = None if start.before is None else replace(start.before, before=None)
+        return cls(*times, start.pose, start.entry, motion, exit, before)
+
+    @property
+    def end(self) -> float:
+        """Time at which it ends [s]."""
+        return self.start + self.period
+
+    def start_after(self, time: float, pose: Pose2D, farthest: float) -> Start:
+        """
+        Return where the next step begins, at a time at which this one is over, or nearly.
+
+        A body has its velocity later than it is asked for, so it is behind while it goes and is not
+        when it stops. So it goes on from where it should be; from nearer to where it is if it is
+        farther off. After a stop it begins where that leads from where it is.
+
+        Parameters
+        ----------
+        time : float
+            Now [s].
+        pose : Pose2D
+            Where the robot is by odometry.
+        farthest : float
+            How far off it may be [m].
+        """
+        planned, entry = self.at(time)
+        if not self.exit:
+            return Start(pose @ (planned.inverse() @ self.at(self.end)[0]), STILL, self)
+        apart = pose.inverse() @ planned
+        part = min(1.0, farthest / max(math.hypot(apart.x, apart.y), 1e-9))
+        turn = min(max(apart.yaw, -_FARTHEST_TURNED), _FARTHEST_TURNED)
+        return Start(pose @ Pose2D(part * apart.x, part * apart.y, turn), entry)
 
     def fraction(self, time: float) -> float:
         """Return how much of its time is over at a time [s], from 0 to 1."""
@@ -56,6 +110,10 @@ class Course:
 
     def at(self, time: float) -> tuple[Pose2D, Twist2D]:
         """Return where the body should be at a time [s], by odometry, and how fast."""
+        if time < self.start and self.before is not None:
+            there, twist = self.before.at(time)
+            before_end = self.before.at(self.before.end)[0].inverse() @ there
+            return self.pose @ before_end, twist
         s, T = self.fraction(time), self.period
         done, speeds = [], []
         for whole, first, last in (

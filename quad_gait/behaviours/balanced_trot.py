@@ -17,7 +17,7 @@ from quad_gait.balance.answer_delay import AnswerDelay
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading
-from quad_gait.balance.course import Course, Guide
+from quad_gait.balance.course import Course, Guide, Start
 from quad_gait.balance.foot_laws import Pace
 from quad_gait.balance.known_ground import KnownGround
 from quad_gait.behaviours.activity import Activity
@@ -41,6 +41,9 @@ _PATIENCE = 3.0
 _LONGEST_OVERRUN = 0.25
 """Time that the next step makes up for, at most, as a fraction of its own."""
 
+_WAY_TO_GO = 0.1
+"""Distance to the goal from which on a robot that stops on its way goes on at once [m]."""
+
 
 class BalancedTrot(Walk):
     """Follows steps as they come, cycle after cycle, until nothing is wanted and it is calm."""
@@ -57,7 +60,7 @@ class BalancedTrot(Walk):
         self._steered: Twist2D | None = None
         self._pose = Pose2D(0.0, 0.0, 0.0)
         self._stops_since = self._calm_since = math.inf
-        self._pushed_at = -math.inf
+        self._pushed_at = self._taken_at = -math.inf
         self._is_ending = False
 
     def take(self, wish: Wish) -> None:
@@ -119,7 +122,7 @@ class BalancedTrot(Walk):
         self._cycles.clear()
         self._stops_since = self._calm_since = math.inf
         self._is_ending = False
-        self._take_step(state, done.step, STILL)
+        self._take_step(state, done.step, Start(state.motion_pose))
         return self._balanced(state, self._motion)
 
     def update(self, state: RobotState) -> Command | Done:
@@ -148,11 +151,11 @@ class BalancedTrot(Walk):
         guide = Guide(
             self._balance.course_gain,
             self._balance.largest_correction * motion.unit,
-            # What is planned now moves the body, in the mean, in the middle of the next stance.
-            self._balance.reaction_time + motion.clock.stance_times[0] / 2.0,
+            self._lead,
             turns_back=not self._is_caught(state.time),
         )
         pace = course.pace(state.time, state.motion_pose, guide)
+        due = course.pace(state.time, state.motion_pose, guide._replace(lead=0.0))
         self._stop_when_calm(state, motion, body, pace)
         ground = self._ground
         if ground is not None:
@@ -160,7 +163,7 @@ class BalancedTrot(Walk):
             stance = motion.clock.stance_times[0]
             ground.locate(state.time, poses, self._estimator.feet, self._estimator.bears, stance)
         delay = self._delay.take(state.time, state.joints, motion.given)
-        trajectory = motion.update(state.time, body, pace, ground, delay)
+        trajectory = motion.update(state.time, body, pace, due, ground, delay)
         if trajectory is not None:
             self._joints.busy_until = trajectory.end
         return Command(trajectory)
@@ -189,14 +192,27 @@ class BalancedTrot(Walk):
         motion = self._motion
         return motion is not None and time < self._pushed_at + motion.clock.period
 
+    @property
+    def _lead(self) -> float:
+        """Time after which the body has a velocity that is asked for [s]."""
+        return 0.0 if self._motion is None else self._motion.lead
+
+    @property
+    def _farthest_off(self) -> float:
+        """Distance from its course from which on a robot is drawn back no more [m]."""
+        options = self._balance
+        unit = 0.0 if self._motion is None else self._motion.unit
+        return options.largest_correction * unit / options.course_gain
+
     def _next_course(self, state: RobotState) -> Course:
         """Return the course that holds now: the next one, if its time has come."""
         course, guidance = self._course, self._guidance
         assert course is not None
         steered = guidance.steering.twist
-        half = course.start + course.period / 2.0
+        half = self._taken_at + course.period / 2.0
         is_other = steered is not None and steered != self._steered and state.time >= half
-        is_over = state.time >= course.start + course.period
+        ends = self._decides_at(state, course)
+        is_over = state.time >= ends
         if math.isfinite(self._stops_since):
             is_over = is_over and (guidance.has_new_plan or bool(steered))
         if not is_over and not is_other:
@@ -204,23 +220,40 @@ class BalancedTrot(Walk):
         if is_other:
             # What was steered led to the end of this step.
             self._steered_from_here(state, course)
-        entry = course.at(state.time)[1]
+        # Measurements come between the ends of steps: what the last one overran, the next makes up.
+        # While the robot comes to rest there is none that follows at once.
+        is_next = is_over and not math.isfinite(self._stops_since)
+        overrun = state.time - ends if is_next else 0.0
+        start = course.start_after(state.time, state.motion_pose, self._farthest_off)
+        if steered is not None:
+            start = Start(state.motion_pose, course.at(state.time)[1])
+        to_map = state.pose @ state.motion_pose.inverse()
         try:
-            start = Departure(
-                state.pose, state.motion_pose, entry, guidance.gait_pair.walking if entry else None
+            departure = Departure(
+                to_map @ start.pose,
+                start.pose,
+                start.entry,
+                guidance.gait_pair.walking if start.entry else None,
             )
-            expected = state.pose @ (state.motion_pose.inverse() @ course.at(state.time)[0])
-            step = guidance.next_in_motion(state, expected, start)
+            expected = to_map @ course.at(state.time)[0]
+            step = guidance.next_in_motion(state, expected, departure)
         except GaitError as error:
             self._report.limit = str(error)
             step = None
         if step is not None and guidance.gait_pair.of(step).gait.is_static:
             step = None
-        # Measurements come between the ends of steps: what the last one overran, the next makes up.
-        # While the robot comes to rest there is none that follows at once.
-        is_next = is_over and not math.isfinite(self._stops_since)
-        overrun = state.time - course.start - course.period if is_next else 0.0
-        return self._take_step(state, step, entry, overrun)
+        return self._take_step(state, step, start, overrun)
+
+    def _decides_at(self, state: RobotState, course: Course) -> float:
+        """
+        Return when the next step is decided on [s].
+
+        That is when this one is over; where the plan goes on after a stop, so much before that the
+        body sets off at once.
+        """
+        goes_on = self._guidance.distance_left(state.pose) > _WAY_TO_GO
+        is_stop = not course.exit and math.isinf(self._stops_since)
+        return course.end - (self._lead if is_stop and goes_on else 0.0)
 
     def _steered_from_here(self, state: RobotState, course: Course) -> Course:
         """Let the course go through where the robot is; its heading stays as it was planned."""
@@ -229,10 +262,10 @@ class BalancedTrot(Walk):
         return here
 
     def _take_step(
-        self, state: RobotState, step: Step | None, entry: Twist2D, overrun: float = 0.0
+        self, state: RobotState, step: Step | None, start: Start, overrun: float = 0.0
     ) -> Course:
-        """Follow a step from now on, or none; the one before has overrun its time [s]."""
-        guidance = self._guidance
+        """Follow a step from now on, or none, which should have been taken so long ago [s]."""
+        guidance, entry = self._guidance, start.entry
         period = guidance.gaits.period_of(step, guidance.steering.twist is not None)
         self._steered = guidance.steering.twist
         motion, after = BodyMotion(), STILL
@@ -244,10 +277,15 @@ class BalancedTrot(Walk):
         else:
             self._stops_since = math.inf
             motion, after = step.motion, step.exit
-            guidance.note_begun(state, step, PlannedMotion(motion, state.pose @ motion.end))
+            end = state.pose @ (state.motion_pose.inverse() @ (start.pose @ motion.end))
+            guidance.note_begun(state, step, PlannedMotion(motion, end))
             self._report.say(Activity.BALANCING, self._report.reason)
-        period -= min(overrun, _LONGEST_OVERRUN * period)
-        self._course = Course(state.time, period, state.motion_pose, entry, motion, after)
+        self._taken_at = state.time
+        # A body at rest sets off so much later than it is asked to.
+        begins = (
+            state.time + (0.0 if entry else self._lead) - min(overrun, _LONGEST_OVERRUN * period)
+        )
+        self._course = Course.from_start(start, (begins, period), motion, after)
         return self._course
 
     def _stop_when_calm(

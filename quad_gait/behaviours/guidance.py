@@ -242,7 +242,7 @@ class Guidance:
 
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
-        self.begun = Begun(state.pose, state.motion_pose, planned.end)
+        self.begun = Begun(state.time, state.pose, state.motion_pose, planned.end)
         report, motion, is_steered = self._report, planned.motion, self.steering.twist is not None
         if not is_steered:
             report.limit = ''
@@ -294,7 +294,7 @@ class Guidance:
         begun, self.begun = self.begun, None
         if begun is None or self._joints.unfollowed > _UNFOLLOWED:
             return False
-        problem = self._progress.problem(begun, state.motion_pose, expected)
+        problem = self._progress.problem(begun, state.time, state.motion_pose, expected)
         return problem is not None and self.give_up_or_try(Activity.BLOCKED, problem)
 
     def give_up_or_try(self, activity: Activity, problem: str) -> bool:

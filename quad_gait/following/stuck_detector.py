@@ -12,6 +12,9 @@ from quad_common.planar_pose import Pose2D
 _BLOCKED_CYCLES = 3
 """Number of cycles in a row without the planned effect after which the robot gives up."""
 
+_BLOCKED_TIME = 1.5
+"""Time for which they must have lasted [s]: a trot that balances sways for several cycles."""
+
 _TURN = 0.25
 """A turn of 1 rad counts as much as so many metres."""
 
@@ -27,6 +30,8 @@ speed."""
 class Begun:
     """A motion that was begun, and where it is to lead."""
 
+    time: float
+    """Time at which it was planned [s]."""
     pose: Pose2D
     """Pose of the robot when it was planned, on the plan."""
     odometry: Pose2D
@@ -48,12 +53,15 @@ class StuckDetector:
     def __init__(self, largest_stride: float) -> None:
         self._least = _TOO_LITTLE * largest_stride
         self._without_effect = 0
+        self._since = 0.0
 
     def reset(self) -> None:
         """Count from here: something new is wished for."""
         self._without_effect = 0
 
-    def problem(self, begun: Begun, odometry: Pose2D, expected: Pose2D | None = None) -> str | None:
+    def problem(
+        self, begun: Begun, time: float, odometry: Pose2D, expected: Pose2D | None = None
+    ) -> str | None:
         """
         Say how little came of the last cycles, if they did not move the robot.
 
@@ -61,6 +69,8 @@ class StuckDetector:
         ----------
         begun : Begun
             The motion whose effect is looked at.
+        time : float
+            Now [s].
         odometry : Pose2D
             Where the robot is now, by odometry alone.
         expected : Pose2D, optional
@@ -79,12 +89,18 @@ class StuckDetector:
         is_near = _size(planned.inverse() @ done) < _LARGEST_LACK * size
         # Odometry that is corrected, as a camera's is, may show more than was planned.
         has_effect = is_near or _along(planned, done) > (1.0 - _LARGEST_LACK) * size
-        self._without_effect = 0 if has_effect else self._without_effect + 1
-        if self._without_effect < _BLOCKED_CYCLES:
+        if has_effect:
+            self._without_effect = 0
+            return None
+        if self._without_effect == 0:
+            self._since = begun.time
+        self._without_effect += 1
+        cycles = self._without_effect
+        if cycles < _BLOCKED_CYCLES or time - self._since < _BLOCKED_TIME:
             return None
         self._without_effect = 0
         return (
-            f'the robot does not follow its commands: {_BLOCKED_CYCLES} cycles without effect, '
+            f'the robot does not follow its commands: {cycles} cycles without effect, '
             f'the last planned {math.hypot(planned.x, planned.y):.3f} m and '
             f'{math.degrees(planned.yaw):.1f} degrees and gave '
             f'{math.hypot(done.x, done.y):.3f} m and {math.degrees(done.yaw):.1f} degrees; '

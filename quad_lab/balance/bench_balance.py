@@ -19,6 +19,7 @@ from quad_lab.balance.balance_case import BalanceCase
 from quad_lab.balance.pushes import Survival, survival, survivors
 from quad_lab.balance.rough_ground import BUMPS, RAMPS, SLOPES, trot_over
 from quad_lab.balance.steady import SteadyTrot, silences, steady_trot
+from quad_lab.balance.stops import stopped_walk
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.tools.workers import worker_pool
 from quad_sim.engines.registry import AUTO, preferred, resolved
@@ -50,6 +51,12 @@ _SPEEDS = (0.0, 0.5, 1.0)
 _DIRECTIONS, _PHASES = 8, 8
 
 _SILENCES = 200
+
+_WITH_OWN_PERIOD = (('a1', None),)
+"""What else follows a plan with a corner."""
+
+_BEYOND, _ODOMETRY = 0.1, 3.0
+"""Distance beyond corner and goal [m], and error of leg odometry meanwhile [%], at most."""
 
 _STEADY = 20.0
 """Time of a trot that nothing disturbs [s]."""
@@ -270,6 +277,23 @@ def _trot_bars(trot: SteadyTrot, planned: SteadyTrot) -> list[Criterion]:
     return bars
 
 
+def _stops(console: Console, quick: bool, seed: int) -> Bars:
+    """Follow a plan with a corner to its end, and compare the way with what the legs tell."""
+    whos = [_QUICK] if quick else [*LEVELS, *_WITH_OWN_PERIOD]
+    walks = _in_workers(stopped_walk, [(*who, seed) for who in whos])
+    bars = []
+    for (robot, period), walk in zip(whos, walks):
+        name = str(BalanceCase(robot, period)).removesuffix(' at half speed')
+        odometry = 1e2 * walk.odometry_error
+        bars += [
+            at_least(f'{name}: arrives at a goal behind a corner', walk.has_arrived, '', 1),
+            at_most(f'{name}: distance beyond corner and goal', walk.beyond, 'm', _BEYOND),
+            at_most(f'{name}: most that leg odometry is off on the way', odometry, '%', _ODOMETRY),
+            figure(f'{name}: time', walk.duration, 's'),
+        ]
+    return bars, {str(who): asdict(walk) for who, walk in zip(whos, walks)}
+
+
 def _silence(console: Console, quick: bool, seed: int) -> Bars:
     """Let robots receive nothing more at random instants."""
     whos = [_QUICK] if quick else list(LEVELS)
@@ -335,6 +359,7 @@ PARTS: dict[str, Callable[[Console, bool, int], Bars]] = {
     'pushes': _pushes,
     'disturbed': _disturbed,
     'unpushed': _unpushed,
+    'stops': _stops,
     'silence': _silence,
     'slopes': _slopes,
     'bumps': _bumps,

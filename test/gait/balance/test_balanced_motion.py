@@ -6,14 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quad_common.planar_pose import Pose2D, Twist2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.trajectory_executor import TrajectoryExecutor
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.balance.balance_options import BalanceOptions, EstimateOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate, BodyEstimator, BodyReading, leg_velocity
-from quad_gait.balance.course import Course, Guide
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import GRAVITY, Pace
 from quad_gait.balance.foot_plan import FootPlanner
@@ -172,33 +170,6 @@ def test_parabolas_are_differentiated_exactly_whatever_the_spacing():
     assert np.allclose(smooth_speeds(times, positions)[1:-1], (2 * a * times[:, None, None])[1:-1])
 
 
-def test_a_course_begins_and_ends_as_it_was_planned():
-    start, entry, motion, after = (
-        Pose2D(1.0, 2.0, 0.5),
-        Twist2D(0.1),
-        BodyMotion(0.2, 0.05, 0.1),
-        Twist2D(0.3, 0.0, 0.2),
-    )
-    course = Course(3.0, 0.5, start, entry, motion, after)
-    pose, twist = course.at(3.0)
-    assert (pose, twist) == (start, entry)
-    pose, twist = course.at(3.5)
-    end = start @ motion.end
-    assert (pose.x, pose.y, pose.yaw) == pytest.approx((end.x, end.y, end.yaw))
-    assert twist == after
-    pace = course.pace(3.0, start, Guide(1.5, 0.1, 0.0, True))
-    assert pace == pytest.approx((0.1, 0.0, 0.0))
-
-
-def test_a_robot_beside_its_course_is_drawn_back_to_it():
-    course = Course(0.0, 1.0, Pose2D(0.0, 0.0, 0.0), Twist2D(), BodyMotion(), Twist2D())
-    pace = course.pace(0.5, Pose2D(0.02, -0.04, 0.1), Guide(1.5, 1.0, 0.0, True))
-    assert pace.forward < 0.0 < pace.left
-    assert pace.turn < 0.0
-    far = course.pace(0.5, Pose2D(5.0, 0.0, 0.0), Guide(1.5, 0.1, 0.0, True))
-    assert np.hypot(far.forward, far.left) == pytest.approx(0.1)
-
-
 # The estimate
 
 
@@ -308,16 +279,3 @@ def test_a_push_is_felt_by_the_accelerometer_while_no_foot_bears():
 def test_a_tilt_goes_on_as_fast_as_the_body_turns():
     body = BodyEstimate((0.0, 0.0), 0.0, 0.1, -0.2, 1.0, 2.0)
     assert body.tilt_in(0.05) == pytest.approx((0.15, -0.1))
-
-
-def test_a_course_slows_a_robot_as_early_as_its_velocity_comes_late():
-    course = Course(
-        0.0, 1.0, Pose2D(0.0, 0.0, 0.0), Twist2D(0.2), BodyMotion(forward=0.1), Twist2D()
-    )
-    on_it = course.at(0.8)[0]
-    late, early = (course.pace(0.8, on_it, Guide(1.5, 0.1, lead, True)) for lead in (0.0, 0.15))
-    assert early.forward == pytest.approx(course.at(0.95)[1].forward)
-    assert early.forward < 0.5 * late.forward
-    turned = Pose2D(on_it.x, on_it.y, 0.1)
-    assert course.pace(0.8, turned, Guide(1.5, 0.1, 0.0, True)).turn < 0.0
-    assert course.pace(0.8, turned, Guide(1.5, 0.1, 0.0, False)).turn == 0.0

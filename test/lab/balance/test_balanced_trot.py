@@ -19,6 +19,7 @@ from quad_lab.balance.balance_case import BalanceCase, BalanceWalk
 from quad_lab.balance.pushes import apart, survivors
 from quad_lab.balance.rough_ground import trot_over
 from quad_lab.balance.steady import silences, steady_trot
+from quad_lab.balance.stops import stopped_walk
 from quad_lab.closed_loop.balance_loop import NOISY, BalanceLoop
 from quad_lab.closed_loop.controllers import controller_for
 from quad_sim.engines.registry import preferred
@@ -170,6 +171,19 @@ def test_it_arrives_where_a_plan_leads(loop):
     end = loop.record.poses[-1]
     assert end.distance_to(plan.poses[-1]) < 0.05
     assert abs(end.yaw - 1.57) < math.radians(5.0)
+
+
+@pytest.mark.parametrize('name', ['a1', 'cuhk'])
+def test_it_stops_at_turning_points_and_knows_where(name):
+    # A1 went up to 0.25 m beyond them, by its full speed of 1 m/s, and came back; cuhk corrected
+    # its place without end, or was taken for blocked.
+    pytest.importorskip('pybullet')
+    with preferred('bullet'):
+        walk = stopped_walk(name, None)
+    assert walk.has_arrived
+    assert walk.beyond < 0.07
+    assert walk.odometry_error < 0.025
+    assert walk.position_error < 0.025
 
 
 def test_it_stops_and_starts_again_at_once(loop):
