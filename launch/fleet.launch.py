@@ -44,6 +44,7 @@ ROBOT_ARGUMENTS = {
     'method': ('', 'how the planners search'),
     'gait': ('', 'name of a gait, or path of a gait file'),
     'turning': ('', 'how the robots turn at the turning points of their plans'),
+    'balance': ('', 'trot with a decision at every measurement: true or false'),
     'respawn': ('false', 'start a planner or a gait again when it has ended'),
     'robot_state_publisher': ('auto', "publish the legs' frames; 'auto': where it is installed"),
 }

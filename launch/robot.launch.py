@@ -33,16 +33,21 @@ PLANNER_ARGUMENTS = {
     # How long a way takes, and how much room it needs, depends on how it is walked.
     'gait': 'name of a gait, or path of a gait file',
     'turning': 'how the robot turns at the turning points of its plan',
+    'footsteps': 'plan foot by foot where no way else leads on uneven ground: true or false',
 }
 GAIT_ARGUMENTS = {
     'robot': PLANNER_ARGUMENTS['robot'],
     'gait': PLANNER_ARGUMENTS['gait'],
     'turning': PLANNER_ARGUMENTS['turning'],
     'ground': "'flat', or 'uneven' to feel for the ground with each foot",
+    'footsteps': PLANNER_ARGUMENTS['footsteps'],
+    'balance': 'trot with a decision at every measurement, and keep the balance: true or false',
+    'lead_time': 'from giving a trajectory out to its first movement, at least [s]',
     'odom_topic': PLANNER_ARGUMENTS['odom_topic'],
     'leg_odometry_start': "'origin' lets a camera place the odometry of the legs",
 }
-NUMBERS = ('safety_distance',)
+NUMBERS = ('safety_distance', 'lead_time')
+BOOLEANS = ('footsteps', 'balance')
 
 RESPAWN_DELAY = 2.0
 """Time after which a node that has ended is started again [s]."""
@@ -66,6 +71,17 @@ def is_true(context: LaunchContext, name: str) -> bool:
     if text not in ('true', 'false'):
         raise ValueError(f"{name} is '{text}'; it must be true or false")
     return text == 'true'
+
+
+def read(context: LaunchContext, name: str) -> str | float | bool:
+    """Read an argument that is not left empty as its parameter's type."""
+    if name in BOOLEANS:
+        return is_true(context, name)
+    text = LaunchConfiguration(name).perform(context)
+    try:
+        return float(text) if name in NUMBERS else text
+    except ValueError:
+        raise ValueError(f"{name} is '{text}'; it must be a number") from None
 
 
 def is_installed(package: str) -> bool:
@@ -93,11 +109,10 @@ def start_nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     use_sim_time, respawn = is_true(context, 'use_sim_time'), is_true(context, 'respawn')
     nodes: list[LaunchDescriptionEntity] = []
     for node, arguments in (('planner_node', PLANNER_ARGUMENTS), ('gait_node', GAIT_ARGUMENTS)):
-        given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
         parameters = {
-            name: float(value) if name in NUMBERS else value
-            for name, value in given.items()
-            if value != ''
+            name: read(context, name)
+            for name in arguments
+            if LaunchConfiguration(name).perform(context) != ''
         }
         nodes.append(
             Node(
