@@ -226,7 +226,9 @@ class BalancedTrot(Walk):
         overrun = state.time - ends if is_next else 0.0
         start = course.start_after(state.time, state.motion_pose, self._farthest_off)
         if steered is not None:
-            start = Start(state.motion_pose, course.at(state.time)[1])
+            entry = course.at(state.time)[1]
+            back = BodyMotion.during(entry, -overrun).end
+            start = Start(state.motion_pose @ back, entry)
         to_map = state.pose @ state.motion_pose.inverse()
         try:
             departure = Departure(
