@@ -284,9 +284,9 @@ class BalancedTrot(Walk):
             self._report.say(Activity.BALANCING, self._report.reason)
         self._taken_at = state.time
         # A body at rest sets off so much later than it is asked to.
-        begins = (
-            state.time + (0.0 if entry else self._lead) - min(overrun, _LONGEST_OVERRUN * period)
-        )
+        begins = state.time - min(overrun, _LONGEST_OVERRUN * period)
+        if not entry:
+            begins += self._lead
         self._course = Course.from_start(start, (begins, period), motion, after)
         return self._course
 
