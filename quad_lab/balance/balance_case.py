@@ -91,6 +91,15 @@ def push_unit(robot: Robot) -> float:
     return math.sqrt(GRAVITY * float(center[2] + robot.standing_height))
 
 
+def trotting_robot(name: str, period: float | None) -> Robot:
+    """Return a robot by its name, with another period of its trot [s] unless that is None."""
+    robot = load_robot(name)
+    if period is None:
+        return robot
+    settings = replace(robot.gaits.get('trot', GaitSettings()), cycle_period=period)
+    return replace(robot, gaits={**robot.gaits, 'trot': settings})
+
+
 class BalanceWalk:
     """
     A robot that trots steadily.
@@ -111,11 +120,7 @@ class BalanceWalk:
         seed: int = 0,
         ground: Callable[[Robot], Terrain | None] | None = None,
     ) -> None:
-        robot = load_robot(case.robot)
-        if case.period is not None:
-            own = robot.gaits.get('trot', GaitSettings())
-            settings = replace(own, cycle_period=case.period)
-            robot = replace(robot, gaits={**robot.gaits, 'trot': settings})
+        robot = trotting_robot(case.robot, case.period)
         gait = load_gait('trot', robot)
         options = SupervisorOptions(
             least_margin=0.005,

@@ -5,19 +5,17 @@ A balanced trot along a plan with a corner: how far beyond its stops it goes, an
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
-from quad_common.robot.robot_build import GaitSettings
-from quad_common.robot_files.robot_file import load_robot
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.behaviours.activity import Activity
 from quad_gait.behaviours.options import SupervisorOptions
 from quad_gait.cycle.gait import load_gait
-from quad_lab.balance.balance_case import LATENCY, push_unit
+from quad_lab.balance.balance_case import LATENCY, push_unit, trotting_robot
 from quad_lab.closed_loop.balance_loop import BalanceLoop
 from quad_lab.closed_loop.closed_loop import Place
 from quad_lab.closed_loop.controllers import controller_for
@@ -66,10 +64,7 @@ def stopped_walk(name: str, period: float | None, seed: int = 0) -> StoppedWalk:
     StoppedWalk
         The robot is told where it is; what its legs tell is only compared with that.
     """
-    robot = load_robot(name)
-    if period is not None:
-        settings = replace(robot.gaits.get('trot', GaitSettings()), cycle_period=period)
-        robot = replace(robot, gaits={**robot.gaits, 'trot': settings})
+    robot = trotting_robot(name, period)
     options = SupervisorOptions(least_margin=0.005, balance=BalanceOptions())
     controller = controller_for(robot, load_gait('trot', robot), options)
     loop = BalanceLoop(robot, controller, LATENCY, seed=seed)
