@@ -34,7 +34,7 @@ def print_walk(console: Console, summary: Mapping[str, object]) -> None:
         *((('plans', summary['plans'], ''),) if of_which else ()),
         (f'path{of_which}', summary['path_length'], 'm'),
         (f'turning points{of_which}', summary['turning_points'], ''),
-        ('gait cycles', summary['cycles'], ''),
+        ('gait cycles, or decisions that balance', summary['cycles'], ''),
         ('contacts other than feet on the ground', summary['contacts'] or 'none', ''),
         ('fallen', 'yes' if summary['fallen'] else 'no', ''),
         ('speed', summary['real_time_factor'], 'x real time'),

@@ -79,12 +79,15 @@ class JointMotionPlanner:
     def __init__(self, robot: Robot, speed_fraction: float) -> None:
         self._robot = robot
         self._limits = JointLimits.of(robot)
-        fastest = np.array(np.broadcast_to(speed_fraction * robot.velocity, robot.lower.shape))
-        self._slowest = Limits(robot.lower, robot.upper, fastest)
+        fastest = np.array(np.broadcast_to(robot.velocity, robot.lower.shape))
+        self._within = Limits(robot.lower, robot.upper, fastest)
+        self._slowest = self._within._replace(fastest=speed_fraction * fastest)
 
     def warm_up(self) -> None:
         """Compile what a hurry needs, or read its code: no decision is to wait for that."""
-        keep_up(np.zeros((2, 4, 3)), np.zeros((2, 4, 3)), np.array([0.0, 1.0]), 1, self._slowest)
+        rest, times = np.zeros((2, 4, 3)), np.array([0.0, 1.0])
+        keep_up(rest, rest.copy(), times, 1, self._slowest)
+        is_within(rest, rest, times, 0, self._within)
 
     def go_on(self, given: JointMotion, places: Array, times: Array) -> JointMotion | None:
         """
@@ -121,6 +124,8 @@ class JointMotionPlanner:
 
     def _is_possible(self, times: Array, positions: Array, speeds: Array, held: int) -> bool:
         first = held - 1
+        if is_within(positions, speeds, times, first, self._within):
+            return True
         shape = (len(times) - first, 12)
         try:
             self._limits.check(
@@ -197,6 +202,49 @@ def keep_up(positions: Array, speeds: Array, times: Array, held: int, limits: Li
                 # What has to brake before the end of its range comes less far.
                 mean = min(max(mean, (v + speed - fastest) / 3.0), (v + speed + fastest) / 3.0)
                 positions[k, leg, joint] = last + h * mean
+
+
+@compiled_loop
+def is_within(positions: Array, speeds: Array, times: Array, first: int, limits: Limits) -> bool:
+    """
+    Return whether cubics are within limits without a closer look, as the last gate takes it.
+
+    A cubic stays between its Bezier points, and its velocity between v, 3 m - v - w and w.
+
+    Parameters
+    ----------
+    positions, speeds : ndarray, shape (m, 4, 3)
+        At the knots [rad], [rad/s].
+    times : ndarray, shape (m,)
+        Times of all [s].
+    first : int
+        Knot from which on they are looked at.
+    limits : Limits
+        What the joints are able to do.
+
+    Returns
+    -------
+    bool
+        False where a closer look may find them within the limits.
+    """
+    for k in range(first, len(times)):
+        h = times[k] - times[k - 1] if k > first else 0.0
+        for leg in range(positions.shape[1]):
+            for joint in range(positions.shape[2]):
+                low, high = limits.lower[leg, joint], limits.upper[leg, joint]
+                fastest = limits.fastest[leg, joint]
+                q, w = positions[k, leg, joint], speeds[k, leg, joint]
+                # NaN is not within.
+                if not (low <= q <= high and abs(w) <= fastest):
+                    return False
+                if k == first:
+                    continue
+                p, v = positions[k - 1, leg, joint], speeds[k - 1, leg, joint]
+                if not (low <= p + v * h / 3.0 <= high and low <= q - w * h / 3.0 <= high):
+                    return False
+                if not abs(3.0 * (q - p) / h - v - w) <= fastest:
+                    return False
+    return True
 
 
 @compiled_part

@@ -132,6 +132,7 @@ class WalkResult:
     walked_distance: float
     """Of base_link, sway included [m]."""
     cycles: int
+    """Gait cycles; of a trot that keeps its balance, decisions."""
     plans: int
     contacts: str
     fallen: bool

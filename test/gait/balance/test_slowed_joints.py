@@ -11,7 +11,13 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.balanced_motion import BalancedMotion
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.foot_laws import Pace, leveled, tilted_back
-from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner, Limits, keep_up
+from quad_gait.balance.joint_motion import (
+    JointMotion,
+    JointMotionPlanner,
+    Limits,
+    is_within,
+    keep_up,
+)
 from quad_gait.behaviours.gait_choice import balanced_gait
 from quad_gait.cycle.gait import load_gait
 
@@ -49,6 +55,41 @@ def test_whatever_is_wanted_no_joint_leaves_its_range_or_its_speed(seed):
         speed = rng.uniform(-1.0, 1.0, (4, 3)) * np.minimum(FASTEST, room)
         positions, speeds = followed(wanted, first, speed, times)
         limits.check(times, positions.reshape(-1, 12), speeds.reshape(-1, 12))
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_what_is_within_limits_at_a_glance_passes_the_last_gate(seed):
+    rng = np.random.default_rng(seed)
+    gate = JointLimits.of(ROBOT)
+    own = Limits(ROBOT.lower, ROBOT.upper, np.array(np.broadcast_to(ROBOT.velocity, (4, 3))))
+    middle, half = (ROBOT.upper + ROBOT.lower) / 2.0, (ROBOT.upper - ROBOT.lower) / 2.0
+    answers = []
+    for _ in range(200):
+        times = np.cumsum(rng.choice([0.02, 0.04], 6))
+        size, pace = rng.choice([0.2, 0.9, 1.01]), rng.choice([0.05, 0.3, 0.6])
+        steps = np.cumsum(0.02 * pace * own.fastest * rng.normal(size=(6, 4, 3)), axis=0)
+        positions = middle + size * half * rng.uniform(-1.0, 1.0, (4, 3)) + 0.5 * steps
+        speeds = pace * own.fastest * rng.uniform(-1.0, 1.0, (6, 4, 3))
+        first = int(rng.integers(0, 3))
+        answers.append(is_within(positions, speeds, times, first, own))
+        if answers[-1]:
+            gate.check(
+                times[first:],
+                positions[first:].reshape(-1, 12),
+                speeds[first:].reshape(-1, 12),
+            )
+    assert 10 < sum(answers) < 190
+
+
+def test_numbers_that_are_not_finite_are_not_within_limits():
+    positions = np.repeat(ROBOT.initial_joint_angles[None], 3, axis=0)
+    speeds, times = np.zeros((3, 4, 3)), 0.02 * np.arange(3)
+    assert is_within(positions, speeds, times, 0, LIMITS)
+    for values in (positions, speeds):
+        spoiled = values.copy()
+        spoiled[2, 1, 2] = np.nan
+        both = (spoiled, speeds) if values is positions else (positions, spoiled)
+        assert not is_within(*both, times, 0, LIMITS)
 
 
 def test_what_is_possible_is_reached_and_each_joint_for_itself():
