@@ -14,6 +14,7 @@ from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import UNKNOWN, Demand, FootPlan, GroundAhead
+from quad_gait.balance.followed_motion import FollowedMotion
 from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, pendulum_time
 from quad_gait.balance.foot_plan import FootPlanner, March
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
@@ -83,6 +84,7 @@ class BalancedMotion:
             np.zeros((still, 4, 3)),
         )
         self._unit = math.sqrt(GRAVITY * self._planner.height)
+        self._followed = FollowedMotion()
         self._trim = (0.0, 0.0)
         self._delay = 0.0
         self._decided = -math.inf
@@ -144,6 +146,30 @@ class BalancedMotion:
     def rest(self, time: float) -> None:
         """Let no foot lift any more after what holds at a time [s]."""
         self.clock = self.clock._replace(end=self._time_of(self._index_at(time)))
+
+    def follow(self, time: float, joints: Array) -> None:
+        """
+        Go on from what joints (4, 3) [rad] follow at a time [s].
+
+        That is what was given out last, unless nothing has arrived for a while: then they come to
+        rest by an earlier motion. Joints that had to be elsewhere at once, when trajectories arrive
+        again, would throw the body.
+        """
+        earlier = self._followed.earlier(time, joints)
+        place = self._index_at(time) - self._first
+        if earlier is None or not 1 <= place < len(self._knots):
+            return
+        held = slice(place - 1, place + 1)
+        given = self._given
+        positions, speeds = given.positions.copy(), given.speeds.copy()
+        for k in range(held.start, held.stop):
+            positions[k], speeds[k] = earlier.at_or_after(float(given.times[k]))
+        self._given = JointMotion(given.times, positions, speeds)
+        self._knots[place] = self._planner.rejoined(
+            self._knots[place],
+            self._robot.foot_positions(positions[held]),
+            float(given.times[place] - given.times[place - 1]),
+        )
 
     def update(
         self,
@@ -213,6 +239,7 @@ class BalancedMotion:
         self._knots = self._knots[before:place] + knots
         self._first += before
         self._given = motion
+        self._followed.note(motion)
         stamp = float(motion.times[0])
         return JointTrajectory(
             joint_names=self._robot.joint_names,

@@ -221,6 +221,37 @@ class FootPlanner:
                 )
         return plan.with_feet(feet)
 
+    def rejoined(self, plan: FootPlan, places: Array, time: float) -> FootPlan:
+        """
+        Return a plan whose feet are where joints have them that did something else.
+
+        Parameters
+        ----------
+        plan : FootPlan
+            The plan of a knot.
+        places : ndarray, shape (2, 4, 3)
+            Where the joints have the feet at the knot before and at this one, in the body [m].
+        time : float
+            Time between these [s].
+
+        Returns
+        -------
+        FootPlan
+        """
+        records, slope = plan.records.copy(), plan.slope
+        for axis, values in zip(
+            'xy', leveled(places, records['roll'], records['pitch']), strict=True
+        ):
+            records[axis] = values[1]
+            records[f'v{axis}'] = (values[1] - values[0]) / time
+        for foot, neutral, place in zip(records, self._neutral, places[1]):
+            if foot.swings == 0.0:
+                rotation = matrix_from_angles(np.array([foot.roll, foot.pitch, 0.0]))
+                height = float(rotation[2] @ place)
+                foot.rise = height - neutral[2] - slope.rise(foot.x, foot.y)
+                foot.z = height
+        return plan._replace(records=records)
+
     def landings(
         self, plan: FootPlan, clock: PhaseClock, time: float, body: BodyEstimate
     ) -> Landings:

@@ -48,6 +48,12 @@ class JointMotion:
         position = p + u * (v + u * (bend + u * twist))
         return position, (v + u * (2.0 * bend + u * 3.0 * twist)) / step
 
+    def at_or_after(self, time: float) -> tuple[Array, Array]:
+        """Return the same at a time from its begin on [s]; at rest after its end."""
+        if time >= self.times[-1]:
+            return self.positions[-1], np.zeros_like(self.positions[-1])
+        return self.at(time)
+
 
 class Limits(NamedTuple):
     """What joints are able to do, as compiled code takes it."""
