@@ -254,7 +254,8 @@ class BalancedTrot(Walk):
         That is when this one is over; where the plan goes on after a stop, so much before that the
         body sets off at once.
         """
-        goes_on = self._guidance.distance_left(state.pose) > _WAY_TO_GO
+        plan = self._guidance.wanted_plan
+        goes_on = plan is not None and state.pose.distance_to(plan.poses[-1]) > _WAY_TO_GO
         is_stop = not course.exit and math.isinf(self._stops_since)
         return course.end - (self._lead if is_stop and goes_on else 0.0)
 
