@@ -84,7 +84,7 @@ class BalancedMotion:
             np.zeros((still, 4, 3)),
         )
         self._unit = math.sqrt(GRAVITY * self._planner.height)
-        self._followed = FollowedMotion()
+        self._followed = FollowedMotion(options)
         self._trim = (0.0, 0.0)
         self._delay = 0.0
         self._decided = -math.inf
@@ -192,7 +192,7 @@ class BalancedMotion:
         pace : Pace
             Velocity that is wanted once the body has answered.
         due : Pace, optional
-            Velocity that it should have by now; the same if not given.
+            Velocity that it should have by now; what is planned if not given.
         ground : KnownGround, optional
             What is known of the ground ahead.
         delay : float

@@ -32,34 +32,44 @@ def ramp(start, size, duration=1.0):
 
 
 def test_joints_that_follow_the_last_motion_or_none_follow_no_earlier_one():
-    known = FollowedMotion()
+    known = FollowedMotion(BalanceOptions())
     assert known.earlier(1.0, np.zeros((4, 3))) is None
-    for size in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6):
-        known.note(ramp(0.0, size))
-    assert known.earlier(0.5, np.full((4, 3), 0.31)) is None
+    for k in range(1, 10):
+        known.note(ramp(0.0, 0.1 * k))
+    assert known.earlier(0.5, np.full((4, 3), 0.46)) is None
     assert known.earlier(0.5, np.full((4, 3), -0.5)) is None
 
 
 def test_joints_that_follow_an_earlier_motion_are_found_out_after_its_end_too():
-    known = FollowedMotion()
+    known = FollowedMotion(BalanceOptions())
     first = ramp(0.0, 0.1, 0.5)
-    for motion in (first, *(ramp(0.1 * k, 0.8) for k in range(1, 6))):
+    for motion in (first, *(ramp(0.02 * k, 0.8) for k in range(1, 9))):
         known.note(motion)
     assert known.earlier(0.5, np.full((4, 3), 0.102)) is first
     assert known.earlier(0.9, np.full((4, 3), 0.1)) is first
 
 
 def test_a_motion_that_may_still_arrive_is_not_an_earlier_one():
-    known = FollowedMotion()
+    known = FollowedMotion(BalanceOptions())
     for size in (0.1, 0.3, 0.5):
         known.note(ramp(0.0, size))
     assert known.earlier(0.5, np.full((4, 3), 0.05)) is None
 
 
-def jump_after(begins, silence, follows):
+def test_motions_that_have_not_begun_yet_say_nothing():
+    # With a long reaction time joints follow what was given out that long ago.
+    known = FollowedMotion(BalanceOptions())
+    for k in range(20):
+        known.note(ramp(0.1 + 0.02 * k, 0.3 + 0.05 * k))
+    joints = ramp(0.1 + 0.02 * 15, 0.3 + 0.05 * 15).at(0.4)[0]
+    assert known.earlier(0.4, joints) is None
+
+
+def jump_after(begins, silence, follows, reaction=0.02):
     """Return how far joints are to go at once after a silence, rms of all [rad]."""
     executor = TrajectoryExecutor(ROBOT.joint_names, POSTURE.reshape(-1), JointLimits.of(ROBOT))
-    motion = BalancedMotion(ROBOT, GAIT, BalanceOptions(), 0.0, POSTURE)
+    options = BalanceOptions(reaction_time=reaction)
+    motion = BalancedMotion(ROBOT, GAIT, options, 0.0, POSTURE)
     jumps = []
     for time in 0.02 * np.arange(100):
         if follows:
@@ -67,7 +77,7 @@ def jump_after(begins, silence, follows):
         trajectory = motion.update(time, WALKING, AHEAD)
         if trajectory is None or begins <= time < begins + silence:
             continue
-        soon = time + 0.02
+        soon = time + reaction
         before, after = executor.command(soon)[0], trajectory.positions_at(np.array([soon]))[0]
         # One that leaps too far is refused.
         executor.accept(trajectory, time)
@@ -84,5 +94,15 @@ def test_after_a_silence_joints_go_on_from_where_they_are(silence):
     assert max(jumps) < max(others)
 
 
-def test_where_all_arrives_nothing_is_gone_on_from_but_the_last():
-    assert jump_after(math.inf, 0.0, follows=True) == jump_after(math.inf, 0.0, follows=False)
+@pytest.mark.parametrize('reaction', [0.0, 0.02, 0.05, 0.1])
+def test_where_all_arrives_nothing_is_gone_on_from_but_the_last(monkeypatch, reaction):
+    found = []
+    earlier = FollowedMotion.earlier
+
+    def noted(known, time, joints):
+        found.append(earlier(known, time, joints))
+        return found[-1]
+
+    monkeypatch.setattr(FollowedMotion, 'earlier', noted)
+    jump_after(math.inf, 0.0, follows=True, reaction=reaction)
+    assert found == [None] * len(found)
