@@ -205,18 +205,21 @@ class TrajectoryExecutor:
 
     def _in_order(self, trajectory: JointTrajectory, now: float) -> tuple[Array, Array, Array]:
         """Return times, positions and velocities of the joints in order; raise as `accept`."""
-        for name in trajectory.joint_names:
-            if name not in self._joint_names:
-                raise JointNotFound(name, self._joint_names)
-        missing = [name for name in self._joint_names if name not in trajectory.joint_names]
-        if missing:
-            raise JointsLeftOut(tuple(missing))
+        positions, velocities = trajectory.positions, trajectory.velocities
+        if trajectory.joint_names != self._joint_names:
+            for name in trajectory.joint_names:
+                if name not in self._joint_names:
+                    raise JointNotFound(name, self._joint_names)
+            missing = [name for name in self._joint_names if name not in trajectory.joint_names]
+            if missing:
+                raise JointsLeftOut(tuple(missing))
+            order = [trajectory.joint_names.index(name) for name in self._joint_names]
+            positions, velocities = positions[:, order], velocities[:, order]
         start = trajectory.stamp if trajectory.stamp > 0.0 else now
         times = start + trajectory.times
         if times[-1] <= now:
             raise TrajectoryOver(float(times[-1]), now)
-        order = [trajectory.joint_names.index(name) for name in self._joint_names]
-        return times, trajectory.positions[:, order], trajectory.velocities[:, order]
+        return times, positions, velocities
 
     def command(self, time: float) -> tuple[Array, Array]:
         """

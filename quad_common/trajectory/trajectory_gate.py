@@ -108,16 +108,17 @@ class JointLimits:
         """
         lower, upper = self._overshot
         farthest = self._farthest(times, positions, velocities)
-        return bool(np.all((farthest >= lower) & (farthest <= upper)))
+        return farthest is None or bool(np.all((farthest >= lower) & (farthest <= upper)))
 
-    def _farthest(self, times: Array, positions: Array, velocities: Array) -> Array:
-        """Return positions between points that are within range just if the cubics are."""
+    def _farthest(self, times: Array, positions: Array, velocities: Array) -> Array | None:
+        """Return the extreme positions of cubics; None if all are within range for sure."""
         h = np.diff(times)[:, None]
         p0, p1, v0, v1 = positions[:-1], positions[1:], velocities[:-1], velocities[1:]
-        near: Array = np.concatenate([p0 + v0 * (h / 3.0), p1 - v1 * (h / 3.0)])
+        third = h / 3.0
+        near = np.concatenate([p0 + v0 * third, p1 - v1 * third])
         lower, upper = self._overshot
-        if np.all((near >= lower) & (near <= upper)):
-            return near
+        if ((near >= lower) & (near <= upper)).all():
+            return None
         return _position_extrema(h, p0, v0, v1, 3.0 * (p1 - p0) / h - v0 - v1)
 
     def check(self, times: Array, positions: Array, velocities: Array) -> None:
@@ -139,14 +140,17 @@ class JointLimits:
         lower, upper, fastest = self._most
         self._compare('position', 'rad', positions, lower, upper)
         exactly = self.velocity + _VELOCITY_ROUNDING
-        self._compare('velocity', 'rad/s', velocities, -exactly, exactly)
+        # NaN compares as outside.
+        if not (np.abs(velocities) <= exactly).all():
+            self._compare('velocity', 'rad/s', velocities, -exactly, exactly)
         if len(times) < 2:
             return
         farthest = self._farthest(times, positions, velocities)
-        self._compare('position', 'rad', farthest, *self._overshot)
+        if farthest is not None:
+            self._compare('position', 'rad', farthest, *self._overshot)
         v0, v1 = velocities[:-1], velocities[1:]
         middle = 3.0 * np.diff(positions, axis=0) / np.diff(times)[:, None] - v0 - v1
-        if np.any(np.abs(middle) > fastest):
+        if (np.abs(middle) > fastest).any():
             extremes = _velocity_extrema(v0, v1, middle)
             self._compare('velocity', 'rad/s', extremes, -fastest, fastest)
 

@@ -87,5 +87,5 @@ class FollowedMotion:
 
 def _distance(motion: JointMotion, time: float, joints: Array) -> float:
     """Return how far joints are from a motion at a time, rms [rad]."""
-    apart = motion.at_or_after(time)[0] - joints
-    return float(np.sqrt(np.mean(apart * apart)))
+    apart = (motion.at_or_after(time)[0] - joints).reshape(-1)
+    return math.sqrt(float(apart @ apart) / apart.size)

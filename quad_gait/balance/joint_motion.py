@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from quad_common.compiled import compiled_loop, compiled_part
 from quad_common.errors import GaitError, TrajectoryError
 from quad_common.robot.robot import Robot
-from quad_common.trajectory.trajectory_gate import JointLimits
+from quad_common.trajectory.trajectory_gate import VELOCITY_TOLERANCE, JointLimits
 
 Array = NDArray[np.float64]
 
@@ -39,14 +39,9 @@ class JointMotion:
 
     def at(self, time: float) -> tuple[Array, Array]:
         """Return positions and velocities at a time within it [s], each (4, 3) [rad], [rad/s]."""
-        k = min(int(np.searchsorted(self.times, time, side='right')), len(self.times) - 1)
-        step = self.times[k] - self.times[k - 1]
-        u = (time - self.times[k - 1]) / step
-        (p, q), (v, w) = self.positions[k - 1 : k + 1], self.speeds[k - 1 : k + 1] * step
-        # The cubic between two knots, as drives follow it.
-        bend, twist = 3.0 * (q - p) - 2.0 * v - w, 2.0 * (p - q) + v + w
-        position = p + u * (v + u * (bend + u * twist))
-        return position, (v + u * (2.0 * bend + u * 3.0 * twist)) / step
+        position, speed = np.empty(self.positions.shape[1:]), np.empty(self.speeds.shape[1:])
+        _cubic_at(self.times, self.positions, self.speeds, time, position, speed)
+        return position, speed
 
     def at_or_after(self, time: float) -> tuple[Array, Array]:
         """Return the same at a time from its begin on [s]; at rest after its end."""
@@ -93,6 +88,7 @@ class JointMotionPlanner:
         """Compile what a hurry needs, or read its code: no decision is to wait for that."""
         rest, times = np.zeros((2, 4, 3)), np.array([0.0, 1.0])
         keep_up(rest, rest.copy(), times, 1, self._slowest)
+        JointMotion(times, rest, rest.copy()).at(0.5)
         is_within(rest, rest, times, 0, self._within)
 
     def go_on(self, given: JointMotion, places: Array, times: Array) -> JointMotion | None:
@@ -213,9 +209,10 @@ def keep_up(positions: Array, speeds: Array, times: Array, held: int, limits: Li
 @compiled_loop
 def is_within(positions: Array, speeds: Array, times: Array, first: int, limits: Limits) -> bool:
     """
-    Return whether cubics are within limits without a closer look, as the last gate takes it.
+    Return whether cubics are within limits for sure, as the last gate takes it.
 
-    A cubic stays between its Bezier points, and its velocity between v, 3 m - v - w and w.
+    A cubic stays between its Bezier points. Its velocity is farthest from none at one of its ends,
+    v and w, or at its vertex.
 
     Parameters
     ----------
@@ -231,7 +228,7 @@ def is_within(positions: Array, speeds: Array, times: Array, first: int, limits:
     Returns
     -------
     bool
-        False where a closer look may find them within the limits.
+        False where a closer look at positions may find them within the limits.
     """
     for k in range(first, len(times)):
         h = times[k] - times[k - 1] if k > first else 0.0
@@ -248,9 +245,30 @@ def is_within(positions: Array, speeds: Array, times: Array, first: int, limits:
                 p, v = positions[k - 1, leg, joint], speeds[k - 1, leg, joint]
                 if not (low <= p + v * h / 3.0 <= high and low <= q - w * h / 3.0 <= high):
                     return False
-                if not abs(3.0 * (q - p) / h - v - w) <= fastest:
+                middle = 3.0 * (q - p) / h - v - w
+                if not abs(_extreme(v, middle, w)) <= (1.0 + VELOCITY_TOLERANCE) * fastest:
                     return False
     return True
+
+
+@compiled_loop
+def _cubic_at(
+    times: Array, positions: Array, speeds: Array, time: float, position: Array, speed: Array
+) -> None:
+    """Fill in where joints are at a time [s], and how fast, (4, 3) [rad], [rad/s]."""
+    k = 1
+    while k < len(times) - 1 and times[k] <= time:
+        k += 1
+    h = times[k] - times[k - 1]
+    u = (time - times[k - 1]) / h
+    for leg in range(positions.shape[1]):
+        for joint in range(positions.shape[2]):
+            p, q = positions[k - 1, leg, joint], positions[k, leg, joint]
+            v, w = speeds[k - 1, leg, joint] * h, speeds[k, leg, joint] * h
+            # The cubic between two knots, as drives follow it.
+            bend, twist = 3.0 * (q - p) - 2.0 * v - w, 2.0 * (p - q) + v + w
+            position[leg, joint] = p + u * (v + u * (bend + u * twist))
+            speed[leg, joint] = (v + u * (2.0 * bend + u * 3.0 * twist)) / h
 
 
 @compiled_part
@@ -258,6 +276,16 @@ def _within(speed: float, middle: float, fastest: float) -> float:
     """Return the possible velocity that is nearest to one [rad/s]."""
     speed = min(max(speed, middle - fastest), middle + fastest)
     return min(max(speed, -fastest), fastest)
+
+
+@compiled_part
+def _extreme(first: float, middle: float, last: float) -> float:
+    """Return the vertex of a parabola by its Bezier points; an end if that is outside, or none."""
+    bend = first - 2.0 * middle + last
+    if bend == 0.0:
+        return first
+    s = min(max((first - middle) / bend, 0.0), 1.0)
+    return (1.0 - s) * ((1.0 - s) * first + 2.0 * s * middle) + s * s * last
 
 
 def smooth_speeds(times: Array, positions: Array) -> Array:

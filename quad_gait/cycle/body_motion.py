@@ -59,8 +59,12 @@ class BodyMotion:
     @property
     def end(self) -> Pose2D:
         """The body's pose at the end of the cycle, in the ground frame."""
-        x, y, yaw = self.pose_at(np.array(1.0))
-        return Pose2D(float(x), float(y), float(yaw))
+        along, across = _along_and_across(self.turn)
+        return Pose2D(
+            self.forward * along - self.left * across,
+            self.forward * across + self.left * along,
+            self.turn,
+        )
 
     def scaled(self, factor: float) -> BodyMotion:
         """Return the motion with all three parts multiplied by a factor."""
@@ -97,14 +101,23 @@ class BodyMotion:
             The motion with :attr:`end` equal to the pose.
         """
         turn = wrap_angle(pose.yaw)
-        along = float(np.sinc(turn / math.pi))
-        across = float(np.sinc(turn / (2.0 * math.pi)) * math.sin(turn / 2.0))
+        along, across = _along_and_across(turn)
         square = along**2 + across**2
         return cls(
             (along * pose.x + across * pose.y) / square,
             (along * pose.y - across * pose.x) / square,
             turn,
         )
+
+
+def _along_and_across(turn: float) -> tuple[float, float]:
+    """Return sin(a) / a and (1 - cos(a)) / a of an angle [rad], both smooth through zero."""
+    # NumPy's own functions take ten times as long for one number.
+    return _sinc(turn), _sinc(turn / 2.0) * math.sin(turn / 2.0)
+
+
+def _sinc(angle: float) -> float:
+    return math.sin(angle) / angle if angle else 1.0
 
 
 def smooth_progress(knots: tuple[tuple[float, float], ...], times: Array) -> tuple[Array, Array]:
