@@ -57,10 +57,10 @@ class BalanceOptions:
     """Part of an error of the velocity that standing legs give way to."""
     turn_giving_way: float = 0.7
     """Part of an error of the turn that they give way to."""
-    leveling: float = 0.65
-    """Part of the body's tilt that swinging feet make up for: more of it, late, rocks the body."""
+    leveling: float = 0.8
+    """Part of the body's tilt that swinging feet make up for."""
     most_leveling: float = 0.72
-    """The same of a body that falls over, whose feet must get off the ground."""
+    """The same of a large tilt: more of it, late, rocks the body."""
     low_leveling: float = 0.34
     """Part by which that is more for feet that cannot be lifted at all: the lower they are lifted,
     the sooner they meet the ground under a tilted body."""
@@ -80,6 +80,10 @@ class BalanceOptions:
     stance."""
     trim_gain: float = 1.2
     """Gain of the trim of the velocity, which makes its mean the one that is wanted [1/s]."""
+    upright_gain: float = 0.2
+    """Gain with which legs are set so that the body has no tilt in the mean [1/s]."""
+    largest_upright: float = 0.03
+    """Angle by which they are, at most [rad]."""
     largest_trim: float = 0.3
     """Trim, at most, as a fraction of sqrt(g h)."""
     pushed: float = 0.3

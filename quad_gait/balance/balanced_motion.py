@@ -86,6 +86,8 @@ class BalancedMotion:
         self._unit = math.sqrt(GRAVITY * self._planner.height)
         self._followed = FollowedMotion(options)
         self._trim = (0.0, 0.0)
+        self.upright = (0.0, 0.0)
+        """Roll and pitch for which legs are set so that the body has none in the mean [rad]."""
         self._delay = 0.0
         self._decided = -math.inf
 
@@ -212,7 +214,7 @@ class BalancedMotion:
         if self.is_leaning(time):
             pace = STILL
         else:
-            self._adapt_trim(body, self._knots[place].pace, due, pace)
+            self._adapt(body, self._knots[place].pace, due, pace)
         times = [self._time_of(index + k) for k in range(self._options.knots + 1)]
         plan = self._planner.met(self._knots[place], self.clock, time, body)
         ahead = UNKNOWN
@@ -266,6 +268,7 @@ class BalancedMotion:
             slope, self._trim, body.roughness, ground=ground,
             leveling=1.0 - self._delay * (1.0 - options.late_leveling),
             capturing=1.0 - self._delay * (1.0 - options.late_capture),
+            upright=self.upright,
         )  # fmt: skip
         return self._planner.march(plan, self.clock, times, demand)
 
@@ -295,10 +298,13 @@ class BalancedMotion:
             times.append(times[-1] + options.rest_knot_time)
         return self._planner.march(plan, clock, times, demand), times
 
-    def _adapt_trim(
-        self, body: BodyEstimate, planned: Pace, due: Pace | None, wanted: Pace
-    ) -> None:
-        """Ask for less while the body is faster than it should be, but for pushes and changes."""
+    def _adapt(self, body: BodyEstimate, planned: Pace, due: Pace | None, wanted: Pace) -> None:
+        """
+        Learn what the body is off in the mean, but for pushes and changes.
+
+        Less is asked for of one that is faster than it should be, and legs are set against the tilt
+        of one that leans.
+        """
         options, unit = self._options, self._unit
         due = due or planned
         x, y = body.velocity[0] - due.forward, body.velocity[1] - due.left
@@ -306,10 +312,10 @@ class BalancedMotion:
         if math.hypot(x, y) > options.pushed * unit or change > options.steady * unit:
             return
         step, most = options.trim_gain * options.knot_time, options.largest_trim * unit
-        self._trim = (
-            min(max(self._trim[0] + step * x, -most), most),
-            min(max(self._trim[1] + step * y, -most), most),
-        )
+        self._trim = _integrated(self._trim, (x, y), step, most)
+        off = body.roll - body.slope.roll, body.pitch - body.slope.pitch
+        step = options.upright_gain * options.knot_time
+        self.upright = _integrated(self.upright, off, -step, options.largest_upright)
 
     def _index_at(self, time: float) -> int:
         """Return which knot is the first that need not hold after a measurement at a time [s]."""
@@ -318,3 +324,11 @@ class BalancedMotion:
 
     def _time_of(self, index: int) -> float:
         return self._start + index * self._options.knot_time
+
+
+def _integrated(
+    sums: tuple[float, float], errors: tuple[float, float], gain: float, most: float
+) -> tuple[float, float]:
+    """Return integrals of two errors after one more, each within bounds."""
+    (a, b), (x, y) = sums, errors
+    return min(max(a + gain * x, -most), most), min(max(b + gain * y, -most), most)

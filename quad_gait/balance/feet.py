@@ -157,3 +157,6 @@ class Demand(NamedTuple):
     """Part of what swinging feet make up for of a tilt where answers are in time."""
     capturing: float = 1.0
     """Part of the step to the capture point that is made where answers are in time."""
+    upright: tuple[float, float] = (0.0, 0.0)
+    """Roll and pitch that legs are set for, over those that the body is to have, so that it has
+    these in the mean [rad]."""

@@ -159,6 +159,7 @@ def _here(demand: Demand, pace: Array, no_more_lifts: bool) -> Demand:
     return Demand(
         demand.pace, measured, demand.roll, demand.pitch, demand.slope, (x, y),
         demand.roughness, demand.lead, demand.ground, demand.leveling, demand.capturing,
+        demand.upright,
     )  # fmt: skip
 
 
@@ -314,7 +315,7 @@ def lift_over(leg: int, demand: Demand, manner: Manner) -> float:
 
 @compiled_part
 def _leveling(demand: Demand, manner: Manner) -> float:
-    """Return which part of the tilt swinging feet make up for: the more, the larger it is."""
+    """Return which part of the tilt swinging feet make up for, by how large it is."""
     tilt = math.hypot(demand.roll, demand.pitch)
     large = (tilt - manner.small_tilt) / (manner.large_tilt - manner.small_tilt)
     more = min(max(large, 0.0), 1.0) * (manner.largest_leveling - manner.leveling)
@@ -351,8 +352,9 @@ def _stand(
     # On level ground and slopes each foot goes over to the plane; else the body as a whole.
     foot.rise -= (1.0 - kept) * (foot.rise if math.isnan(law.settling) else law.settling)
     foot.z = legs.neutral[leg, 2] + (slope.ahead * foot.x + slope.aside * foot.y) + foot.rise
-    foot.roll = slope.roll + kept * (foot.roll - slope.roll)
-    foot.pitch = slope.pitch + kept * (foot.pitch - slope.pitch)
+    roll, pitch = slope.roll + demand.upright[0], slope.pitch + demand.upright[1]
+    foot.roll = roll + kept * (foot.roll - roll)
+    foot.pitch = pitch + kept * (foot.pitch - pitch)
     foot.swings = 0.0
 
 
@@ -392,6 +394,6 @@ def _swing(
     foot.rise = landing + swing.left / (swing.left + dt) * (foot.rise - landing)
     foot.z = z + (slope.ahead * foot.x + slope.aside * foot.y) + foot.rise + height
     part = _leveling(demand, manner)
-    foot.roll = slope.roll + part * demand.roll
-    foot.pitch = slope.pitch + part * demand.pitch
+    foot.roll = slope.roll + demand.upright[0] + part * demand.roll
+    foot.pitch = slope.pitch + demand.upright[1] + part * demand.pitch
     foot.swings = 0.0 if swing.fraction == STANDS else 1.0

@@ -100,6 +100,35 @@ def test_nothing_follows_what_was_not_answered_to_in_time():
     assert motion.update(1.0 + 0.02 * 30, STILL, Pace(0.0, 0.0, 0.0)) is None
 
 
+def test_legs_are_set_against_the_tilt_that_a_body_has_in_the_mean():
+    motion, leaning = motion_with(), replace(STILL, roll=0.02, pitch=-0.01)
+    updates(motion, [leaning] * 26, Pace(0.0, 0.0, 0.0))
+    assert motion.upright == pytest.approx((-0.2 * 26 * 0.02 * 0.02, 0.2 * 26 * 0.02 * 0.01))
+    motion = motion_with()
+    updates(motion, [replace(STILL, roll=0.5)] * 26, Pace(0.0, 0.0, 0.0))
+    assert motion.upright[0] == -BalanceOptions().largest_upright
+
+
+def test_a_push_does_not_count_as_a_tilt_in_the_mean():
+    motion = motion_with()
+    shoved = replace(STILL, velocity=(0.0, 0.5), roll=0.2)
+    updates(motion, [shoved] * 20, Pace(0.0, 0.0, 0.0))
+    assert motion.upright == (0.0, 0.0)
+
+
+def test_legs_that_are_set_against_a_tilt_stand_on_a_plane_that_is_tilted_so():
+    still = Pace(0.0, 0.0, 0.0)
+    planner = FootPlanner(ROBOT, GAIT, BalanceOptions())
+    clock = PhaseClock.of(GAIT, 10.0)
+    plan = planner.at_rest(ROBOT.neutral_feet)
+    times = [0.02 * k for k in range(60)]
+    demand = Demand(still, still, upright=(0.02, -0.03))
+    feet = planner.march(plan, clock, times, demand).places[-1]
+    x, y, z = (feet - feet.mean(axis=0)).T
+    slopes = np.linalg.lstsq(np.column_stack([x, y]), z, rcond=None)[0]
+    assert slopes == pytest.approx((-0.03, -0.02), abs=1e-3)
+
+
 def test_no_foot_lifts_after_the_end():
     clock = PhaseClock.of(GAIT, 1.0)._replace(end=2.0)
     assert all(clock.in_stance(t).all() for t in np.arange(2.0 + clock.longest_swing, 4.0, 0.01))
