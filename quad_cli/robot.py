@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 from quad_cli.arguments import folder_argument, output_argument, quantity_argument
 from quad_cli.motor_advice import motor_advice
-from quad_common.errors import ParameterError
+from quad_common.errors import DescriptionUnusable, ParameterError, QuadError
 from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import check_target, is_file, user_path
 from quad_common.importing.options import DIRECTIONS, KNEES, ImportOptions
 from quad_common.named_robots.description_cache import cached_names, is_installed
 from quad_common.named_robots.known_robots import known_names
+from quad_common.process.temporary_folder import temporary_folder
 from quad_common.quantity import Quantity
 from quad_common.robot.robot import Robot
 from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
@@ -38,8 +39,10 @@ robots that ship: {', '.join(available_robots())}
 """
 
 if TYPE_CHECKING:
-    # Tables are slow to import, and most actions print none.
+    # Slow to import, and most actions need neither.
     from rich.table import Table
+
+    from quad_common.importing.robot_import import ImportedRobot
 
 _EFFORT = Quantity(1e-3, 1e5, 'N m')
 _MASS = Quantity(0.01, 1e4, 'kg')
@@ -205,7 +208,6 @@ def _import(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.markup import escape
 
-    from quad_common.importing.robot_document import write_robot
     from quad_common.importing.robot_import import import_robot
 
     for name in ('effort', 'speed'):
@@ -222,9 +224,7 @@ def _import(arguments: argparse.Namespace) -> int:
     )
     imported = import_robot(user_path(arguments.file), options)
     path = Path(arguments.output or f'{imported.name}.yaml')
-    for target in (path, path.with_suffix('.urdf')):
-        check_target(target, 'robot data file')
-    data_file, urdf = write_robot(imported, path)
+    data_file, urdf = _written(imported, path, arguments.file)
     robot = load_robot(data_file)
     written = [data_file, urdf]
     if not arguments.no_picture:
@@ -256,6 +256,25 @@ def _import(arguments: argparse.Namespace) -> int:
         print(sentence)
     print(f'next: quadwalk demo --robot {data_file}')
     return 0
+
+
+def _written(imported: ImportedRobot, path: Path, source: str) -> tuple[Path, Path]:
+    """Write data file and URDF of what a source was read into, if a robot follows from it."""
+    from quad_common.importing.robot_document import urdf_path, write_robot
+
+    for target in (path, urdf_path(path, imported.tree.path)):
+        check_target(target, 'robot data file')
+    # What cannot be walked with is not written, least of all over what can.
+    with temporary_folder() as folder:
+        draft = folder / path.name
+        try:
+            load_robot(write_robot(imported, draft)[0])
+        except QuadError as error:
+            # Nobody will find the draft.
+            problem = str(error).partition(f'{draft}: ')[2] or str(error)
+            reason = f'no robot follows from it: {problem}'
+            raise DescriptionUnusable(source, reason) from error
+    return write_robot(imported, path)
 
 
 def _legs_table(robot: Robot) -> Table:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -103,7 +104,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(arguments: argparse.Namespace, place: PagePlace, starts: Sequence[Pose2D]) -> int:
     """Start a robot at each place, if any, and the page."""
-    # Here, so that 'quadwalk --help' works where rclpy is absent.
+    # Here, so that 'quadwalk --help' works where rclpy is absent; which is said before a node is
+    # started that would end without it.
+    importlib.import_module('rclpy')
     from quad_lab.topic_walk.node_processes import NodeProcesses, isolated_domain
 
     console = Console()

@@ -62,6 +62,7 @@ def walk_progress(console: Console) -> Iterator[Callable[[WalkObserver], None]]:
 def _state(observer: WalkObserver) -> str:
     """Return how a walk along a plan goes, in words."""
     simulated = observer.walking_time
-    factor = simulated / max(observer.record.wall_time, 1e-6)
+    wall = observer.record.wall_time
+    factor = simulated / wall if wall > 0.0 else 0.0
     left = observer.distance_left
     return f'{left:5.2f} m left, {simulated:5.0f} s simulated, {factor:4.1f} x real time'

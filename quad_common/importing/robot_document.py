@@ -4,6 +4,7 @@ Writes the data file of an imported robot: every number with its source.
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike
 
-from quad_common.files.bounded_file import make_folder
+from quad_common.files.bounded_file import is_file, make_folder
 from quad_common.files.whole_file import write_text
 from quad_common.importing.own_urdf import own_urdf
 from quad_common.importing.robot_import import ImportedRobot
@@ -78,7 +79,7 @@ def write_robot(robot: ImportedRobot, path: Path, meshes: Path | None = None) ->
     FileUnusable
         If a file cannot be written.
     """
-    urdf = path.with_suffix('.urdf')
+    urdf = urdf_path(path, robot.tree.path)
     meshes = path.with_name(f'{path.stem}_meshes') if meshes is None else meshes
     text = own_urdf(robot, meshes)
     document = robot_document(robot, urdf.name)
@@ -91,6 +92,33 @@ def write_robot(robot: ImportedRobot, path: Path, meshes: Path | None = None) ->
     body = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100)
     write_text(path, header + body, 'robot data file')
     return path, urdf
+
+
+def urdf_path(path: Path, source: Path) -> Path:
+    """
+    Return where the URDF of an imported robot goes: over nothing but what an import has written.
+
+    Parameters
+    ----------
+    path : Path
+        The robot's data file.
+    source : Path
+        The description that is imported.
+    """
+    text = path.read_text(encoding='utf-8', errors='replace') if is_file(path) else ''
+    for number in itertools.count(1):
+        urdf = path.with_name(f'{path.stem}{_suffix(number)}.urdf')
+        if not urdf.exists():
+            return urdf
+        is_source = is_file(source) and urdf.samefile(source)
+        if f'\nurdf: {urdf.name}\n' in text and not is_source:
+            return urdf
+    raise AssertionError('there is always another number')
+
+
+def _suffix(number: int) -> str:
+    """Return what tells the names of files apart."""
+    return '' if number == 1 else '_imported' if number == 2 else f'_imported_{number - 1}'
 
 
 def robot_document(robot: ImportedRobot, urdf: str) -> dict[str, Any]:

@@ -229,4 +229,5 @@ def _check_all(spec: CampaignSpec) -> None:
         specs_from_text(text)
     for engine in sorted({one.engine for one in settings}):
         if not ENGINES[engine].is_installed:
-            raise ParameterError('engine', engine, f'installed: pip install {engine}')
+            package = ENGINES[engine].package
+            raise ParameterError('engine', engine, f'installed: pip install {package}')

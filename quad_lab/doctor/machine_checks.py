@@ -26,7 +26,7 @@ _EXTRAS = (
     ('yourdfpy', 'robots from URDF files', 'robots'),
     ('xacro', 'robots from xacro files', 'robots'),
     ('rosbags', 'recordings', 'record'),
-    ('viser', 'the viewer', 'view'),
+    ('viser', 'viewer', 'view'),
 )
 """Packages for some: name, purpose, and the extra that has them."""
 

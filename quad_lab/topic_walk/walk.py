@@ -242,9 +242,10 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
     }
     if options.terrain != 'flat':
         simulator |= {'terrain': options.terrain, 'terrain_seed': options.seed}
-        if not options.real_time_factor:
-            simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
         if not _keeps_balance(options):
+            # A gait that keeps its balance is waited for only without a pace.
+            if not options.real_time_factor:
+                simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
             gait['ground'] = 'uneven'
             if needs_footholds(options.terrain):
                 gait['footsteps'] = planner['footsteps'] = True

@@ -45,3 +45,10 @@ def test_feet_feel_for_terrain_unless_the_gait_keeps_its_balance(gait, balance, 
 
 def test_level_ground_is_not_felt_for():
     assert 'ground' not in started(gait='crawl', balance=False)['gait_node']
+
+
+@pytest.mark.parametrize(('gait', 'pace'), [('crawl', 3.0), ('trot', 0.0)])
+def test_over_terrain_feet_that_feel_are_given_time_and_balance_is_waited_for(gait, pace):
+    options = {'gait': gait, 'balance': True, 'terrain': 'bumps'}
+    assert started(**options)['sim_node']['real_time_factor'] == pace
+    assert started(**options, real_time_factor=1.5)['sim_node']['real_time_factor'] == 1.5
