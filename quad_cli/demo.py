@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
+from rich.markup import escape
 
 from quad_cli.arguments import (
     folder_argument,
@@ -30,7 +31,7 @@ from quad_common.errors import GoalOutsideMap, StartOutsideMap
 from quad_common.files.bounded_file import make_folder
 from quad_common.files.whole_file import write_text
 from quad_common.maps.map_file import load_map
-from quad_common.named_robots.robot_cache import is_kept
+from quad_common.named_robots.robot_cache import assumptions, is_kept
 from quad_common.planar_pose import Pose2D
 from quad_common.quantity import Quantity
 from quad_common.resources import sample_map
@@ -202,6 +203,8 @@ def _walk(arguments: argparse.Namespace) -> int:
     name = options.map_file.stem
     if is_kept(file := robot_file(options.robot)):
         console.print(f'{options.robot} is imported, and kept as {file}', highlight=False)
+        for sentence in assumptions(file):
+            console.print(f'assumed: {escape(sentence)}', highlight=False)
     console.print(f'{options.robot} on {name}: starting planner, gait and simulator ...')
     with contextlib.ExitStack() as bar:
         show = bar.enter_context(walk_progress(console))

@@ -13,6 +13,8 @@ DIRECTIONS = ('+x', '-x', '+y', '-y', '+z', '-z')
 KNEES = ('forward', 'backward', 'inward', 'outward')
 """Where knees may point: all alike, toward the robot's middle, or away from it."""
 
+ASSUMED = '# assumed: '
+"""Beginning of a line of an imported robot's data file that says what was assumed."""
 
 _LONGEST_NAME = 64
 """Characters of a robot's name."""

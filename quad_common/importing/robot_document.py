@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from quad_common.files.bounded_file import is_file, make_folder
 from quad_common.files.whole_file import write_text
+from quad_common.importing.options import ASSUMED
 from quad_common.importing.own_urdf import own_urdf
 from quad_common.importing.robot_import import ImportedRobot
 from quad_common.robot.leg_kinematics import Leg
@@ -88,7 +89,7 @@ def write_robot(robot: ImportedRobot, path: Path, meshes: Path | None = None) ->
     header = (
         f'# Imported by "quadwalk robot import" from {robot.tree.path.name}. Legs are\n'
         "# given each for itself, as docs/robots.md says; angles are those of the robot's joints.\n"
-    )
+    ) + ''.join(f'{ASSUMED}{" ".join(said.split())}\n' for said in robot.notes.assumed)
     body = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100)
     write_text(path, header + body, 'robot data file')
     return path, urdf

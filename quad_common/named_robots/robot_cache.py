@@ -11,19 +11,19 @@ import hashlib
 import os
 import tempfile
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path
 
 from quad_common.errors import DescriptionUnusable, FileUnusable
-from quad_common.files.bounded_file import is_file, make_folder, read_bytes, user_path
-from quad_common.importing.options import ImportOptions, file_name
+from quad_common.files.bounded_file import is_file, make_folder, read_bytes, read_text, user_path
+from quad_common.importing.options import ASSUMED, ImportOptions, file_name
 from quad_common.named_robots.description_cache import cached_description
 from quad_common.named_robots.known_robots import KNOWN_ROBOTS
 
 DESCRIPTIONS = ('.urdf', '.xacro', '.xml', '.mjcf')
 """Suffixes of files that are imported where a robot is asked for."""
 
-_FORMAT = 19
+_FORMAT = 20
 """Number of the format of kept files: raised when an import finds more than it did."""
 
 _MOST_INCLUDED = 1000
@@ -54,6 +54,12 @@ def cache_folder() -> Path:
 def is_kept(data_file: Path) -> bool:
     """Return whether a robot's data file was made of a description that was asked for."""
     return data_file.parent == cache_folder()
+
+
+def assumptions(data_file: Path) -> list[str]:
+    """Return what was assumed where a robot's description told nothing, as sentences."""
+    lines = takewhile(lambda line: line.startswith('#'), read_text(data_file).splitlines())
+    return [line.removeprefix(ASSUMED) for line in lines if line.startswith(ASSUMED)]
 
 
 def known_robot_file(name: str) -> Path | None:

@@ -29,16 +29,23 @@ class Fallen(Guard):
     def __init__(self, shared: Shared, routine: Routine) -> None:
         super().__init__(shared, routine)
         self._has_fallen = False
-        self._said = 0.0
+        self._said = self._tilt = 0.0
 
     def take(self, wish: Wish) -> str:
         """Let the robot stand up again, if it is upright."""
-        if isinstance(wish, Stand):
-            self._has_fallen = False
-        return ''
+        if not isinstance(wish, Stand):
+            return ''
+        self._has_fallen = False
+        if self._tilt <= self._options.largest_tilt:
+            return ''
+        return (
+            f'the robot stays as it is while its body is tilted by '
+            f'{math.degrees(self._tilt):.0f} degrees: set it upright, then call stand again'
+        )
 
     def update(self, state: RobotState) -> Command | Done:
         """Stop the joints when the body tilts too far; then wait."""
+        self._tilt = state.tilt
         if state.tilt > self._options.largest_tilt:
             return self._fall(state)
         if not self._has_fallen:

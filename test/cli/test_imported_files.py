@@ -5,7 +5,9 @@ import re
 import pytest
 
 from quad_cli.main import main
-from quad_common.importing.robot_document import urdf_path
+from quad_common.importing.robot_document import urdf_path, write_robot
+from quad_common.importing.robot_import import import_robot
+from quad_common.named_robots.robot_cache import assumptions
 from quad_common.robot.urdf import urdf_from_robot
 from quad_common.robot_files.robot_file import load_robot
 
@@ -70,3 +72,12 @@ def test_nothing_is_written_of_what_cannot_be_a_robot(description, capsys):
     assert said.startswith('error: wrong.urdf: ')
     assert 'quadwalk_' not in said
     assert {path: path.read_bytes() for path in before} == before
+
+
+def test_what_was_assumed_stays_with_the_robot(description):
+    robot = import_robot(description)
+    robot.notes.assume("forward is the root link's +x;\nchoose otherwise with --forward")
+    data_file, _ = write_robot(robot, description.with_name('dog.yaml'))
+    said = "forward is the root link's +x; choose otherwise with --forward"
+    assert assumptions(data_file)[-1] == said
+    assert load_robot(data_file).mass == pytest.approx(robot.masses.total)

@@ -116,6 +116,17 @@ def test_a_fall_is_answered_once(robot):
     assert 'is upright again' in robot.supervisor.reason
 
 
+def test_a_robot_that_lies_says_what_is_to_be_done_before_it_stands(robot):
+    robot.run(0.1, tilt=1.0)
+    assert 'tilted by 57 degrees: set it upright' in robot.supervisor.stand()
+    robot.run(0.1, tilt=1.0)
+    assert robot.activity is Activity.FALLEN
+    robot.run(0.1)
+    assert 'stands in its initial posture' in robot.supervisor.stand()
+    robot.run(0.1)
+    assert robot.activity is Activity.STANDING
+
+
 def test_of_a_robot_that_lies_on_the_ground_no_joint_is_found_to_fail(robot):
     robot.run(0.1, tilt=1.0)
     robot.fail()
