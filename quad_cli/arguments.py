@@ -69,6 +69,7 @@ def pose_argument(text: str) -> Pose2D:
     with _as_argument_error():
         COORDINATE.check('x', pose.x)
         COORDINATE.check('y', pose.y)
+    with _as_argument_error('; in degrees it is written as 90deg'):
         ANGLE.check('yaw', pose.yaw)
     return pose
 
@@ -211,12 +212,12 @@ def _whole(text: str, lower: int, upper: int) -> int:
 
 
 @contextmanager
-def _as_argument_error() -> Iterator[None]:
+def _as_argument_error(advice: str = '') -> Iterator[None]:
     """Turn our own errors into those that argparse reports beside the option's name."""
     try:
         yield
     except QuadError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
+        raise argparse.ArgumentTypeError(f'{error}{advice}') from error
 
 
 def with_negative_values(arguments: list[str]) -> list[str]:

@@ -153,13 +153,16 @@ def _add_result_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_pose_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        '--start', type=pose_argument, default=Pose2D(1.2, 1.2, 0.0), help='x,y,yaw [m, m, rad]'
+        '--start',
+        type=pose_argument,
+        default=Pose2D(1.2, 1.2, 0.0),
+        help='x,y,yaw [m, m, rad or 90deg]',
     )
     parser.add_argument(
         '--goal',
         type=pose_argument,
         default=Pose2D(6.8, 4.8, math.pi / 2),
-        help='x,y,yaw [m, m, rad]',
+        help='x,y,yaw [m, m, rad or 90deg]',
     )
 
 

@@ -54,7 +54,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--map', type=map_argument, default=None, help='Nav2 map file or sample map (room)'
     )
     parser.add_argument(
-        '--start', type=pose_argument, default=Pose2D(1.2, 1.2, 0.0), help='x,y,yaw [m, m, rad]'
+        '--start',
+        type=pose_argument,
+        default=Pose2D(1.2, 1.2, 0.0),
+        help='x,y,yaw [m, m, rad or 90deg]',
     )
     parser.add_argument(
         '--robot', default='titan_viii', help='name of a robot, or path of a data file'
