@@ -69,8 +69,9 @@ _OFTEN = 0.05
 _MEASUREMENTS_AHEAD = 1.5
 """Number of measurements by which such a gait may be left behind, before the next one."""
 
-_PATIENCE = 0.25
-"""Time on the wall clock without an answer after which it is not waited for [s]."""
+_PATIENCE = 1.0
+"""Time on the wall clock without an answer after which it is not waited for [s]: a gait that gets
+no processor for that long would lose whole cycles."""
 
 
 class Answers:
