@@ -86,12 +86,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=PlannerParameters().low_obstacles,
         help='what becomes of obstacles that the height map shows to be low',
     )
-    parser.add_argument(
-        '--start', type=pose_argument, required=True, help='x,y,yaw [m, m, rad or 90deg]'
-    )
-    parser.add_argument(
-        '--goal', type=pose_argument, required=True, help='x,y,yaw [m, m, rad or 90deg]'
-    )
+    pose = 'x,y,yaw [m, m, rad or 90deg]'
+    parser.add_argument('--start', type=pose_argument, required=True, help=pose)
+    parser.add_argument('--goal', type=pose_argument, required=True, help=pose)
     _add_method_arguments(parser)
     parser.add_argument(
         '--robot', default='titan_viii', help='name of a robot, or path of a data file'
