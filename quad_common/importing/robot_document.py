@@ -4,6 +4,7 @@ Writes the data file of an imported robot: every number with its source.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from pathlib import Path
@@ -13,7 +14,8 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike
 
-from quad_common.files.bounded_file import is_file, make_folder
+from quad_common.errors import FileUnusable
+from quad_common.files.bounded_file import is_file, make_folder, read_text
 from quad_common.files.whole_file import write_text
 from quad_common.importing.options import ASSUMED
 from quad_common.importing.own_urdf import own_urdf
@@ -106,10 +108,14 @@ def urdf_path(path: Path, source: Path) -> Path:
     source : Path
         The description that is imported.
     """
-    text = path.read_text(encoding='utf-8', errors='replace') if is_file(path) else ''
+    text = ''
+    if is_file(path):
+        # What cannot be read is nobody's import; whether it can be written over is said later.
+        with contextlib.suppress(FileUnusable):
+            text = read_text(path)
     for number in itertools.count(1):
         urdf = path.with_name(f'{path.stem}{_suffix(number)}.urdf')
-        if not urdf.exists():
+        if not is_file(urdf):
             return urdf
         is_source = is_file(source) and urdf.samefile(source)
         if f'\nurdf: {urdf.name}\n' in text and not is_source:

@@ -81,3 +81,12 @@ def test_what_was_assumed_stays_with_the_robot(description):
     said = "forward is the root link's +x; choose otherwise with --forward"
     assert assumptions(data_file)[-1] == said
     assert load_robot(data_file).mass == pytest.approx(robot.masses.total)
+
+
+def test_a_file_that_is_no_text_and_a_name_that_is_too_long_are_no_import(tmp_path):
+    data_file = tmp_path / 'dog.yaml'
+    data_file.write_bytes(b'\xff\xfe\x00urdf')
+    (tmp_path / 'dog.urdf').write_text('somebody')
+    assert urdf_path(data_file, tmp_path / 'x.urdf') == tmp_path / 'dog_imported.urdf'
+    long = tmp_path / ('d' * 300 + '.yaml')
+    assert urdf_path(long, tmp_path / 'x.urdf') == long.with_suffix('.urdf')
