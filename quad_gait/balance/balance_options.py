@@ -59,7 +59,7 @@ class BalanceOptions:
     """Part of an error of the turn that they give way to."""
     leveling: float = 0.8
     """Part of the body's tilt that swinging feet make up for."""
-    most_leveling: float = 0.72
+    large_tilt_leveling: float = 0.72
     """The same of a large tilt: more of it, late, rocks the body."""
     low_leveling: float = 0.34
     """Part by which that is more for feet that cannot be lifted at all: the lower they are lifted,

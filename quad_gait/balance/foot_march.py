@@ -47,7 +47,7 @@ class Manner(NamedTuple):
     """The same on any ground, at most [m]."""
     rough_from: float
     """Height by which feet are off the plane of the ground from which on it is rough [m]."""
-    largest_leveling: float
+    leveling_at_large_tilt: float
     """Part of a large tilt that swinging feet make up for."""
     righting_time: float
     """Time constant with which a leg that has landed rights the body [s]."""
@@ -318,7 +318,7 @@ def _leveling(demand: Demand, manner: Manner) -> float:
     """Return which part of the tilt swinging feet make up for, by how large it is."""
     tilt = math.hypot(demand.roll, demand.pitch)
     large = (tilt - manner.small_tilt) / (manner.large_tilt - manner.small_tilt)
-    more = min(max(large, 0.0), 1.0) * (manner.largest_leveling - manner.leveling)
+    more = min(max(large, 0.0), 1.0) * (manner.leveling_at_large_tilt - manner.leveling)
     return demand.leveling * (manner.leveling + more)
 
 

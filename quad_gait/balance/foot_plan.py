@@ -118,7 +118,9 @@ class FootPlanner:
             lift=lift,
             most_lift=min(options.highest_lift * lift, most_lift),
             rough_from=options.rough * gait.swing_height,
-            largest_leveling=min(1.0, options.most_leveling + options.low_leveling * max(low, 0.0)),
+            leveling_at_large_tilt=min(
+                1.0, options.large_tilt_leveling + options.low_leveling * max(low, 0.0)
+            ),
             righting_time=options.righting * PhaseClock.of(gait).stance_times[0],
             **{name: getattr(options, name) for name in _GAINS},
         )

@@ -83,7 +83,7 @@ def test_feet_that_are_lifted_low_make_up_for_more():
     feet = planner.march(plan, clock, TIMES, Demand(STILL, STILL, roll=0.4)).feet
     lift = feet['lift'].max() / (OPTIONS.low_lift * planner.height)
     assert 0.4 < lift < 0.7
-    part = OPTIONS.most_leveling + OPTIONS.low_leveling * (1.0 - lift)
+    part = OPTIONS.large_tilt_leveling + OPTIONS.low_leveling * (1.0 - lift)
     assert feet[feet['swings'] == 1.0]['roll'] == pytest.approx(part * 0.4)
 
 
