@@ -30,6 +30,10 @@ _NOWHERE = Pose2D(0.0, 0.0, 0.0)
 _UNFOLLOWED = 0.1
 """Time after which joints that have not followed say nothing of what is in the robot's way [s]."""
 
+_MOST_LATE = 0.2
+"""Fraction of a cycle for which joints may have followed it late; of one that they followed for
+less of its time no effect is to be expected."""
+
 
 @dataclass(frozen=True)
 class PlannedMotion:
@@ -242,7 +246,8 @@ class Guidance:
 
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
-        self.begun = Begun(state.time, state.pose, state.motion_pose, planned.end)
+        begun = (state.time, state.pose, state.motion_pose, planned.end, self._joints.late)
+        self.begun = Begun(*begun)
         report, motion, is_steered = self._report, planned.motion, self.steering.twist is not None
         if not is_steered:
             report.limit = ''
@@ -293,6 +298,9 @@ class Guidance:
         """Return whether cycles have no effect, and give up then; expected now, or at the end."""
         begun, self.begun = self.begun, None
         if begun is None or self._joints.unfollowed > _UNFOLLOWED:
+            return False
+        late = self._joints.late - begun.late
+        if late > _MOST_LATE * (state.time - begun.time):
             return False
         problem = self._progress.problem(begun, state.time, state.motion_pose, expected)
         return problem is not None and self.give_up_or_try(Activity.BLOCKED, problem)

@@ -50,6 +50,8 @@ class CommandedJoints:
         """The joint that is known not to answer; whoever acts on a fault notes it."""
         self.unfollowed = 0.0
         """Time for which the joints have not followed what was given out [s]."""
+        self.late = 0.0
+        """Time for which they followed it late, since the beginning [s]."""
 
     def stand(self) -> None:
         """Let the robot stand in its initial posture from now on."""
@@ -65,6 +67,7 @@ class CommandedJoints:
                 state.measured_at, state.joint_positions, state.joint_efforts
             )
             self.unfollowed = self._detector.unfollowed
+            self.late = self._detector.late
 
     def forget(self) -> None:
         """Know nothing of what the joints are commanded: something else has moved them."""

@@ -91,6 +91,9 @@ class JointFaultDetector:
         self._turning = TurningCheck(self._largest)
         self._powerless = PowerlessCheck()
         self._standstill = StandstillCheck()
+        self.late = 0.0
+        """Time for which the joints have been on their way into what they were to follow already,
+        or on what came before, since the beginning [s]."""
         self.forget()
 
     def forget(self) -> None:
@@ -249,6 +252,8 @@ class JointFaultDetector:
             self._off_latest_for += step
             if self._off_latest_for > self._options.patience + 1e-9:
                 self._on_latest_for = 0.0
+        if found is not None and not (found.is_latest and found.is_joined):
+            self.late += step
         if found is None or not (found.is_latest or found.is_sure):
             self._count_unfollowed(positions, step)
         elif found.is_sure and self._has_moved(positions):

@@ -38,6 +38,8 @@ class Begun:
     """The same by odometry alone: a correction by a localiser moves nothing."""
     expected: Pose2D
     """Pose on the plan to which it is to bring the robot."""
+    late: float = 0.0
+    """Time for which joints had followed late by then, since the beginning [s]."""
 
 
 class StuckDetector:

@@ -19,6 +19,7 @@ from quad_gait.cycle.gait import load_gait, turning_gait_for
 from quad_gait.cycle.gait_generator import generate_cycle
 from quad_gait.cycle.motion_limits import MotionLimits
 from quad_gait.cycle.posture import crouching_joint_angles
+from quad_gait.faults.joint_fault_detector import JointFaultDetector
 from quad_gait.following.follower_options import FollowerOptions
 from quad_gait.following.slip_compensation import NO_SLIP, Calibration, SlipCompensation
 from quad_gait.state.measurement import Measurement
@@ -537,6 +538,23 @@ def test_a_robot_that_does_not_follow_its_commands_is_blocked_after_three_cycles
     assert controller.activity is Activity.BLOCKED
     controller.set_plan(AHEAD)
     assert controller.update(standing(time + 2.0)) is not None
+
+
+@pytest.mark.parametrize('late', [0.05, 0.5])
+def test_cycles_that_the_joints_followed_late_do_not_block(late, monkeypatch):
+    controller, time, following = make_controller(), 1.0, 0.0
+    monkeypatch.setattr(
+        JointFaultDetector, 'late', property(lambda _: following, lambda *_: None), raising=False
+    )
+    controller.set_plan(Plan.through([[0.0, 0.0], [5.0, 0.0]], 0.0))
+    for _ in range(5):
+        trajectory = controller.update(standing(time))
+        if trajectory is None:
+            break
+        following += late * (trajectory.end + 0.2 - time)
+        time = trajectory.end + 0.2
+    is_blocked = controller.activity is Activity.BLOCKED
+    assert is_blocked == (late < 0.2)
 
 
 @pytest.mark.parametrize('side', [1, -1])

@@ -124,6 +124,7 @@ def test_a_sound_robot_on_a_quiet_machine_is_sound_and_follows(seed, stamped):
     robot = Robot(seed, stamped=stamped)
     assert robot.walk(12.0) is None
     assert robot.watch.unfollowed < 0.2
+    assert robot.watch.late < 0.2
 
 
 @pytest.mark.sweep(kept=8)
@@ -133,6 +134,9 @@ def test_a_sound_robot_on_a_quiet_machine_is_sound_and_follows(seed, stamped):
 def test_trajectories_that_come_late_or_never_are_no_faults(seed, stamped, lost):
     robot = Robot(seed, lateness=2.0, lost=lost, stamped=stamped)
     assert robot.walk(12.0) is None
+    if stamped:
+        # Without a stamp nobody is late.
+        assert robot.watch.late > 0.5
 
 
 @pytest.mark.sweep(kept=8)
