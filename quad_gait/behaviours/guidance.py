@@ -30,7 +30,7 @@ _NOWHERE = Pose2D(0.0, 0.0, 0.0)
 _UNFOLLOWED = 0.1
 """Time after which joints that have not followed say nothing of what is in the robot's way [s]."""
 
-_MOST_LATE = 0.2
+_MOST_LATE = 0.4
 """Fraction of a cycle for which joints may have followed it late; of one that they followed for
 less of its time no effect is to be expected."""
 

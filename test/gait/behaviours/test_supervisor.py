@@ -554,7 +554,7 @@ def test_cycles_that_the_joints_followed_late_do_not_block(late, monkeypatch):
         following += late * (trajectory.end + 0.2 - time)
         time = trajectory.end + 0.2
     is_blocked = controller.activity is Activity.BLOCKED
-    assert is_blocked == (late < 0.2)
+    assert is_blocked == (late < 0.4)
 
 
 @pytest.mark.parametrize('side', [1, -1])
