@@ -40,8 +40,8 @@ from quad_gait.trajectory_actions import TrajectoryGoals
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _HEARTBEAT = 0.1
-"""Time between two heartbeats, in the time of the measurements [s]; 0 while the robot keeps its
-balance, and each measurement is to be answered at once."""
+"""Time between two heartbeats, in the time of the measurements [s]; 0 where each measurement is to
+be answered at once: of a robot that keeps its balance, or whose feet feel for the ground."""
 
 _POLYGON_PERIOD = 0.1
 """Time between two support polygons of the same feet [s]: they stand, and to find their polygon
@@ -169,8 +169,8 @@ class GaitTopics:
 
     def _publish_heartbeat(self, time: float, stamp: Time) -> None:
         """Publish up to when measurements are answered, after all that answers them."""
-        is_balancing = self._supervisor.activity is Activity.BALANCING
-        period = 0.0 if is_balancing else _HEARTBEAT
+        is_urgent = self._is_uneven or self._supervisor.activity is Activity.BALANCING
+        period = 0.0 if is_urgent else _HEARTBEAT
         if not 0.0 <= time - self._last_heartbeat < period:
             self._last_heartbeat = time
             self._heartbeats.publish(Header(stamp=stamp))

@@ -55,11 +55,6 @@ _CAMERA_MARGIN = 1.05
 CAMERA_MAP_RESOLUTION = 0.05
 """Side of the cells of the map that the camera makes [m]."""
 
-_FASTEST_ON_TERRAIN = 3.0
-"""Feet that feel for the ground are told by topics when to stop: at most so much faster than
-in real time."""
-
-
 @dataclass(eq=False, repr=False)
 class NodesNotReady(QuadError):
     """The nodes of a walk were not ready in time."""
@@ -243,9 +238,6 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
     if options.terrain != 'flat':
         simulator |= {'terrain': options.terrain, 'terrain_seed': options.seed}
         if not _keeps_balance(options):
-            # A gait that keeps its balance is waited for only without a pace.
-            if not options.real_time_factor:
-                simulator['real_time_factor'] = _FASTEST_ON_TERRAIN
             gait['ground'] = 'uneven'
             if needs_footholds(options.terrain):
                 gait['footsteps'] = planner['footsteps'] = True

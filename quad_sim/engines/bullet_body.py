@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from quad_common.errors import RobotNotLoaded
 from quad_common.process.temporary_folder import temporary_folder
@@ -44,16 +43,27 @@ class InertialFrame:
         center: Array = base + to_world @ self.center
         if self.turn is None:
             return center, orientation
-        return center, (Rotation.from_quat(orientation) * Rotation.from_quat(self.turn)).as_quat()
+        return center, _product(orientation, self.turn)
 
     def base_orientation(self, orientation: Sequence[float]) -> Sequence[float] | Array:
         """Return base_link's orientation for one of this frame, quaternions xyzw."""
         if self.turn is None:
             return orientation
-        base: Array = (
-            Rotation.from_quat(orientation) * Rotation.from_quat(self.turn).inv()
-        ).as_quat()
-        return base
+        x, y, z, w = self.turn
+        return _product(orientation, (-x, -y, -z, w))
+
+
+def _product(
+    first: Sequence[float] | Array, second: Sequence[float]
+) -> tuple[float, float, float, float]:
+    """Return the product of two unit quaternions xyzw; SciPy's takes 20 times as long for two."""
+    (x, y, z, w), (a, b, c, d) = first, second
+    return (
+        w * a + x * d + y * c - z * b,
+        w * b - x * c + y * d + z * a,
+        w * c + x * b - y * a + z * d,
+        w * d - x * a - y * b - z * c,
+    )
 
 
 @dataclass(frozen=True)

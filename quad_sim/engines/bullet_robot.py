@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 _POSITION_GAIN = 0.3
 _VELOCITY_GAIN = 1.0
 
+_UPWARD = np.array([0.0, 0.0, GRAVITY])
+"""What an accelerometer measures at rest, in the world [m/s^2]."""
+
 
 class BulletRobot:
     """
@@ -79,7 +82,9 @@ class BulletRobot:
         self._foot_of = body.feet_by_calf
         """Feet by the calves that they are fixed to."""
         self._foot_zone = foot_zone(robot)
-        self._last_velocity = np.zeros(3)
+        count = len(self._joints)
+        self._gains = [_POSITION_GAIN] * count, [_VELOCITY_GAIN] * count
+        self._last_velocity: Sequence[float] = (0.0, 0.0, 0.0)
         self._force: list[float] | None = None
 
     @property
@@ -94,7 +99,7 @@ class BulletRobot:
             orientation = self._bullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
         else:
             orientation = quaternion_from_matrix(rotation)
-        self._last_velocity = np.zeros(3)
+        self._last_velocity = (0.0, 0.0, 0.0)
         self._force = None
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
@@ -125,7 +130,7 @@ class BulletRobot:
         """Have the robot driven in the next step; see :meth:`Simulator.step`."""
         check_commands(joint_positions, joint_velocities)
         self._command(joint_positions, joint_velocities)
-        self._last_velocity = np.array(self._bullet.getBaseVelocity(self._body)[0])
+        self._last_velocity, _ = self._bullet.getBaseVelocity(self._body)
         if self._force is not None:
             center = self._bullet.getBasePositionAndOrientation(self._body)[0]
             self._bullet.applyExternalForce(
@@ -137,16 +142,18 @@ class BulletRobot:
         # Bullet speaks of the body's center of mass; base_link is its own point.
         center, orientation = self._bullet.getBasePositionAndOrientation(self._body)
         orientation = self._inertial.base_orientation(orientation)
-        velocity, spin = (np.array(v) for v in self._bullet.getBaseVelocity(self._body))
+        velocity, spin = map(np.array, self._bullet.getBaseVelocity(self._body))
         to_world = self._to_world(orientation)
         to_base = to_world.T
         to_center = to_world @ self._inertial.center
         acceleration = (velocity - self._last_velocity) / self.time_step
         states = self._bullet.getJointStates(self._body, self._joints)
+        joint_positions, joint_velocities, _, torques = zip(*states)
         contacts = self._contacts()
-        efforts = np.array([state[3] for state in states])
+        efforts = np.array(torques)
         # What Bullet's motor gives there is the gear's friction.
-        efforts[self._free] = 0.0
+        if self._free:
+            efforts[self._free] = 0.0
         tilted = tilt_from_quaternion(np.array(orientation)) > TILT_OF_A_FALL
         return Observation(
             time=time,
@@ -154,9 +161,9 @@ class BulletRobot:
             orientation=np.array(orientation),
             linear_velocity_base_in_base=to_base @ (velocity - _cross(spin, to_center)),
             angular_velocity_base_in_base=to_base @ spin,
-            specific_force_in_base=to_base @ (acceleration + (0.0, 0.0, GRAVITY)),
-            joint_positions=np.array([state[0] for state in states]),
-            joint_velocities=np.array([state[1] for state in states]),
+            specific_force_in_base=to_base @ (acceleration + _UPWARD),
+            joint_positions=np.array(joint_positions),
+            joint_velocities=np.array(joint_velocities),
             joint_efforts=efforts,
             contacts=contacts,
             has_fallen=bool(tilted or self._falls.intersection(contacts)),
@@ -184,23 +191,24 @@ class BulletRobot:
 
     def _to_world(self, orientation: Sequence[float] | Array) -> Array:
         matrix = self._bullet.getMatrixFromQuaternion(orientation)
-        return np.reshape(matrix, (3, 3))
+        return np.array(matrix).reshape(3, 3)
 
     def _command(self, positions: Array, velocities: Array) -> None:
-        count = len(self._joints)
         if self._stuck:
             positions, velocities = positions.copy(), velocities.copy()
             for joint, angle in self._stuck.items():
                 positions[joint], velocities[joint] = angle, 0.0
+        position_gains, velocity_gains = self._gains
+        # Bullet reads lists faster than arrays.
         self._bullet.setJointMotorControlArray(
             self._body,
             self._joints,
             self._bullet.POSITION_CONTROL,
-            targetPositions=positions,
-            targetVelocities=velocities,
+            targetPositions=positions.tolist(),
+            targetVelocities=velocities.tolist(),
             forces=self._efforts,
-            positionGains=[_POSITION_GAIN] * count,
-            velocityGains=[_VELOCITY_GAIN] * count,
+            positionGains=position_gains,
+            velocityGains=velocity_gains,
         )
         for joint in self._free:
             self._bullet.setJointMotorControl2(

@@ -62,10 +62,19 @@ except ImportError as error:
 Array = NDArray[np.float64]
 
 
+class _Client(BulletClient):  # type: ignore[misc]
+    """A ``BulletClient`` that makes each function once: it makes them anew for every call."""
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a function of PyBullet for this client, and keep it."""
+        found = self.__dict__[name] = super().__getattr__(name)
+        return found
+
+
 def headless_client() -> Any:
     """Open an empty world without a window, a ``BulletClient`` of one's own."""
     with silenced():
-        return BulletClient(pybullet.DIRECT)
+        return _Client(pybullet.DIRECT)
 
 
 def open_client(time_step: float, gui: bool = False) -> Any:
@@ -85,7 +94,7 @@ def open_client(time_step: float, gui: bool = False) -> Any:
         The world.
     """
     with silenced():
-        client = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
+        client = _Client(pybullet.GUI if gui else pybullet.DIRECT)
     client.setGravity(0.0, 0.0, -GRAVITY)
     client.setPhysicsEngineParameter(
         fixedTimeStep=time_step,

@@ -4,6 +4,7 @@ What every simulator offers: reset, step, observe, close.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -235,5 +236,6 @@ TILT_OF_A_FALL = np.deg2rad(45.0)
 def check_commands(joint_positions: Array, joint_velocities: Array) -> None:
     """Raise ParameterError if a command, in [rad] or [rad/s], is not finite: it would stay so."""
     for name, values in (('positions', joint_positions), ('velocities', joint_velocities)):
-        if not np.isfinite(values).all():
+        # Of so few numbers numpy's own takes ten times as long.
+        if not all(map(math.isfinite, values.tolist())):
             raise ParameterError(f'joint_{name}', list(values), 'finite numbers')
