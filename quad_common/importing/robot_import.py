@@ -4,6 +4,7 @@ Imports a robot: from a description to everything that a gait needs.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,13 +21,19 @@ from quad_common.importing.leg_axes import LegAxes, leg_axes
 from quad_common.importing.masses import find_parts
 from quad_common.importing.options import ImportOptions, Notes, file_name
 from quad_common.importing.standing import StandingRobot, standing_robot
-from quad_common.robot.robot_build import JOINTS_PER_LEG
+from quad_common.robot.robot_build import JOINTS_PER_LEG, LEGS
 
 Array = NDArray[np.float64]
 
 _SPEEDS, _EFFORTS = (0.01, 200.0), (1e-3, 1e5)
 """Least and largest speeds [rad/s] and torques [N m]; what is outside stands for none: exporters
 write 1000 where nobody said anything."""
+
+_MOST_TURNS = 4.0 * math.pi
+"""Range of a joint beyond which its limits are no angles of a leg [rad]."""
+
+_UNLIKE = 0.15
+"""Part by which a leg is longer or shorter than most before it is said."""
 
 _NO_NAMES = ('robot', 'urdf', 'xacro', 'main', 'model', 'description', 'scene')
 """Names of files that name no robot."""
@@ -84,6 +91,7 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         first = standing_robot(tree, (chains, axes, feet), parts, options, Notes())
         feet = _on_ground(tree, feet, axes, first, notes)
     found = standing_robot(tree, (chains, axes, feet), parts, options, notes)
+    _note_doubts(found, notes)
     return ImportedRobot(
         **vars(found),
         name=file_name(options.name) if options.name else _name(path, robot.name),
@@ -92,6 +100,24 @@ def import_robot(path: str | Path, options: ImportOptions | None = None) -> Impo
         effort=_figures(tree, found.chains, 'effort', options.effort),
         notes=notes,
     )
+
+
+def _note_doubts(robot: StandingRobot, notes: Notes) -> None:
+    """Say what is possible in a description, and more often a slip."""
+    for joint in (joint for chain in robot.chains for joint in chain.joints):
+        if math.isfinite(joint.upper - joint.lower) and joint.upper - joint.lower > _MOST_TURNS:
+            notes.assume(
+                f"joint '{joint.name}' has no limits: its description has {joint.lower:g} and "
+                f'{joint.upper:g} rad, more than two turns; if these are degrees, correct it'
+            )
+    lengths = [ranged.leg.thigh_length + ranged.leg.calf_length for ranged in robot.legs]
+    odd = int(np.argmax(np.abs(lengths - np.median(lengths))))
+    apart = lengths[odd] - float(np.median(lengths))
+    if abs(apart) > _UNLIKE * float(np.median(lengths)):
+        notes.assume(
+            f'the leg {LEGS[odd]} is {1e3 * abs(apart):.0f} mm '
+            f'{"longer" if apart > 0.0 else "shorter"} than the others, as described'
+        )
 
 
 def _feet(tree: KinematicTree, chains: list[LegChain], axes: LegAxes, notes: Notes) -> list[Foot]:

@@ -268,7 +268,7 @@ class BalancedMotion:
             slope, self._trim, body.roughness, ground=ground,
             leveling=1.0 - self._delay * (1.0 - options.late_leveling),
             capturing=1.0 - self._delay * (1.0 - options.late_capture),
-            upright=self.upright,
+            upright=self.upright, roughest=body.roughest,
         )  # fmt: skip
         return self._planner.march(plan, self.clock, times, demand)
 
@@ -290,7 +290,7 @@ class BalancedMotion:
         lead = self._planner.height / GRAVITY * slowing / max(self._planner.capture_time, 1e-6)
         demand = Demand(
             STILL, STILL, slope=slope, trim=self._trim, roughness=body.roughness, lead=lead,
-            ground=ground,
+            ground=ground, roughest=body.roughest,
         )  # fmt: skip
         count = math.ceil((end + clock.longest_swing - time) / options.rest_knot_time) + 1
         times = [time]

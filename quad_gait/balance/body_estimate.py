@@ -66,6 +66,8 @@ class BodyEstimate:
     """Height by which its feet were off that plane lately [m]."""
     contacts: tuple[bool, ...] | None = None
     """Which feet bear load, whatever they are to do; None if the motors do not tell."""
+    roughest: float = 0.0
+    """Height by which its feet were off the plane of the ground in a longer while [m]."""
 
     def tilt_in(self, time: float) -> tuple[float, float]:
         """Return roll and pitch so much later [s], turning on as it does [rad]."""
@@ -179,7 +181,7 @@ class BodyEstimator:
         return BodyEstimate(
             (float(self._velocity[0]), float(self._velocity[1])),
             float(rates[2]), roll, pitch, float(rates[0]), float(rates[1]), slope,
-            self._slope.roughness, self._contacts(),
+            self._slope.roughness, self._contacts(), self._slope.roughest,
         )  # fmt: skip
 
     def _weights(self, reading: BodyReading, up: Array, jacobians: Array) -> Array:

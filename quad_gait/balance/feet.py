@@ -160,3 +160,5 @@ class Demand(NamedTuple):
     upright: tuple[float, float] = (0.0, 0.0)
     """Roll and pitch that legs are set for, over those that the body is to have, so that it has
     these in the mean [rad]."""
+    roughest: float = 0.0
+    """Height by which feet that stood were off the plane of the ground in a longer while [m]."""

@@ -159,7 +159,7 @@ def _here(demand: Demand, pace: Array, no_more_lifts: bool) -> Demand:
     return Demand(
         demand.pace, measured, demand.roll, demand.pitch, demand.slope, (x, y),
         demand.roughness, demand.lead, demand.ground, demand.leveling, demand.capturing,
-        demand.upright,
+        demand.upright, demand.roughest,
     )  # fmt: skip
 
 
@@ -309,7 +309,8 @@ def lift_over(leg: int, demand: Demand, manner: Manner) -> float:
     if demand.ground.is_known:
         more = demand.ground.bumps[leg]
     else:
-        more = manner.rough_lift * max(demand.roughness - manner.rough_from, 0.0)
+        roughness = max(demand.roughness, demand.roughest)
+        more = manner.rough_lift * max(roughness - manner.rough_from, 0.0)
     return max(manner.lift, min(manner.lift + more, manner.most_lift))
 
 

@@ -19,8 +19,10 @@ and bounce let level ground look like the least."""
 _STEEPEST = 0.45
 """Largest gradient that is believed."""
 
-_ROUGH = 4.0
-"""Time constant with which rough ground is forgotten, over that of its gradient."""
+_ROUGH, _ROUGHEST = 4.0, 30.0
+"""Time constants with which rough ground is forgotten, over that of its gradient: for as long as
+the first the body goes up and down with it, and for as long as the second feet are lifted higher,
+for between bumps there is level ground."""
 
 _KEPT = 1e-3
 """Weight of the last estimate, over that of what feet have told."""
@@ -96,6 +98,8 @@ class SlopeEstimator:
         self._gradient: Array = np.zeros(2)
         self.roughness = 0.0
         """Height by which feet were off the plane lately [m]."""
+        self.roughest = 0.0
+        """The same for a longer while [m]."""
 
     def update(self, dt: float, turn: float, feet: Array) -> None:
         """
@@ -117,11 +121,16 @@ class SlopeEstimator:
         self._vector = kept * turned @ self._vector
         self._gradient = turned @ self._gradient
         self.roughness *= math.exp(-dt / (_ROUGH * self._memory))
+        self.roughest *= math.exp(-dt / (_ROUGHEST * self._memory))
         if len(feet) < 2:
             return
         apart = feet - feet.mean(axis=0)
         off = apart[:, 2] - apart[:, :2] @ self._gradient
-        self.roughness = max(self.roughness, float(np.ptp(off)))
+        height = float(np.ptp(off))
+        self.roughness = max(self.roughness, height)
+        if dt > 0.0:
+            # Of a slope on which it begins all is off the plane for a moment.
+            self.roughest = max(self.roughest, height)
         weight = dt / self._memory if dt > 0.0 else 1.0
         self._matrix += weight * apart[:, :2].T @ apart[:, :2]
         self._vector += weight * apart[:, :2].T @ apart[:, 2]

@@ -501,6 +501,21 @@ def test_meshes_of_copied_descriptions_are_found_by_the_end_of_their_path(tmp_pa
     assert any('paths end alike' in sentence for sentence in imported.notes.assumed)
 
 
+def test_limits_in_degrees_and_a_leg_unlike_the_others_are_said(tmp_path):
+    variant = Variant(SHIPPED['genibo'])
+    sound = import_robot(variant.write(tmp_path))
+    joint = next(j for j in variant.root.iter('joint') if j.get('name') == 'lf_hip_pitch_joint')
+    joint.find('limit').attrib.update(lower='-90', upper='90')
+    foot = next(j for j in variant.root.iter('joint') if j.get('name') == 'rh_foot_joint')
+    x, y, z = foot.find('origin').get('xyz').split()
+    foot.find('origin').set('xyz', f'{x} {y} {float(z) - 0.1}')
+    odd = import_robot(variant.write(tmp_path))
+    said = [sentence for sentence in odd.notes.assumed if sentence not in sound.notes.assumed]
+    assert any("'lf_hip_pitch_joint' has no limits" in one and 'degrees' in one for one in said)
+    assert any('the leg rh is' in one and 'mm longer' in one for one in said)
+    assert not any('has no limits' in one or 'longer' in one for one in sound.notes.assumed)
+
+
 def test_notes_are_plain_data(tmp_path):
     notes = import_robot(Variant(SHIPPED['pukyong']).write(tmp_path)).notes
     assert json.loads(json.dumps([notes.found, notes.assumed]))

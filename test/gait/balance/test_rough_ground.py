@@ -20,27 +20,27 @@ KNOT = 0.01
 BUMP = 0.009
 
 
-def trotted(cycles, roughness=0.0):
+def trotted(cycles, roughness=0.0, roughest=0.0):
     """A trot in place: the planner, and the plan and time after some cycles."""
     planner, plan, time = FootPlanner(ROBOT, GAIT, BalanceOptions()), None, 0.0
     plan = planner.at_rest(ROBOT.neutral_feet)
     for _ in range(round(cycles * GAIT.cycle_period / KNOT)):
-        plan = gone_on(planner, plan, time, roughness)
+        plan = gone_on(planner, plan, time, roughness, roughest)
         time += KNOT
     return planner, plan, time
 
 
-def gone_on(planner, plan, time, roughness=0.0):
-    demand = Demand(STILL, STILL, roughness=roughness)
+def gone_on(planner, plan, time, roughness=0.0, roughest=0.0):
+    demand = Demand(STILL, STILL, roughness=roughness, roughest=roughest)
     return planner.advance(plan, CLOCK, (time, time + KNOT), demand)
 
 
-def highest(roughness):
+def highest(roughness, roughest=0.0):
     """How high feet are lifted in a cycle after a few."""
-    planner, plan, time = trotted(3.0, roughness)
+    planner, plan, time = trotted(3.0, roughness, roughest)
     heights = []
     for _ in range(round(GAIT.cycle_period / KNOT)):
-        plan = gone_on(planner, plan, time, roughness)
+        plan = gone_on(planner, plan, time, roughness, roughest)
         time += KNOT
         heights.append([foot.z for foot in plan.feet])
     return float(np.max(np.array(heights) - ROBOT.neutral_feet[:, 2]))
@@ -53,6 +53,8 @@ def test_feet_are_lifted_higher_by_as_much_as_the_ground_is_rougher_and_no_highe
     gained = highest(0.4 * usual) - highest(0.35 * usual)
     assert gained == pytest.approx(4.0 * 0.05 * usual, rel=0.05)
     assert highest(1.0) == highest(2.0) < 2.5 * usual
+    # Of what was rough a while ago, too.
+    assert highest(0.0, 0.4 * usual) == highest(0.4 * usual)
 
 
 def coming_down(contacts, roughness=0.0):
@@ -113,3 +115,15 @@ def test_feet_that_stand_off_their_plane_tell_how_rough_the_ground_is_for_a_whil
     for _ in range(200):
         estimator.update(0.02, 0.0, np.empty((0, 3)))
     assert estimator.roughness < 0.1 * BUMP
+    # Between bumps there is level ground: for those feet are lifted longer.
+    assert estimator.roughest > 0.5 * BUMP
+
+
+def test_a_slope_on_which_it_begins_is_not_taken_for_rough_ground():
+    estimator = SlopeEstimator(0.3, 1.0)
+    feet = ROBOT.neutral_feet.copy()
+    feet[:, 2] += 0.25 * feet[:, 0]
+    estimator.update(0.0, 0.0, feet)
+    for k in range(60):
+        estimator.update(0.02, 0.0, feet[[[0, 3], [1, 2]][k // 6 % 2]])
+    assert estimator.roughest < 0.1 * BUMP
