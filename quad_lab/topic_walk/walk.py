@@ -55,6 +55,7 @@ _CAMERA_MARGIN = 1.05
 CAMERA_MAP_RESOLUTION = 0.05
 """Side of the cells of the map that the camera makes [m]."""
 
+
 @dataclass(eq=False, repr=False)
 class NodesNotReady(QuadError):
     """The nodes of a walk were not ready in time."""
