@@ -110,10 +110,11 @@ def _note_doubts(robot: StandingRobot, notes: Notes) -> None:
                 f"joint '{joint.name}' has no limits: its description has {joint.lower:g} and "
                 f'{joint.upper:g} rad, more than two turns; if these are degrees, correct it'
             )
-    lengths = [ranged.leg.thigh_length + ranged.leg.calf_length for ranged in robot.legs]
-    odd = int(np.argmax(np.abs(lengths - np.median(lengths))))
-    apart = lengths[odd] - float(np.median(lengths))
-    if abs(apart) > _UNLIKE * float(np.median(lengths)):
+    lengths = [float(leg.leg.thigh_length + leg.leg.calf_length) for leg in robot.legs]
+    usual = float(np.median(lengths))
+    odd = int(np.argmax(np.abs(np.array(lengths) - usual)))
+    apart = lengths[odd] - usual
+    if abs(apart) > _UNLIKE * usual:
         notes.assume(
             f'the leg {LEGS[odd]} is {1e3 * abs(apart):.0f} mm '
             f'{"longer" if apart > 0.0 else "shorter"} than the others, as described'
