@@ -30,6 +30,8 @@ class EstimateOptions:
     """Time over which the ground's gradient is estimated, in units of sqrt(h / g)."""
     slope_fraction: float = 1.0
     """Fraction of the ground's tilt that the body takes: 0 stays level, 1 goes along."""
+    upright: float = 0.1
+    """Tilt off the ground's up to which a body counts as one that nothing has pushed over [rad]."""
     longest_gap: float = 0.1
     """Time between two measurements, at most; after a longer one the body is taken to rest [s]."""
 
@@ -106,7 +108,7 @@ class BalanceOptions:
     landing_fraction: float = 0.2
     """Fraction of its swing, at its end, in which a foot follows the ground as it comes down, at
     most: as much as the joints' speeds leave of it."""
-    speed_kept: float = 0.2
+    speed_kept: float = 0.1
     """Fraction of the joints' speeds that no swing is to need, so that feet can be elsewhere."""
     steady_speed: float = 0.54
     """Fraction of the joints' speeds, from knot to knot, that a steady trot may need; the rest, up

@@ -167,7 +167,10 @@ class BodyEstimator:
             self._acceleration = acceleration
         feet = self._robot.foot_positions(reading.joints)
         self.feet = feet @ rotation.T
-        self._slope.update(dt, turn, self.feet[self.bears & reading.tells_slope])
+        known = self._slope.slope
+        is_upright = math.hypot(roll - known.roll, pitch - known.pitch) < self._options.upright
+        standing = self.feet[self.bears & reading.tells_slope]
+        self._slope.update(dt, turn, standing, is_upright)
         slope = self._slope.slope
         if weights.any():
             by_legs = leg_velocity(

@@ -101,7 +101,7 @@ class SlopeEstimator:
         self.roughest = 0.0
         """The same for a longer while [m]."""
 
-    def update(self, dt: float, turn: float, feet: Array) -> None:
+    def update(self, dt: float, turn: float, feet: Array, is_upright: bool = True) -> None:
         """
         Take notice of feet.
 
@@ -113,6 +113,8 @@ class SlopeEstimator:
             Angle by which the heading turned meanwhile [rad].
         feet : ndarray, shape (n, 3)
             Centers of those that stand, in level axes [m].
+        is_upright : bool
+            Whether the body is about as on even ground; feet of one that falls over stand anywhere.
         """
         c, s = math.cos(turn), math.sin(turn)
         turned = np.array([[c, s], [-s, c]])
@@ -128,7 +130,7 @@ class SlopeEstimator:
         off = apart[:, 2] - apart[:, :2] @ self._gradient
         height = float(np.ptp(off))
         self.roughness = max(self.roughness, height)
-        if dt > 0.0:
+        if dt > 0.0 and is_upright:
             # Of a slope on which it begins all is off the plane for a moment.
             self.roughest = max(self.roughest, height)
         weight = dt / self._memory if dt > 0.0 else 1.0
