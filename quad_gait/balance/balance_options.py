@@ -108,7 +108,7 @@ class BalanceOptions:
     landing_fraction: float = 0.2
     """Fraction of its swing, at its end, in which a foot follows the ground as it comes down, at
     most: as much as the joints' speeds leave of it."""
-    speed_kept: float = 0.1
+    speed_kept: float = 0.15
     """Fraction of the joints' speeds that no swing is to need, so that feet can be elsewhere."""
     steady_speed: float = 0.54
     """Fraction of the joints' speeds, from knot to knot, that a steady trot may need; the rest, up

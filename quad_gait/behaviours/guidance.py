@@ -30,10 +30,6 @@ _NOWHERE = Pose2D(0.0, 0.0, 0.0)
 _UNFOLLOWED = 0.1
 """Time after which joints that have not followed say nothing of what is in the robot's way [s]."""
 
-_MOST_LATE = 0.4
-"""Fraction of a cycle for which joints may have followed it late; of one that they followed for
-less of its time no effect is to be expected."""
-
 
 @dataclass(frozen=True)
 class PlannedMotion:
@@ -246,8 +242,8 @@ class Guidance:
 
     def note_begun(self, state: RobotState, step: Step, planned: PlannedMotion) -> None:
         """Note that a step begins, and say which, and what keeps the robot from a larger one."""
-        begun = (state.time, state.pose, state.motion_pose, planned.end, self._joints.late)
-        self.begun = Begun(*begun)
+        at = state.time, state.pose, state.motion_pose
+        self.begun = Begun(*at, planned.end, self._joints.late)
         report, motion, is_steered = self._report, planned.motion, self.steering.twist is not None
         if not is_steered:
             report.limit = ''
@@ -259,9 +255,8 @@ class Guidance:
             report.say(Activity.TURNING, turn)
             return
         turns_too = self.gaits.follower_options.turning != 'in_place' or is_steered
-        report.say(
-            Activity.WALKING, f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
-        )
+        said = f'walking {size:.3f} m' + (f' and {turn}' if turns_too else '')
+        report.say(Activity.WALKING, said)
 
     def _use_new_gaits(self, state: RobotState) -> bool:
         """
@@ -273,8 +268,7 @@ class Guidance:
         if new_gaits is not None:
             self.gaits.take(new_gaits)
             self.steering.lose_course()
-        is_other_manner = self.gaits.look_at(state)
-        if new_gaits is None and not is_other_manner:
+        if not self.gaits.look_at(state) and new_gaits is None:
             return False
         was_following = self._follower.plan is not None
         self.gait_pair = self.gaits.pair
@@ -299,10 +293,8 @@ class Guidance:
         begun, self.begun = self.begun, None
         if begun is None or self._joints.unfollowed > _UNFOLLOWED:
             return False
-        late = self._joints.late - begun.late
-        if late > _MOST_LATE * (state.time - begun.time):
-            return False
-        problem = self._progress.problem(begun, state.time, state.motion_pose, expected)
+        now = state.time, state.motion_pose, self._joints.late
+        problem = self._progress.problem(begun, *now, expected)
         return problem is not None and self.give_up_or_try(Activity.BLOCKED, problem)
 
     def give_up_or_try(self, activity: Activity, problem: str) -> bool:

@@ -21,6 +21,10 @@ _TURN = 0.25
 _LARGEST_LACK = 0.7
 """A cycle of which a larger fraction is missing has had no effect; one that went too far has."""
 
+_MOST_LATE = 0.4
+"""Fraction of a cycle for which joints may have followed it late; of one that they followed for
+less of its time no effect is to be expected."""
+
 _TOO_LITTLE = 0.1
 """A fraction of the largest stride that tells nothing, as the first cycle of a gait that gathers
 speed."""
@@ -62,7 +66,12 @@ class StuckDetector:
         self._without_effect = 0
 
     def problem(
-        self, begun: Begun, time: float, odometry: Pose2D, expected: Pose2D | None = None
+        self,
+        begun: Begun,
+        time: float,
+        odometry: Pose2D,
+        late: float = 0.0,
+        expected: Pose2D | None = None,
     ) -> str | None:
         """
         Say how little came of the last cycles, if they did not move the robot.
@@ -75,6 +84,8 @@ class StuckDetector:
             Now [s].
         odometry : Pose2D
             Where the robot is now, by odometry alone.
+        late : float
+            Time for which joints have followed late up to now, since the beginning [s].
         expected : Pose2D, optional
             Where the motion should have brought it by now, on the plan; its end if not given.
 
@@ -83,6 +94,8 @@ class StuckDetector:
         str or None
             A sentence; None if the cycle had effect, or too few had none.
         """
+        if late - begun.late > _MOST_LATE * (time - begun.time):
+            return None
         planned = begun.pose.inverse() @ (begun.expected if expected is None else expected)
         done = begun.odometry.inverse() @ odometry
         size = _size(planned)
