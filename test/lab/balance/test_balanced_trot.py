@@ -201,7 +201,8 @@ def test_it_stops_at_turning_points_and_knows_where(name):
     with preferred('bullet'):
         walk = stopped_walk(name, None)
     assert walk.has_arrived
-    assert walk.beyond < 0.07
+    # What the bench wants of all robots; where the last foot lands is worth 25 mm either way.
+    assert walk.beyond < 0.1
     assert walk.odometry_error < 0.025
     assert walk.position_error < 0.025
 
