@@ -23,7 +23,10 @@ _LARGEST_LACK = 0.7
 
 _MOST_LATE = 0.4
 """Fraction of a cycle for which joints may have followed it late; of one that they followed for
-less of its time no effect is to be expected."""
+less of its time little effect is to be expected."""
+
+_LATE_COUNTS = 0.25
+"""Part of a cycle that such a one counts: where all are late, a robot at a wall gives up, too."""
 
 _TOO_LITTLE = 0.1
 """A fraction of the largest stride that tells nothing, as the first cycle of a gait that gathers
@@ -58,12 +61,13 @@ class StuckDetector:
 
     def __init__(self, largest_stride: float) -> None:
         self._least = _TOO_LITTLE * largest_stride
-        self._without_effect = 0
         self._since = 0.0
+        self.reset()
 
     def reset(self) -> None:
         """Count from here: something new is wished for."""
         self._without_effect = 0
+        self._weight = 0.0
 
     def problem(
         self,
@@ -94,8 +98,6 @@ class StuckDetector:
         str or None
             A sentence; None if the cycle had effect, or too few had none.
         """
-        if late - begun.late > _MOST_LATE * (time - begun.time):
-            return None
         planned = begun.pose.inverse() @ (begun.expected if expected is None else expected)
         done = begun.odometry.inverse() @ odometry
         size = _size(planned)
@@ -105,15 +107,17 @@ class StuckDetector:
         # Odometry that is corrected, as a camera's is, may show more than was planned.
         has_effect = is_near or _along(planned, done) > (1.0 - _LARGEST_LACK) * size
         if has_effect:
-            self._without_effect = 0
+            self.reset()
             return None
         if self._without_effect == 0:
             self._since = begun.time
         self._without_effect += 1
+        is_late = late - begun.late > _MOST_LATE * (time - begun.time)
+        self._weight += _LATE_COUNTS if is_late else 1.0
         cycles = self._without_effect
-        if cycles < _BLOCKED_CYCLES or time - self._since < _BLOCKED_TIME:
+        if self._weight < _BLOCKED_CYCLES or time - self._since < _BLOCKED_TIME:
             return None
-        self._without_effect = 0
+        self.reset()
         return (
             f'the robot does not follow its commands: {cycles} cycles without effect, '
             f'the last planned {math.hypot(planned.x, planned.y):.3f} m and '

@@ -67,7 +67,13 @@ class _Client(BulletClient):  # type: ignore[misc]
 
     def __getattr__(self, name: str) -> Any:
         """Return a function of PyBullet for this client, and keep it."""
-        found = self.__dict__[name] = super().__getattr__(name)
+        found = super().__getattr__(name)
+        if name == 'disconnect':
+            # Another world may get this one's number: nothing is to reach it by what was kept.
+            for kept in [own for own in vars(self) if not own.startswith('_')]:
+                delattr(self, kept)
+        else:
+            setattr(self, name, found)
         return found
 
 
