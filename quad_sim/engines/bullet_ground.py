@@ -1,10 +1,13 @@
 """
-The ground in PyBullet: a plane, or a height field with level ground around it, and blocks.
+What stands fast in PyBullet: bodies as such, and the ground.
+
+That is a plane, or a height field with level ground around it, and blocks.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +20,84 @@ _AROUND = 100.0
 
 _DEEP = 1.0
 """Depth to which the ground around a field, and blocks, reach down [m]."""
+
+_MOST_SHAPES = 16
+"""Number of shapes that PyBullet puts into one body, at most."""
+
+
+class StaticBox(NamedTuple):
+    """A box that stands fast."""
+
+    half: Sequence[float]
+    """Half of its length, width and height [m]."""
+    place: Sequence[float]
+    """Its middle in the world [m]."""
+    turned: Sequence[float] = (0.0, 0.0, 0.0, 1.0)
+    """Its orientation, quaternion xyzw."""
+
+
+def add_static(
+    client: Any,
+    shape: int,
+    place: Sequence[float] = (0.0, 0.0, 0.0),
+    turned: Sequence[float] = (0.0, 0.0, 0.0, 1.0),
+) -> int:
+    """
+    Make a body that stands fast, and return its number.
+
+    It is a plain rigid body. Bullet goes over each multibody in every step, even over those that
+    stand fast and that nothing is near.
+
+    Parameters
+    ----------
+    client : BulletClient
+        The world.
+    shape : int
+        Its shape, as Bullet numbers it.
+    place : sequence of float
+        Where its middle is [m].
+    turned : sequence of float
+        Its orientation, quaternion xyzw.
+
+    Returns
+    -------
+    int
+    """
+    body: int = client.createMultiBody(0, shape, -1, place, turned, useMaximalCoordinates=1)
+    return body
+
+
+def add_boxes(client: Any, boxes: Iterable[StaticBox]) -> list[int]:
+    """
+    Make boxes that stand fast, and return the numbers of their bodies.
+
+    Those that are near to each other share a body: Bullet takes time for each one, and looks into
+    one only where something is near it.
+
+    Parameters
+    ----------
+    client : BulletClient
+        The world.
+    boxes : iterable of StaticBox
+        The boxes.
+
+    Returns
+    -------
+    list of int
+    """
+    # Along x in strips one metre wide, and along y in each.
+    ordered = sorted(boxes, key=lambda box: (round(box.place[0]), box.place[1]))
+    bodies = []
+    for first in range(0, len(ordered), _MOST_SHAPES):
+        part = ordered[first : first + _MOST_SHAPES]
+        shape = client.createCollisionShapeArray(
+            shapeTypes=len(part) * [client.GEOM_BOX],
+            halfExtents=[box.half for box in part],
+            collisionFramePositions=[box.place for box in part],
+            collisionFrameOrientations=[box.turned for box in part],
+        )
+        bodies.append(add_static(client, shape))
+    return bodies
 
 
 def lay_ground(client: Any, world: World) -> frozenset[int]:
@@ -38,7 +119,7 @@ def lay_ground(client: Any, world: World) -> frozenset[int]:
     terrain = world.terrain
     if terrain is None or terrain.is_level:
         plane = client.createCollisionShape(client.GEOM_PLANE)
-        bodies = [client.createMultiBody(0, plane)]
+        bodies = [add_static(client, plane)]
     else:
         bodies = [_add_field(client, terrain), *_add_surroundings(client, terrain)]
     if terrain is not None:
@@ -68,8 +149,7 @@ def _add_field(client: Any, terrain: Terrain) -> int:
     # Bullet puts the middle of the box around the field at the body's origin.
     middle = (float(heights.min()) + float(heights.max())) / 2.0
     place = ((x_min + x_max) / 2.0, (y_min + y_max) / 2.0, middle)
-    body: int = client.createMultiBody(0, shape, -1, place)
-    return body
+    return add_static(client, shape, place)
 
 
 def _add_surroundings(client: Any, terrain: Terrain) -> list[int]:
@@ -77,7 +157,7 @@ def _add_surroundings(client: Any, terrain: Terrain) -> list[int]:
     x_min, y_min, x_max, y_max = terrain.field.bounds
     west, south, east, north = x_min - _AROUND, y_min - _AROUND, x_max + _AROUND, y_max + _AROUND
     depth = _DEEP - terrain.lowest
-    bodies = []
+    boxes = []
     for x0, y0, x1, y1 in (
         (west, south, x_min, north),
         (x_max, south, east, north),
@@ -85,29 +165,17 @@ def _add_surroundings(client: Any, terrain: Terrain) -> list[int]:
         (x_min, y_max, x_max, north),
     ):
         half = ((x1 - x0) / 2.0, (y1 - y0) / 2.0, depth / 2.0)
-        place = ((x0 + x1) / 2.0, (y0 + y1) / 2.0, -depth / 2.0)
-        bodies.append(_add_box(client, half, place, (0.0, 0.0, 0.0, 1.0)))
-    return bodies
+        boxes.append(StaticBox(half, ((x0 + x1) / 2.0, (y0 + y1) / 2.0, -depth / 2.0)))
+    return add_boxes(client, boxes)
 
 
 def _add_blocks(client: Any, terrain: Terrain) -> list[int]:
     """Add the blocks, and return their bodies."""
     bottom = terrain.lowest - _DEEP
-    bodies = []
+    boxes = []
     for block in terrain.blocks:
         half = (block.length / 2.0, block.width / 2.0, (block.top - bottom) / 2.0)
         place = (block.pose.x, block.pose.y, block.top - half[2])
         turned = client.getQuaternionFromEuler((0.0, 0.0, block.pose.yaw))
-        bodies.append(_add_box(client, half, place, turned))
-    return bodies
-
-
-def _add_box(
-    client: Any,
-    half: tuple[float, float, float],
-    place: tuple[float, float, float],
-    turned: tuple[float, float, float, float],
-) -> int:
-    shape = client.createCollisionShape(client.GEOM_BOX, halfExtents=half)
-    body: int = client.createMultiBody(0, shape, -1, place, turned)
-    return body
+        boxes.append(StaticBox(half, place, turned))
+    return add_boxes(client, boxes)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.process.temporary_folder import temporary_folder
+from quad_sim.engines.bullet_ground import add_static
 from quad_sim.world.world import Obstacle, World
 
 Array = NDArray[np.float64]
@@ -57,7 +58,7 @@ class BulletObstacles:
         pose = obstacle.pose
         turned = client.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
         place = (pose.x, pose.y, bottom + half[2])
-        body = client.createMultiBody(0, shape, -1, place, turned)
+        body = add_static(client, shape, place, turned)
         self._placed[name] = obstacle, body
 
     def remove(self, name: Hashable) -> None:
@@ -82,7 +83,7 @@ def build_walls(client: Any, world: World) -> None:
                 fileName=str(path),
                 flags=client.GEOM_FORCE_CONCAVE_TRIMESH,
             )
-            client.createMultiBody(0, shape)
+            add_static(client, shape)
 
 
 def _mesh_of_boxes(boxes: list[Array], spans: list[tuple[float, float]]) -> str:

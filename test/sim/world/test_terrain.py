@@ -228,11 +228,9 @@ def distance_to_ground(simulator, probe, place):
     bullet = simulator._bullet
     bullet.resetBasePositionAndOrientation(probe, place, (0.0, 0.0, 0.0, 1.0))
     bullet.performCollisionDetection()
-    found = []
-    for body in simulator._grounds:
-        if bullet.getCollisionShapeData(body, -1)[0][2] == bullet.GEOM_BOX:
-            found += [point[8] for point in bullet.getClosestPoints(body, probe, 0.1)]
-    return min(found)
+    # The field is the first of them.
+    _, *boxes = sorted(simulator._grounds)
+    return min(point[8] for body in boxes for point in bullet.getClosestPoints(body, probe, 0.1))
 
 
 def test_blocks_do_not_overlap():
