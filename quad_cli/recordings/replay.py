@@ -46,7 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     film.add_argument(
         '--film', type=film_argument, metavar='FILE', help='write it to a file, *.mp4 or *.gif'
     )
-    film.add_argument('--robot', default='', help='the robot; the one that was recorded if known')
+    film.add_argument(
+        '--robot', default='', help='the robot; the one that was recorded if not given'
+    )
     for name, default, text in (
         ('first', 0.0, 'time from which it goes, from the beginning of the recording on [s]'),
         ('last', 1e6, 'time up to which it goes [s]'),
@@ -80,7 +82,7 @@ def _film(arguments: argparse.Namespace) -> int:
 
     from quad_lab.recordings.film import FilmOptions, make_film
     from quad_lab.recordings.recorded_messages import RecordedMessages
-    from quad_lab.recordings.recording_reader import facts_of
+    from quad_lab.recordings.recorded_robot import recorded_robot
 
     if not 64 <= arguments.width <= 4096:
         raise ParameterError('--width', arguments.width, 'a whole number from 64 to 4096')
@@ -88,11 +90,7 @@ def _film(arguments: argparse.Namespace) -> int:
         raise ParameterError('--first', arguments.first, f'at most --last, {arguments.last:g}')
     folder = user_path(arguments.recording, 'recording')
     messages = RecordedMessages(folder, arguments.namespace)
-    name = arguments.robot or str(facts_of(folder).get('robot', ''))
-    if not name:
-        raise ParameterError(
-            '--robot', name, 'given with this recording, which does not name its robot'
-        )
+    robot = load_robot(arguments.robot) if arguments.robot else recorded_robot(folder, messages)
     width = arguments.width - arguments.width % 2
     options = FilmOptions(
         arguments.first,
@@ -105,7 +103,7 @@ def _film(arguments: argparse.Namespace) -> int:
     with Progress(console=console) as progress:
         task = progress.add_task('drawing', total=1.0)
         count = make_film(
-            arguments.film, messages, load_robot(name), _drawing_backend(), options,
+            arguments.film, messages, robot, _drawing_backend(), options,
             lambda done: progress.update(task, completed=done),
         )  # fmt: skip
     console.print(f'{arguments.film}: {count} pictures', highlight=False)

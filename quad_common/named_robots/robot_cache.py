@@ -16,6 +16,7 @@ from pathlib import Path
 
 from quad_common.errors import DescriptionUnusable, FileUnusable
 from quad_common.files.bounded_file import is_file, make_folder, read_bytes, read_text, user_path
+from quad_common.files.whole_file import write_text
 from quad_common.importing.options import ASSUMED, ImportOptions, file_name
 from quad_common.named_robots.description_cache import cached_description
 from quad_common.named_robots.known_robots import KNOWN_ROBOTS
@@ -139,3 +140,32 @@ def imported_file(description: Path, options: ImportOptions | None = None) -> Pa
         reason = f'cannot be written in: {error.strerror or error}; set XDG_CACHE_HOME to another'
         raise FileUnusable('folder of imported robots', path.parent, reason) from error
     return path
+
+
+def described_file(text: str) -> Path:
+    """
+    Return the data file of the robot that a URDF describes, which somebody has published.
+
+    Parameters
+    ----------
+    text : str
+        The URDF.
+
+    Returns
+    -------
+    Path
+        As of :func:`imported_file`.
+
+    Raises
+    ------
+    DescriptionError
+        If it cannot be imported.
+    FileUnusable
+        If nothing can be written in the folder for caches.
+    """
+    key = hashlib.sha256(text.encode()).hexdigest()[:12]
+    description = cache_folder() / 'descriptions' / key / 'described_robot.urdf'
+    if not is_file(description):
+        make_folder(description.parent)
+        write_text(description, text, "robot's description")
+    return imported_file(description)

@@ -62,6 +62,11 @@ class RecordedMessages:
         """Have the newest message of a topic handed on at each step."""
         self._subscribe(topic, callback, kind, is_sampled=True)
 
+    def first(self, topic: str, kind: Any) -> Any:
+        """Return the first message of a topic, of a kind; None if there is none."""
+        data = self._data.get(topic)
+        return message_of(data[0], kind) if data else None
+
     def rewind(self) -> None:
         """Begin anew: nothing has been handed on."""
         self.time = self.start
