@@ -22,7 +22,7 @@ class EstimateOptions:
     touching_load: float = 0.3
     """Load from which on a foot that swings has met the ground, as a fraction of the weight: with
     half of it a leg that is lifted high and fast feels like ground."""
-    slip_fraction: float = 0.25
+    slip_fraction: float = 0.05
     """Difference, as a fraction of sqrt(g h), at which feet that may slip count half."""
     fastest: float = 2.0
     """Velocity, as a fraction of sqrt(g h), beyond which odometry does not go by the estimate."""
@@ -116,6 +116,8 @@ class BalanceOptions:
     lift_speed: float = 0.45
     """Fraction of the joints' speeds that lifting a foot may need: slow joints lift feet lower than
     the gait has it."""
+    rough_lift_speed: float = 0.75
+    """The same on rough ground, where robots are slower than they could be."""
     rough: float = 0.3
     """Height by which feet are off the plane of the ground from which on they are lifted higher,
     over that to which the gait lifts them; on level ground it is less."""
@@ -126,7 +128,7 @@ class BalanceOptions:
     """Height to which they are lifted at most, over the usual one."""
     touching_phase: float = 0.45
     """Fraction of its swing from which on a foot may meet the ground before its time."""
-    easing: float = 0.05
+    easing: float = 0.07
     """Fraction of its swing in which a foot gathers its speed upward, and again loses it."""
     freeze_time: float = 0.03
     """Time before its touchdown from which on a foot keeps its target [s]."""

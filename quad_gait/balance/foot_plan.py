@@ -102,8 +102,11 @@ class FootPlanner:
         self._radius = robot.foot_radius
         self._neutral: Array = np.array(robot.neutral_feet)
         self._rolling = np.array(rolling_factors(robot))
-        most_lift = lift_height(robot, gait, options.easing, options.lift_speed)
-        lift = min(gait.swing_height, most_lift)
+        lift, most_lift = (
+            lift_height(robot, gait, options.easing, fraction)
+            for fraction in (options.lift_speed, options.rough_lift_speed)
+        )
+        lift = min(gait.swing_height, lift)
         spare = 1.0 - options.speed_kept - swing_use(robot, gait, lift)
         low = 1.0 - lift / (options.low_lift * self.height)
         fast = options.reach_speed * math.sqrt(GRAVITY * self.height)

@@ -18,9 +18,9 @@ from quad_sim.engines.bullet_body import load_body, needed_iterations
 from quad_sim.engines.simulator import (
     FAILURES,
     FRICTION_FRACTION,
-    GRAVITY,
     GROUND,
     TILT_OF_A_FALL,
+    Accelerometer,
     Contact,
     Observation,
     check_commands,
@@ -34,9 +34,6 @@ Array = NDArray[np.float64]
 
 _POSITION_GAIN = 0.3
 _VELOCITY_GAIN = 1.0
-
-_UPWARD = np.array([0.0, 0.0, GRAVITY])
-"""What an accelerometer measures at rest, in the world [m/s^2]."""
 
 
 class BulletRobot:
@@ -84,7 +81,7 @@ class BulletRobot:
         self._foot_zone = foot_zone(robot)
         count = len(self._joints)
         self._gains = [_POSITION_GAIN] * count, [_VELOCITY_GAIN] * count
-        self._last_velocity: Sequence[float] = (0.0, 0.0, 0.0)
+        self._accelerometer = Accelerometer(time_step)
         self._force: list[float] | None = None
 
     @property
@@ -99,7 +96,7 @@ class BulletRobot:
             orientation = self._bullet.getQuaternionFromEuler((0.0, 0.0, pose.yaw))
         else:
             orientation = quaternion_from_matrix(rotation)
-        self._last_velocity = (0.0, 0.0, 0.0)
+        self._accelerometer.reset()
         self._force = None
         self._free: list[int] = []
         self._stuck: dict[int, float] = {}
@@ -130,7 +127,7 @@ class BulletRobot:
         """Have the robot driven in the next step; see :meth:`Simulator.step`."""
         check_commands(joint_positions, joint_velocities)
         self._command(joint_positions, joint_velocities)
-        self._last_velocity, _ = self._bullet.getBaseVelocity(self._body)
+        self._accelerometer.note(self._bullet.getBaseVelocity(self._body)[0])
         if self._force is not None:
             center = self._bullet.getBasePositionAndOrientation(self._body)[0]
             self._bullet.applyExternalForce(
@@ -146,7 +143,6 @@ class BulletRobot:
         to_world = self._to_world(orientation)
         to_base = to_world.T
         to_center = to_world @ self._inertial.center
-        acceleration = (velocity - self._last_velocity) / self.time_step
         states = self._bullet.getJointStates(self._body, self._joints)
         joint_positions, joint_velocities, _, torques = zip(*states)
         contacts = self._contacts()
@@ -161,7 +157,7 @@ class BulletRobot:
             orientation=np.array(orientation),
             linear_velocity_base_in_base=to_base @ (velocity - _cross(spin, to_center)),
             angular_velocity_base_in_base=to_base @ spin,
-            specific_force_in_base=to_base @ (acceleration + _UPWARD),
+            specific_force_in_base=to_base @ self._accelerometer.specific_force(velocity),
             joint_positions=np.array(joint_positions),
             joint_velocities=np.array(joint_velocities),
             joint_efforts=efforts,

@@ -20,10 +20,10 @@ from quad_sim.engines.mujoco_drives import MujocoMotors
 from quad_sim.engines.mujoco_model import make_solid, quaternion_of_yaw, rgba
 from quad_sim.engines.simulator import (
     FAILURES,
-    GRAVITY,
     GROUND,
     OBSTACLE,
     TILT_OF_A_FALL,
+    Accelerometer,
     Contact,
     Observation,
     falls_of,
@@ -74,7 +74,7 @@ class MujocoRobot:
         self._prefix = prefix_of(name)
         self.motors = MujocoMotors(robot, time_step)
         """Motors of its joints."""
-        self._last_velocity = np.zeros(3)
+        self._accelerometer = Accelerometer(time_step)
         self._last_efforts: Array = np.zeros(12)
         self._has_efforts = False
         self._feet = robot.part_names.feet
@@ -125,7 +125,7 @@ class MujocoRobot:
         else:
             x, y, z, w = quaternion_from_matrix(rotation)
         self._force = None
-        self._last_velocity[:] = 0.0
+        self._accelerometer.reset()
         self._has_efforts = False
         self._last_efforts[:] = 0.0
         self.place(base, (x, y, z, w), self._robot.initial_joint_angles.reshape(-1))
@@ -148,7 +148,7 @@ class MujocoRobot:
     def _drive(self, joint_positions: Array, joint_velocities: Array) -> None:
         """Have the robot driven in the next step; see :meth:`Simulator.step`."""
         self.motors.aim(joint_positions, joint_velocities)
-        self._last_velocity[:] = self._base_velocity
+        self._accelerometer.note(self._base_velocity.copy())
         if self._force is not None:
             self._data.xfrc_applied[self._base, :3] = self._force
         self._has_efforts = True
@@ -162,9 +162,6 @@ class MujocoRobot:
         mujoco.mju_quat2Mat(rotation, place[3:])
         to_base = rotation.reshape(3, 3).T
         velocity = motion[:3]
-        force = velocity - self._last_velocity
-        force /= self.time_step
-        force[2] += GRAVITY
         contacts = self._contacts()
         # The cosine of the body's tilt is in the last place of its matrix.
         has_tilted = float(rotation[8]) < _LEAST_UPRIGHT
@@ -174,7 +171,7 @@ class MujocoRobot:
             orientation=orientation,
             linear_velocity_base_in_base=to_base.dot(velocity),
             angular_velocity_base_in_base=motion[3:],
-            specific_force_in_base=to_base.dot(force),
+            specific_force_in_base=to_base.dot(self._accelerometer.specific_force(velocity)),
             joint_positions=self._data.qpos[self._angles].copy(),
             joint_velocities=self._data.qvel[self._speeds].copy(),
             joint_efforts=self._joint_efforts(),

@@ -5,6 +5,7 @@ What every simulator offers: reset, step, observe, close.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -78,7 +79,8 @@ class Observation:
     angular_velocity_base_in_base: Array
     """Shape (3,) [rad/s]."""
     specific_force_in_base: Array
-    """What an accelerometer measures: +g upward at rest, shape (3,) [m/s^2]."""
+    """What an accelerometer measures: +g upward at rest, shape (3,) [m/s^2]; the mean of
+    :class:`Accelerometer`."""
     joint_positions: Array
     """Angles in the order of ``Robot.joint_names``, shape (12,) [rad]."""
     joint_velocities: Array
@@ -203,6 +205,46 @@ class VisibleSimulator(SolidSimulator, Protocol):
 
 GRAVITY = 9.80665
 """Acceleration of free fall [m/s^2]."""
+
+
+_MEAN_TIME = 0.02
+"""Time over which an accelerometer takes the mean [s]."""
+
+
+class Accelerometer:
+    """
+    An accelerometer, which measures the mean over the last 20 ms.
+
+    Those of legged robots filter what is too fast for the rate at which they are read. Feet that
+    land change a body's velocity within milliseconds: who samples that now and then misses it, or
+    takes it for far more than it was.
+
+    Parameters
+    ----------
+    time_step : float
+        Time between two velocities [s].
+    """
+
+    def __init__(self, time_step: float) -> None:
+        self._time_step = time_step
+        self._before: deque[Sequence[float] | Array] = deque(
+            maxlen=max(1, round(_MEAN_TIME / time_step))
+        )
+
+    def reset(self) -> None:
+        """Forget: the body was put somewhere, at rest."""
+        self._before.clear()
+
+    def note(self, velocity: Sequence[float] | Array) -> None:
+        """Take the body's velocity in the world before a step, shape (3,) [m/s]."""
+        self._before.append(velocity)
+
+    def specific_force(self, velocity: Array) -> Array:
+        """Return what it measures after the steps, in the world's axes, shape (3,) [m/s^2]."""
+        force = np.array([0.0, 0.0, GRAVITY])
+        if self._before:
+            force += (velocity - self._before[0]) / (len(self._before) * self._time_step)
+        return force
 
 
 def falls_of(robot: Robot) -> frozenset[Contact]:
