@@ -40,6 +40,7 @@ ROS_COMMANDS = {
     'quad_lab.benchmarks.recordings.playback',
     'quad_lab.benchmarks.recordings.witness',
     'quad_lab.topic_walk.recorded_walk',
+    'quad_lab.recordings.recorded_robot',
     'quad_lab.recordings.recorder',
     'quad_lab.recordings.subscription',
     'quad_lab.recordings.recorded_messages',
