@@ -23,7 +23,6 @@ from quad_common.planar_pose import Pose2D
 from quad_common.ros.pose_conversions import pose_message
 from quad_common.ros.ros_node import QuadNode
 from quad_common.trajectory.joint_trajectory import JointTrajectory
-from quad_gait.behaviours.activity import Activity
 from quad_gait.parameters import GaitParameters
 from quad_gait.ros_conversions import (
     foothold_markers,
@@ -71,6 +70,9 @@ class GaitTopics:
         self._node = node
         self._supervisor = supervisor
         self._is_uneven = parameters.is_uneven
+        # On uneven ground, and in balance, it is decided at every measurement: whoever simulates
+        # is to wait for that from the first one on.
+        self._answers_each = parameters.is_uneven or parameters.balance
         self._is_stamped = parameters.stamped_cmd_vel
         self._received = Path()
         self._followed: Plan | None = None
@@ -169,8 +171,7 @@ class GaitTopics:
 
     def _publish_heartbeat(self, time: float, stamp: Time) -> None:
         """Publish up to when measurements are answered, after all that answers them."""
-        is_urgent = self._is_uneven or self._supervisor.activity is Activity.BALANCING
-        period = 0.0 if is_urgent else _HEARTBEAT
+        period = 0.0 if self._answers_each else _HEARTBEAT
         if not 0.0 <= time - self._last_heartbeat < period:
             self._last_heartbeat = time
             self._heartbeats.publish(Header(stamp=stamp))

@@ -149,18 +149,30 @@ class BalancedMotion:
         """Let no foot lift any more after what holds at a time [s]."""
         self.clock = self.clock._replace(end=self._time_of(self._index_at(time)))
 
-    def follow(self, time: float, joints: Array) -> None:
+    def follow(self, time: float, joints: Array) -> JointTrajectory | None:
         """
-        Go on from what joints (4, 3) [rad] follow at a time [s].
+        Go on from what joints follow.
 
         That is what was given out last, unless nothing has arrived for a while: then they come to
         rest by an earlier motion. Joints that had to be elsewhere at once, when trajectories arrive
         again, would throw the body.
+
+        Parameters
+        ----------
+        time : float
+            When they were measured [s].
+        joints : ndarray, shape (4, 3)
+            Their positions [rad].
+
+        Returns
+        -------
+        JointTrajectory or None
+            The earlier one that they follow; None if it is the last.
         """
         earlier = self._followed.earlier(time, joints)
         place = self._index_at(time) - self._first
         if earlier is None or not 1 <= place < len(self._knots):
-            return
+            return None
         held = slice(place - 1, place + 1)
         given = self._given
         positions, speeds = given.positions.copy(), given.speeds.copy()
@@ -172,6 +184,7 @@ class BalancedMotion:
             self._robot.foot_positions(positions[held]),
             float(given.times[place] - given.times[place - 1]),
         )
+        return self._trajectory(earlier)
 
     def update(
         self,
@@ -242,6 +255,9 @@ class BalancedMotion:
         self._first += before
         self._given = motion
         self._followed.note(motion)
+        return self._trajectory(motion)
+
+    def _trajectory(self, motion: JointMotion) -> JointTrajectory:
         stamp = float(motion.times[0])
         return JointTrajectory(
             joint_names=self._robot.joint_names,

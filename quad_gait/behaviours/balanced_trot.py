@@ -163,7 +163,9 @@ class BalancedTrot(Walk):
             stance = motion.clock.stance_times[0]
             ground.locate(state.time, poses, self._estimator.feet, self._estimator.bears, stance)
         delay = self._delay.take(state.time, state.joints, motion.given)
-        motion.follow(state.time, state.joints)
+        followed = motion.follow(state.time, state.joints)
+        if followed is not None:
+            self._joints.gate.go_back_to(followed)
         trajectory = motion.update(state.time, body, pace, due, ground, delay)
         if trajectory is not None:
             self._joints.busy_until = trajectory.end

@@ -41,6 +41,18 @@ class CommandGate:
         """Know nothing of what is commanded: something else has moved the joints."""
         self._executor = None
 
+    def go_back_to(self, trajectory: JointTrajectory) -> None:
+        """
+        Take the joints to follow an earlier trajectory: what was given out since has not arrived.
+
+        Parameters
+        ----------
+        trajectory : JointTrajectory
+            One that passed, with a time of its own.
+        """
+        self._executor = self._executor_at(trajectory.positions[0])
+        self._executor.accept(trajectory, trajectory.stamp)
+
     def command(self, time: float, measured: Array) -> tuple[Array, Array]:
         """
         Return what the joints are commanded.
@@ -99,6 +111,9 @@ class CommandGate:
 
     def _known(self, measured: Array) -> TrajectoryExecutor:
         if self._executor is None:
-            limits = self.limits
-            self._executor = TrajectoryExecutor(limits.joint_names, limits.clip(measured), limits)
+            self._executor = self._executor_at(measured)
         return self._executor
+
+    def _executor_at(self, positions: Array) -> TrajectoryExecutor:
+        limits = self.limits
+        return TrajectoryExecutor(limits.joint_names, limits.clip(positions), limits)

@@ -5,6 +5,8 @@ Whole walks over topics in a trot that keeps its balance, with pushes on the way
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from itertools import cycle, product
 from typing import Any
@@ -23,7 +25,7 @@ from quad_lab.closed_loop.random_goals import GoalDrawer
 from quad_lab.tools.criterion import Criterion, at_least, at_most, figure
 from quad_lab.topic_walk.walk import WalkOptions, walk
 from quad_lab.topic_walk.walk_observer import WalkObserver
-from quad_lab.topic_walk.walk_record import WalkResult
+from quad_lab.topic_walk.walk_record import WalkRecord, WalkResult
 from quad_sim.engines.registry import AUTO, resolved
 from quad_sim.ros_conversions import push_message
 
@@ -44,6 +46,9 @@ _FIRST, _LAST = 0.1, 0.85
 
 _APART = 1.5
 """Time from one push to the next, at least [s], simulated."""
+
+_COUNTING = 3.0
+"""Time in which the simulator tells how often it pushed, once a walk has ended, at most [s]."""
 
 _NEAR, _HEADED = 0.05, 5.0
 """Distance from the goal [m] and error of the heading [deg] at the end, at most."""
@@ -100,28 +105,41 @@ class Pushes:
         parts = (np.arange(_PUSHES) + rng.uniform(0.0, 1.0, _PUSHES)) / _PUSHES
         self._parts = _FIRST + (_LAST - _FIRST) * parts
         self._publisher: Any = None
+        self._observer: WalkObserver | None = None
         self._last: Pose2D | None = None
         self._walked = 0.0
         self.times: list[float] = []
         """Simulated times at which it was pushed [s]."""
-        self.counted = 0
-        """Number of pushes that the simulator has counted."""
 
     def __call__(self, observer: WalkObserver) -> None:
         """Push if the robot is where it is to be pushed next."""
+        self._observer = observer
         if self._publisher is None:
             self._publisher = observer.publisher(WrenchStamped, 'push')
-        values = observer.statuses.get('sim_node', (b'', '', {}))[2]
-        self.counted = int(values.get('pushes', 0))
         pose, plan, given = observer.pose, observer.plan, len(self.times)
         if pose is None or plan is None or given == _PUSHES:
             return
         self._walked += pose.distance_to(self._last or pose)
         self._last = pose
         is_time = not self.times or observer.time >= self.times[-1] + _APART
-        if is_time and self._walked >= self._parts[given] * plan.length:
+        # A simulator that goes many times as fast as real time is far by when it has been found.
+        is_heard = self._publisher.get_subscription_count() > 0
+        if is_heard and is_time and self._walked >= self._parts[given] * plan.length:
             self._publisher.publish(push_message(self._forces[given], 'base_link'))
             self.times.append(observer.time)
+
+    @property
+    def counted(self) -> int:
+        """Number of pushes that the simulator has counted, as last received."""
+        if self._observer is None:
+            return 0
+        return int(self._observer.statuses.get('sim_node', (b'', '', {}))[2].get('pushes', 0))
+
+    def await_count(self, _: WalkRecord, listen: Callable[[], None]) -> None:
+        """Let the simulator tell of all of them, once a walk has ended, with what goes on."""
+        deadline = time.monotonic() + _COUNTING
+        while self.counted < len(self.times) and time.monotonic() < deadline:
+            listen()
 
 
 def pushed_walks(
@@ -187,11 +205,11 @@ def _walks_of(
             seed=seed + number,
         )
         pushes = Pushes(data, level, rng)
-        record = walk(options, pushes)
+        record = walk(options, pushes, on_end=pushes.await_count)
         began = record.times[0] if record.times else 0.0
         one = PushedWalk(
             robot, name, turning, places[name], goal, pushes.counted,
-            tuple(time - began for time in pushes.times), record.result(),
+            tuple(at - began for at in pushes.times), record.result(),
         )  # fmt: skip
         made.append(one)
         places[name] = goal
@@ -206,7 +224,7 @@ def _say(console: Console, one: PushedWalk) -> None:
     turned = math.nan if result.heading_error is None else result.heading_error
     console.print(
         f'{one.robot} {one.map_name} {one.turning}: {end}, {off:.0f} mm and {turned:.1f} deg off, '
-        f'pushed after {", ".join(f"{time:.1f}" for time in one.push_times)} of '
+        f'pushed after {", ".join(f"{at:.1f}" for at in one.push_times)} of '
         f'{result.walking_time:.1f} s, {result.late_trajectories} late',
         highlight=False,
     )

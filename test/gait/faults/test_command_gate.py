@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from quad_common.errors import CommandOutsideLimits
+from quad_common.errors import CommandJumps, CommandOutsideLimits
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.faults.command_gate import CommandGate
@@ -50,3 +50,17 @@ def test_what_leaves_the_limits_is_refused_however_much_later_it_would_begin():
         gate.admit(moving_knee(-9.0), 3.0, REST)
     # It has changed nothing.
     assert gate.command(3.1, REST)[0] == pytest.approx(REST)
+
+
+def test_joints_that_follow_an_earlier_trajectory_may_go_on_from_there():
+    gate = CommandGate(ROBOT)
+    first = gate.admit(moving_knee(0.0, stamp=3.0), 3.0, REST)
+    gate.admit(moving_knee(-0.3, stamp=3.5, lead=0.5), 3.5, REST)
+    # At rest by the first, as the second has not arrived.
+    on = moving_knee(0.0, stamp=4.0, lead=0.0)
+    with pytest.raises(CommandJumps):
+        gate.admit(on, 4.0, REST)
+    gate.go_back_to(first)
+    assert gate.admit(on, 4.0, REST) is on
+    with pytest.raises(CommandJumps):
+        gate.admit(moving_knee(-0.3, stamp=4.02, lead=0.0), 4.02, REST)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
-from harness import ERROR, LATCHED, OK, PHYSICS, WARN, Bench
+from harness import ERROR, EVERY_SAMPLE, LATCHED, OK, PHYSICS, WARN, Bench
 from nav_msgs.msg import Path
+from std_msgs.msg import Header
 
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D, wrap_angle
 from quad_common.robot_files.robot_file import load_robot
+from quad_common.ros.pose_conversions import seconds_from_time
 from quad_gait.ros_conversions import joints_from_message
 from quad_planner.ros_conversions import path_message
 
@@ -50,6 +53,19 @@ def give_plan(bench: Bench, goal: Pose2D) -> None:
     start = bench.pose
     plan = Plan((Pose2D(start.x, start.y, start.heading_to(goal)), goal))
     bench.publisher(Path, 'plan', LATCHED).publish(path_message(plan, 'map', Time()))
+
+
+def test_a_robot_that_keeps_its_balance_begins_in_step_with_the_simulator(bench: Bench):
+    # It answered ten times a second until it trotted, and its first trajectories came late.
+    cuhk = {'robot': 'cuhk'}
+    start_steered(bench, {'backend': PHYSICS, **cuhk}, **cuhk, gait='trot', balance=True)
+    beats = bench.hear(Header, 'gait/heartbeat', EVERY_SAMPLE)
+    bench.wait_until('it stands for a while', lambda: len(beats) > 30)
+    start = bench.pose
+    give_plan(bench, start @ Pose2D(0.5, 0.0, 0.0))
+    bench.wait_until('it has trotted', lambda: bench.pose.distance_to(start) > 0.2)
+    answered = [seconds_from_time(beat.stamp) for beat in beats]
+    assert max(after - before for before, after in pairwise(answered)) < 0.05
 
 
 def mean_rate(bench: Bench, quantity: Callable[[], float], duration: float) -> float:

@@ -136,6 +136,35 @@ def test_a_robot_that_is_answered_again_while_it_comes_to_rest_is_not_thrown():
         walk.close()
 
 
+@pytest.mark.sweep(kept=2)
+@pytest.mark.parametrize(
+    ('name', 'silence', 'forward', 'left', 'turn'),
+    [
+        ('cuhk', 0.8, 1.0, 0.0, 0.0),
+        ('a1', 0.8, 0.5, 0.4, 0.5),
+        ('a1', 0.8, 0.0, 0.5, 0.0),
+        ('titan_viii', 0.5, 1.0, 0.0, 0.0),
+    ],
+)
+def test_a_robot_that_has_come_to_rest_unheard_goes_on(name, silence, forward, left, turn):
+    # The last gate stopped it: it took the joints to be where they had not been told to be.
+    pytest.importorskip('pybullet')
+    for part in np.arange(4) / 4.0:
+        with preferred('bullet'):
+            walk = BalanceWalk(BalanceCase(name, speed=1.0))
+        loop, speed = walk.loop, walk.speed
+        try:
+            loop.controller.set_twist(Twist2D(forward * speed, left * speed, turn))
+            loop.run(1.5 + (2.0 + part) * walk.period)
+            loop.is_deaf = True
+            loop.run(silence)
+            loop.is_deaf = False
+            loop.run(1.0)
+            assert not walk.is_lost, loop.controller.reason
+        finally:
+            walk.close()
+
+
 def test_a_trial_leaves_everything_as_it_was():
     walk = BalanceWalk(BalanceCase('cuhk', speed=0.0))
     try:
