@@ -73,6 +73,9 @@ _PATIENCE = 1.0
 """Time on the wall clock without an answer after which it is not waited for [s]: a gait that gets
 no processor for that long would lose whole cycles."""
 
+_LONGEST_LOOK = 0.2
+"""Time between two looks of which more does not count: all of the machine stood still then [s]."""
+
 
 class Answers:
     """
@@ -83,8 +86,8 @@ class Answers:
     """
 
     def __init__(self) -> None:
-        self._up_to = -math.inf
-        self._received_at = -math.inf
+        self._up_to = self._looked_at = -math.inf
+        self._waited = _PATIENCE
         self._ahead = _AHEAD
 
     def take(self, stamp: float, simulated: float, wall: float) -> None:
@@ -101,7 +104,7 @@ class Answers:
         if self._up_to < stamp <= simulated:
             since = stamp - self._up_to
             self._ahead = _MEASUREMENTS_AHEAD * since if since <= _OFTEN else _AHEAD
-            self._up_to, self._received_at = stamp, wall
+            self._up_to, self._looked_at, self._waited = stamp, wall, 0.0
 
     def wait(self, simulated: float, wall: float) -> float:
         """
@@ -117,6 +120,8 @@ class Answers:
         float
             Real time to wait at most, until an answer comes; 0 to go on [s].
         """
+        self._waited += min(wall - self._looked_at, _LONGEST_LOOK)
+        self._looked_at = wall
         if simulated - self._up_to <= self._ahead:
             return 0.0
-        return max(0.0, self._received_at + _PATIENCE - wall)
+        return max(0.0, _PATIENCE - self._waited)

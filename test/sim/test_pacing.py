@@ -1,5 +1,6 @@
 """Simulated time keeps its pace by the wall clock, or does not leave the gait behind."""
 
+import numpy as np
 import pytest
 
 from quad_sim.pacing import Answers, Pacing
@@ -33,6 +34,22 @@ def test_the_measured_factor_is_that_since_the_last_time():
     assert pacing.measured_factor(5.0, wall=4.0) == pytest.approx(0.5)
 
 
+def waited(answers, simulated, since, until):
+    """Look again and again, as a simulator does; return how much longer is to be waited."""
+    for wall in np.arange(since, until + 1e-9, 0.1):
+        wait = answers.wait(simulated, wall)
+    return wait
+
+
+def test_a_pause_of_the_machine_is_no_silence_of_the_gait():
+    # The simulator went on at once, and the gait, paused like it, was left behind.
+    answers = Answers()
+    answers.take(1.0, 1.0, wall=5.0)
+    assert answers.wait(1.3, wall=5.1) > 0.0
+    assert answers.wait(1.3, wall=25.0) > 0.0
+    assert waited(answers, 1.3, 25.0, 26.0) == 0.0
+
+
 def test_nobody_is_waited_for_who_has_never_answered():
     assert Answers().wait(100.0, wall=1.0) == 0.0
 
@@ -41,7 +58,7 @@ def test_a_gait_that_is_left_behind_is_waited_for_until_it_answers():
     answers = Answers()
     answers.take(1.0, 1.0, wall=5.0)
     assert answers.wait(1.1, wall=5.0) == 0.0
-    assert answers.wait(1.3, wall=5.3) == pytest.approx(0.7)
+    assert waited(answers, 1.3, 5.0, 5.3) == pytest.approx(0.7)
     answers.take(1.2, 1.3, wall=5.4)
     assert answers.wait(1.3, wall=5.4) == 0.0
 
@@ -49,7 +66,7 @@ def test_a_gait_that_is_left_behind_is_waited_for_until_it_answers():
 def test_a_gait_that_is_silent_is_not_waited_for_any_more():
     answers = Answers()
     answers.take(1.0, 1.0, wall=5.0)
-    assert answers.wait(1.3, wall=6.1) == 0.0
+    assert waited(answers, 1.3, 5.0, 6.1) == 0.0
     # It is waited for again once it answers.
     answers.take(1.4, 1.5, wall=9.0)
     assert answers.wait(1.7, wall=9.1) > 0.0
@@ -70,5 +87,6 @@ def test_a_gait_that_answers_each_measurement_is_to_answer_it_before_the_next():
 def test_an_answer_that_is_old_or_of_the_future_holds_nobody_up(stamp):
     answers = Answers()
     answers.take(1.0, 1.0, wall=5.0)
+    assert waited(answers, 2.0, 5.0, 5.9) > 0.0
     answers.take(stamp, 2.0, wall=5.9)
-    assert answers.wait(2.0, wall=6.1) == 0.0
+    assert waited(answers, 2.0, 5.9, 6.1) == 0.0
