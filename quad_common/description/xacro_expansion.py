@@ -43,7 +43,7 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
     Raises
     ------
     DescriptionUnusable
-        If it cannot be expanded.
+        If it cannot be expanded, or does not ask for an argument that is given.
     MissingOptionalDependency
         If xacro is not installed.
     """
@@ -51,24 +51,44 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
         raise MissingOptionalDependency('xacro', "pip install 'quadwalk[robots]'")
     with packages_around(path) as folders:
         try:
-            text = call_in_bounds(_expand, str(path.absolute()), dict(arguments), bounds=_BOUNDS)
+            text, asked = call_in_bounds(
+                _expand, str(path.absolute()), dict(arguments), bounds=_BOUNDS
+            )
         except BeyondBounds as error:
             raise DescriptionUnusable(path, f'xacro cannot expand it: {error}') from None
         except CallFailed as error:
             reason = _reason(error.message, error.kind, folders)
             raise DescriptionUnusable(path, f'xacro cannot expand it: {reason}') from None
+    if unknown := sorted(set(arguments) - set(asked)):
+        known = ', '.join(map(quoted, asked)) or 'none'
+        raise DescriptionUnusable(
+            path, f'asks for no argument {quoted(unknown[0])}; it asks for {known}'
+        )
     # Folders may have any name, and this is XML, whose attributes are in double quotes.
     return in_real_folders(text, folders, lambda path: escape(path, {'"': '&quot;'})).encode(
         errors='surrogatepass'
     )
 
 
-def _expand(path: str, arguments: dict[str, str]) -> str:
-    """Expand a file; what it says is evaluated."""
+class _Arguments(dict[str, str]):
+    """Values of arguments, and which were asked for: xacro takes any without a word."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(str(name))
+        return super().__contains__(name)
+
+
+def _expand(path: str, arguments: dict[str, str]) -> tuple[str, list[str]]:
+    """Expand a file, which is evaluated; return what it says, and what arguments it asks for."""
     import xacro
 
-    text: str = xacro.process_file(path, mappings=arguments).toxml()
-    return text
+    given = _Arguments(arguments)
+    text: str = xacro.process_file(path, mappings=given).toxml()
+    return text, sorted(given.asked)
 
 
 def _reason(error: str, kind: str, folders: Mapping[str, str]) -> str:

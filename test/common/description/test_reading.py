@@ -82,6 +82,11 @@ def test_xacro_takes_arguments(xacro_file):
     assert read_description(xacro_file, {'mass': '3.5'}).links[0].inertial.mass == 3.5
 
 
+def test_arguments_that_no_file_asks_for_are_refused_with_those_that_it_does(xacro_file):
+    with pytest.raises(DescriptionError, match="no argument 'mas'; it asks for 'mass'"):
+        read_description(xacro_file, {'mas': '3.5'})
+
+
 def test_arguments_that_are_missing_are_asked_for(xacro_file):
     xacro_file.write_text(XACRO.replace('<xacro:arg name="mass" default="2.0"/>', ''))
     with pytest.raises(DescriptionError, match='--argument NAME=VALUE'):
