@@ -86,6 +86,10 @@ class BalanceOptions:
     """Gain with which legs are set so that the body has no tilt in the mean [1/s]."""
     largest_upright: float = 0.03
     """Angle by which they are, at most [rad]."""
+    sway_gain: float = 0.5
+    """Gain with which the sway of each cycle is learned, to which standing legs give way [1/s]."""
+    sway_fading: float = 0.1
+    """Part of it that is forgotten in a second [1/s]."""
     largest_trim: float = 0.3
     """Trim, at most, as a fraction of sqrt(g h)."""
     pushed: float = 0.3

@@ -15,10 +15,17 @@ from quad_gait.balance.balance_options import BalanceOptions
 from quad_gait.balance.body_estimate import BodyEstimate
 from quad_gait.balance.feet import UNKNOWN, Demand, FootPlan, GroundAhead
 from quad_gait.balance.followed_motion import FollowedMotion
-from quad_gait.balance.foot_laws import GRAVITY, STILL, Pace, pendulum_time
+from quad_gait.balance.foot_laws import (
+    GRAVITY,
+    STILL,
+    Pace,
+    pendulum_time,
+    sway_velocity,
+)
 from quad_gait.balance.foot_plan import FootPlanner, March
 from quad_gait.balance.joint_motion import JointMotion, JointMotionPlanner
 from quad_gait.balance.known_ground import KnownGround
+from quad_gait.balance.learned_errors import LearnedErrors
 from quad_gait.balance.phase_clock import PhaseClock
 from quad_gait.cycle.gait import Gait
 from quad_gait.ground.ground_slope import Slope
@@ -85,9 +92,8 @@ class BalancedMotion:
         )
         self._unit = math.sqrt(GRAVITY * self._planner.height)
         self._followed = FollowedMotion(options)
-        self._trim = (0.0, 0.0)
-        self.upright = (0.0, 0.0)
-        """Roll and pitch for which legs are set so that the body has none in the mean [rad]."""
+        self.learned = LearnedErrors(options, self._unit)
+        """What it has learned of errors that stay, or come back in every cycle."""
         self._delay = 0.0
         self._decided = -math.inf
 
@@ -178,6 +184,8 @@ class BalancedMotion:
         positions, speeds = given.positions.copy(), given.speeds.copy()
         for k in range(held.start, held.stop):
             positions[k], speeds[k] = earlier.at_or_after(float(given.times[k]))
+        # Between its points a motion may be a little faster than joints are to be at them.
+        speeds[held] = np.clip(speeds[held], -self._robot.velocity, self._robot.velocity)
         self._given = JointMotion(given.times, positions, speeds)
         self._knots[place] = self._planner.rejoined(
             self._knots[place],
@@ -227,7 +235,8 @@ class BalancedMotion:
         if self.is_leaning(time):
             pace = STILL
         else:
-            self._adapt(body, self._knots[place].pace, due, pace)
+            planned = self._knots[place].pace
+            self.learned.learn(body, planned, due or planned, pace, self._phase(time))
         times = [self._time_of(index + k) for k in range(self._options.knots + 1)]
         plan = self._planner.met(self._knots[place], self.clock, time, body)
         ahead = UNKNOWN
@@ -281,10 +290,11 @@ class BalancedMotion:
         slope, options = body.slope, self._options
         demand = Demand(
             pace, Pace(*body.velocity, body.turn), roll - slope.roll, pitch - slope.pitch,
-            slope, self._trim, body.roughness, ground=ground,
+            slope, self.learned.trim, body.roughness, ground=ground,
             leveling=1.0 - self._delay * (1.0 - options.late_leveling),
             capturing=1.0 - self._delay * (1.0 - options.late_capture),
-            upright=self.upright, roughest=body.roughest,
+            upright=self.learned.upright, roughest=body.roughest,
+            sway=self.learned.sway, swaying=sway_velocity(self._phase(time), self.learned.sway),
         )  # fmt: skip
         return self._planner.march(plan, self.clock, times, demand)
 
@@ -305,7 +315,7 @@ class BalancedMotion:
         # A body that is slowed down has its feet ahead, as if it were faster than it is to be.
         lead = self._planner.height / GRAVITY * slowing / max(self._planner.capture_time, 1e-6)
         demand = Demand(
-            STILL, STILL, slope=slope, trim=self._trim, roughness=body.roughness, lead=lead,
+            STILL, STILL, slope=slope, trim=self.learned.trim, roughness=body.roughness, lead=lead,
             ground=ground, roughest=body.roughest,
         )  # fmt: skip
         count = math.ceil((end + clock.longest_swing - time) / options.rest_knot_time) + 1
@@ -314,24 +324,9 @@ class BalancedMotion:
             times.append(times[-1] + options.rest_knot_time)
         return self._planner.march(plan, clock, times, demand), times
 
-    def _adapt(self, body: BodyEstimate, planned: Pace, due: Pace | None, wanted: Pace) -> None:
-        """
-        Learn what the body is off in the mean, but for pushes and changes.
-
-        Less is asked for of one that is faster than it should be, and legs are set against the tilt
-        of one that leans.
-        """
-        options, unit = self._options, self._unit
-        due = due or planned
-        x, y = body.velocity[0] - due.forward, body.velocity[1] - due.left
-        change = math.hypot(wanted.forward - planned.forward, wanted.left - planned.left)
-        if math.hypot(x, y) > options.pushed * unit or change > options.steady * unit:
-            return
-        step, most = options.trim_gain * options.knot_time, options.largest_trim * unit
-        self._trim = _integrated(self._trim, (x, y), step, most)
-        off = body.roll - body.slope.roll, body.pitch - body.slope.pitch
-        step = options.upright_gain * options.knot_time
-        self.upright = _integrated(self.upright, off, -step, options.largest_upright)
+    def _phase(self, time: float) -> float:
+        """Return how many cycles have gone by at a time [s]."""
+        return (time - self.clock.start) / self.clock.period
 
     def _index_at(self, time: float) -> int:
         """Return which knot is the first that need not hold after a measurement at a time [s]."""
@@ -340,11 +335,3 @@ class BalancedMotion:
 
     def _time_of(self, index: int) -> float:
         return self._start + index * self._options.knot_time
-
-
-def _integrated(
-    sums: tuple[float, float], errors: tuple[float, float], gain: float, most: float
-) -> tuple[float, float]:
-    """Return integrals of two errors after one more, each within bounds."""
-    (a, b), (x, y) = sums, errors
-    return min(max(a + gain * x, -most), most), min(max(b + gain * y, -most), most)

@@ -162,3 +162,8 @@ class Demand(NamedTuple):
     these in the mean [rad]."""
     roughest: float = 0.0
     """Height by which feet that stood were off the plane of the ground in a longer while [m]."""
+    sway: tuple[float, float] = (0.0, 0.0)
+    """Velocity to the left that comes back in every cycle, as cosine and sine of the phase
+    [m/s]."""
+    swaying: float = 0.0
+    """That velocity at the measurement [m/s]."""

@@ -92,6 +92,64 @@ def ground_velocity(x: float, y: float, pace: Pace) -> tuple[float, float]:
 
 
 @compiled_part
+def sway_velocity(phase: float, sway: tuple[float, float]) -> float:
+    """
+    Return how fast a body sways to the left at a phase.
+
+    Parameters
+    ----------
+    phase : float
+        Cycles since it began to trot.
+    sway : tuple of float
+        Parts that go as the cosine and the sine of the phase [m/s].
+
+    Returns
+    -------
+    float
+        [m/s]
+    """
+    angle = 2.0 * math.pi * phase
+    return sway[0] * math.cos(angle) + sway[1] * math.sin(angle)
+
+
+@compiled_part
+def pace_after(
+    last: Array, wanted: Pace, dt: float, acceleration: float, turn_acceleration: float
+) -> Pace:
+    """
+    Return the pace after a time, gathered no faster than is wanted.
+
+    Parameters
+    ----------
+    last : ndarray, shape (3,)
+        Velocity before [m/s], [rad/s].
+    wanted : Pace
+        Velocity to be gathered.
+    dt : float
+        Time [s].
+    acceleration : float
+        Largest acceleration, as a fraction of g.
+    turn_acceleration : float
+        The same of turns [rad/s^2].
+
+    Returns
+    -------
+    Pace
+    """
+    step, turn_step = dt * GRAVITY * acceleration, dt * turn_acceleration
+    return Pace(
+        _toward(last[0], wanted.forward, step),
+        _toward(last[1], wanted.left, step),
+        _toward(last[2], wanted.turn, turn_step),
+    )
+
+
+@compiled_part
+def _toward(value: float, wanted: float, step: float) -> float:
+    return value + min(max(wanted - value, -step), step)
+
+
+@compiled_part
 def swing_on(
     place: float, velocity: float, target: float, at_landing: float, left: float, dt: float
 ) -> tuple[float, float]:

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from quad_common.compiled import compiled_loop, compiled_part
 from quad_gait.balance.feet import Demand
 from quad_gait.balance.foot_laws import (
-    GRAVITY,
     Pace,
     ground_velocity,
     landing_place,
+    pace_after,
+    sway_velocity,
     swing_height,
     swing_on,
     tilted_back,
@@ -128,14 +129,18 @@ def march(
     for k in range(len(times) - 1):
         begin, end = times[k], times[k + 1]
         here = _here(demand, paces[k], begin >= clock.end)
-        pace = _pace_after(paces[k], here.pace, end - begin, manner)
+        pace = pace_after(
+            paces[k], here.pace, end - begin, manner.acceleration, manner.turn_acceleration
+        )
         paces[k + 1, 0], paces[k + 1, 1], paces[k + 1, 2] = pace.forward, pace.left, pace.turn
         before = knots[k]
         settling = _settling(before, here, risen, manner)
         if here.ground.is_known:
             risen += (1.0 - _kept(end - begin, manner)) * settling
-        factor = pendulum_factor(clock, (begin + end) / 2.0, manner.rate)
-        law = _law(pace, here, factor, settling, risen, manner)
+        middle = (begin + end) / 2.0
+        sway = sway_velocity((middle - clock.start) / clock.period, here.sway)
+        in_cycle = pendulum_factor(clock, middle, manner.rate), sway
+        law = _law(pace, here, in_cycle, settling, risen, manner)
         if begin < clock.start and (here.slope.ahead != 0.0 or here.slope.aside != 0.0):
             law = _leaning(before, law, manner, legs)
         for leg in range(len(before)):
@@ -159,39 +164,28 @@ def _here(demand: Demand, pace: Array, no_more_lifts: bool) -> Demand:
     return Demand(
         demand.pace, measured, demand.roll, demand.pitch, demand.slope, (x, y),
         demand.roughness, demand.lead, demand.ground, demand.leveling, demand.capturing,
-        demand.upright, demand.roughest,
+        demand.upright, demand.roughest, demand.sway, demand.swaying,
     )  # fmt: skip
 
 
 @compiled_part
-def _pace_after(last: Array, wanted: Pace, dt: float, manner: Manner) -> Pace:
-    """Return the pace after a time [s], gathered no faster than the options allow."""
-    step = dt * GRAVITY * manner.acceleration
-    turn_step = dt * manner.turn_acceleration
-    return Pace(
-        _toward(last[0], wanted.forward, step),
-        _toward(last[1], wanted.left, step),
-        _toward(last[2], wanted.turn, turn_step),
-    )
-
-
-@compiled_part
-def _toward(value: float, wanted: float, step: float) -> float:
-    return value + min(max(wanted - value, -step), step)
-
-
-@compiled_part
 def _law(
-    pace: Pace, demand: Demand, factor: float, settling: float, risen: float, manner: Manner
+    pace: Pace,
+    demand: Demand,
+    in_cycle: tuple[float, float],
+    settling: float,
+    risen: float,
+    manner: Manner,
 ) -> _Law:
-    """Return how feet move, for a body that is to be faster than on average by a factor."""
+    """Return how feet move, for a body that is faster than on average by a factor, and sways."""
+    factor, sway = in_cycle
     measured = demand.measured
     mean = Pace(pace.forward - demand.trim[0], pace.left - demand.trim[1], pace.turn)
     aim = Pace(factor * mean.forward, factor * mean.left, factor * mean.turn)
     ex, ey = measured.forward - aim.forward, measured.left - aim.left
     given_way = Pace(
         aim.forward + manner.giving_way * ex,
-        aim.left + manner.giving_way * ey,
+        aim.left + sway + manner.giving_way * (ey - demand.swaying),
         aim.turn + manner.turn_giving_way * (measured.turn - aim.turn),
     )
     # The step to the capture point, and what a curve needs: (h / g) w x v.

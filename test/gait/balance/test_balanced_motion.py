@@ -103,17 +103,19 @@ def test_nothing_follows_what_was_not_answered_to_in_time():
 def test_legs_are_set_against_the_tilt_that_a_body_has_in_the_mean():
     motion, leaning = motion_with(), replace(STILL, roll=0.02, pitch=-0.01)
     updates(motion, [leaning] * 26, Pace(0.0, 0.0, 0.0))
-    assert motion.upright == pytest.approx((-0.2 * 26 * 0.02 * 0.02, 0.2 * 26 * 0.02 * 0.01))
+    assert motion.learned.upright == pytest.approx(
+        (-0.2 * 26 * 0.02 * 0.02, 0.2 * 26 * 0.02 * 0.01)
+    )
     motion = motion_with()
     updates(motion, [replace(STILL, roll=0.5)] * 26, Pace(0.0, 0.0, 0.0))
-    assert motion.upright[0] == -BalanceOptions().largest_upright
+    assert motion.learned.upright[0] == -BalanceOptions().largest_upright
 
 
 def test_a_push_does_not_count_as_a_tilt_in_the_mean():
     motion = motion_with()
     shoved = replace(STILL, velocity=(0.0, 0.5), roll=0.2)
     updates(motion, [shoved] * 20, Pace(0.0, 0.0, 0.0))
-    assert motion.upright == (0.0, 0.0)
+    assert motion.learned.upright == (0.0, 0.0)
 
 
 def test_legs_that_are_set_against_a_tilt_stand_on_a_plane_that_is_tilted_so():
