@@ -297,7 +297,7 @@ class Leg:
         c1, s1, c2, s2 = np.cos(q1), np.sin(q1), np.cos(q2), np.sin(q2)
         q2 += q3
         c3, s3 = np.cos(q2), np.sin(q2)
-        sin_knee = np.sin(q3)
+        sin_knee = s3 * c2 - c3 * s2
         B = k.radial + k.thigh * c2 + k.calf * c3
         k.check_regular(sin_knee, B)
         speeds = np.empty((3, *q1.shape))

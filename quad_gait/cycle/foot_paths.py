@@ -144,19 +144,23 @@ def foot_paths(
     """
     start, target = footholds
     step = target - start
-    feet = np.empty((*step.shape[:-2], len(schedule.times), len(LEGS), 3))
-    feet[:] = start[..., None, :, :]
-    velocities = np.zeros_like(feet)
     if rolling is not None:
-        feet[..., :2] += rolling.displacement
-        velocities[..., :2] += rolling.velocity
-        step = step.copy()
         step[..., :2] -= rolling.displacement[..., -1, :, :]
-    step = step[..., None, :, :]
-    feet += schedule.step[..., None] * step
-    velocities += schedule.step_rate[..., None] * step
-    feet[..., 2] += schedule.lift
-    velocities[..., 2] += schedule.lift_rate
+    feet = np.empty((*step.shape[:-2], len(schedule.times), len(LEGS), 3))
+    velocities = np.empty_like(feet)
+    for axis in range(3):
+        # Each axis by itself: arrays of numbers that lie side by side are several times as quick.
+        place, way = start[..., None, :, axis], step[..., None, :, axis]
+        speed = schedule.step_rate * way
+        if axis == 2:
+            place = place + schedule.step * way + schedule.lift
+            speed += schedule.lift_rate
+        elif rolling is None:
+            place = place + schedule.step * way
+        else:
+            place = place + rolling.displacement[..., axis] + schedule.step * way
+            speed += rolling.velocity[..., axis]
+        feet[..., axis], velocities[..., axis] = place, speed
     in_body, velocities_in_body = _in_body(schedule, standing_height, feet, velocities, course)
     return FootPaths(in_body, velocities_in_body, feet)
 
