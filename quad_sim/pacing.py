@@ -88,6 +88,7 @@ class Answers:
     def __init__(self) -> None:
         self._up_to = self._looked_at = -math.inf
         self._waited = _PATIENCE
+        self._between = math.inf
         self._ahead = _AHEAD
 
     def take(self, stamp: float, simulated: float, wall: float) -> None:
@@ -103,7 +104,9 @@ class Answers:
         """
         if self._up_to < stamp <= simulated:
             since = stamp - self._up_to
-            self._ahead = _MEASUREMENTS_AHEAD * since if since <= _OFTEN else _AHEAD
+            # One that skips a measurement, as it is late, is not to be left behind farther for it.
+            self._between = min(self._between, since) if since <= _OFTEN else math.inf
+            self._ahead = min(_MEASUREMENTS_AHEAD * self._between, _AHEAD)
             self._up_to, self._looked_at, self._waited = stamp, wall, 0.0
 
     def wait(self, simulated: float, wall: float) -> float:

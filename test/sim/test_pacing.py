@@ -83,6 +83,15 @@ def test_a_gait_that_answers_each_measurement_is_to_answer_it_before_the_next():
     assert answers.wait(1.3, wall=5.0) == 0.0
 
 
+def test_a_gait_that_skips_a_measurement_is_not_left_behind_farther():
+    # It answered every other measurement from then on, each two late.
+    answers = Answers()
+    for time in (1.0, 1.02, 1.06):
+        answers.take(time, time, wall=5.0)
+    assert answers.wait(1.08, wall=5.0) == 0.0
+    assert answers.wait(1.1, wall=5.0) > 0.0
+
+
 @pytest.mark.parametrize('stamp', [0.5, 1.0, 7.0, float('nan'), float('inf')])
 def test_an_answer_that_is_old_or_of_the_future_holds_nobody_up(stamp):
     answers = Answers()
