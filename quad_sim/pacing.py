@@ -70,8 +70,11 @@ _MEASUREMENTS_AHEAD = 1.5
 """Number of measurements by which such a gait may be left behind, before the next one."""
 
 _PATIENCE = 1.0
-"""Time on the wall clock without an answer after which it is not waited for [s]: a gait that gets
-no processor for that long would lose whole cycles."""
+"""Time on the wall clock without an answer for which a gait is waited for [s]."""
+
+_GONE = 5.0
+"""The same after which it is taken to be gone [s]: until then simulated time goes on no faster than
+the wall clock's, as a gait that gets no processor meanwhile would lose whole cycles."""
 
 _LONGEST_LOOK = 0.2
 """Time between two looks of which more does not count: all of the machine stood still then [s]."""
@@ -87,8 +90,9 @@ class Answers:
 
     def __init__(self) -> None:
         self._up_to = self._looked_at = -math.inf
-        self._waited = _PATIENCE
-        self._between = math.inf
+        self._waited = _GONE
+        self._alone_from = 0.0, 0.0
+        self._between, self._gaps = math.inf, 0
         self._ahead = _AHEAD
 
     def take(self, stamp: float, simulated: float, wall: float) -> None:
@@ -104,8 +108,12 @@ class Answers:
         """
         if self._up_to < stamp <= simulated:
             since = stamp - self._up_to
-            # One that skips a measurement, as it is late, is not to be left behind farther for it.
-            self._between = min(self._between, since) if since <= _OFTEN else math.inf
+            # One that skips measurements once, as it is late, is not left behind farther for it.
+            self._gaps = 0 if since <= _OFTEN else self._gaps + 1
+            if self._gaps == 0:
+                self._between = min(self._between, since)
+            elif self._gaps > 1:
+                self._between = math.inf
             self._ahead = min(_MEASUREMENTS_AHEAD * self._between, _AHEAD)
             self._up_to, self._looked_at, self._waited = stamp, wall, 0.0
 
@@ -125,6 +133,10 @@ class Answers:
         """
         self._waited += min(wall - self._looked_at, _LONGEST_LOOK)
         self._looked_at = wall
-        if simulated - self._up_to <= self._ahead:
+        if simulated - self._up_to <= self._ahead or self._waited >= _GONE:
             return 0.0
-        return max(0.0, _PATIENCE - self._waited)
+        if self._waited < _PATIENCE:
+            self._alone_from = simulated, _PATIENCE
+            return _PATIENCE - self._waited
+        began, waited = self._alone_from
+        return max(0.0, simulated - began - (self._waited - waited))

@@ -66,10 +66,21 @@ def test_a_gait_that_is_left_behind_is_waited_for_until_it_answers():
 def test_a_gait_that_is_silent_is_not_waited_for_any_more():
     answers = Answers()
     answers.take(1.0, 1.0, wall=5.0)
-    assert waited(answers, 1.3, 5.0, 6.1) == 0.0
+    assert waited(answers, 1.3, 5.0, 10.1) == 0.0
+    assert answers.wait(9.0, wall=10.2) == 0.0
     # It is waited for again once it answers.
     answers.take(1.4, 1.5, wall=9.0)
     assert answers.wait(1.7, wall=9.1) > 0.0
+
+
+def test_after_a_second_without_an_answer_time_goes_on_no_faster_than_the_wall_clock():
+    # A gait that was not given the processor for 1.5 s lost whole cycles, and robots fell.
+    answers = Answers()
+    answers.take(1.0, 1.0, wall=5.0)
+    assert waited(answers, 1.3, 5.0, 6.0) == pytest.approx(0.0, abs=1e-9)
+    assert answers.wait(1.32, wall=6.0) == pytest.approx(0.02)
+    assert answers.wait(1.32, wall=6.02) == pytest.approx(0.0, abs=1e-9)
+    assert answers.wait(2.3, wall=6.1) == pytest.approx(0.9)
 
 
 def test_a_gait_that_answers_each_measurement_is_to_answer_it_before_the_next():
@@ -80,7 +91,9 @@ def test_a_gait_that_answers_each_measurement_is_to_answer_it_before_the_next():
     assert answers.wait(1.04, wall=5.0) > 0.0
     # Once it answers seldom again it has its lead.
     answers.take(1.12, 1.12, wall=5.0)
-    assert answers.wait(1.3, wall=5.0) == 0.0
+    assert answers.wait(1.3, wall=5.0) > 0.0
+    answers.take(1.22, 1.22, wall=5.0)
+    assert answers.wait(1.4, wall=5.0) == 0.0
 
 
 def test_a_gait_that_skips_a_measurement_is_not_left_behind_farther():
