@@ -91,7 +91,7 @@ class Answers:
     def __init__(self) -> None:
         self._up_to = self._looked_at = -math.inf
         self._waited = _GONE
-        self._alone_from = 0.0, 0.0
+        self._alone_from: tuple[float, float] | None = None
         self._between, self._gaps = math.inf, 0
         self._ahead = _AHEAD
 
@@ -116,6 +116,7 @@ class Answers:
                 self._between = math.inf
             self._ahead = min(_MEASUREMENTS_AHEAD * self._between, _AHEAD)
             self._up_to, self._looked_at, self._waited = stamp, wall, 0.0
+            self._alone_from = None
 
     def wait(self, simulated: float, wall: float) -> float:
         """
@@ -136,7 +137,8 @@ class Answers:
         if simulated - self._up_to <= self._ahead or self._waited >= _GONE:
             return 0.0
         if self._waited < _PATIENCE:
-            self._alone_from = simulated, _PATIENCE
             return _PATIENCE - self._waited
+        if self._alone_from is None:
+            self._alone_from = simulated, self._waited
         began, waited = self._alone_from
         return max(0.0, simulated - began - (self._waited - waited))

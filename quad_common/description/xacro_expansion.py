@@ -81,6 +81,10 @@ class _Arguments(dict[str, str]):
         self.asked.add(str(name))
         return super().__contains__(name)
 
+    def __getitem__(self, name: str) -> str:
+        self.asked.add(name)
+        return super().__getitem__(name)
+
 
 def _expand(path: str, arguments: dict[str, str]) -> tuple[str, list[str]]:
     """Expand a file, which is evaluated; return what it says, and what arguments it asks for."""

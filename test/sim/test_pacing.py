@@ -77,10 +77,19 @@ def test_after_a_second_without_an_answer_time_goes_on_no_faster_than_the_wall_c
     # A gait that was not given the processor for 1.5 s lost whole cycles, and robots fell.
     answers = Answers()
     answers.take(1.0, 1.0, wall=5.0)
-    assert waited(answers, 1.3, 5.0, 6.0) == pytest.approx(0.0, abs=1e-9)
-    assert answers.wait(1.32, wall=6.0) == pytest.approx(0.02)
-    assert answers.wait(1.32, wall=6.02) == pytest.approx(0.0, abs=1e-9)
-    assert answers.wait(2.3, wall=6.1) == pytest.approx(0.9)
+    assert waited(answers, 1.3, 5.0, 6.1) == 0.0
+    assert answers.wait(1.32, wall=6.1) == pytest.approx(0.02)
+    assert answers.wait(1.32, wall=6.12) == pytest.approx(0.0, abs=1e-9)
+    assert answers.wait(2.3, wall=6.2) == pytest.approx(0.9)
+
+
+def test_a_gait_that_falls_silent_late_is_not_waited_for_since_the_beginning():
+    # A slow machine simulates for more than a second what a gait may be left behind by.
+    answers = Answers()
+    answers.take(100.0, 100.0, wall=5.0)
+    assert waited(answers, 100.1, 5.0, 6.5) == 0.0
+    assert answers.wait(100.3, wall=6.6) == 0.0
+    assert answers.wait(100.32, wall=6.6) == pytest.approx(0.02)
 
 
 def test_a_gait_that_answers_each_measurement_is_to_answer_it_before_the_next():

@@ -91,6 +91,7 @@ def test_arguments_that_are_missing_are_asked_for(xacro_file):
     xacro_file.write_text(XACRO.replace('<xacro:arg name="mass" default="2.0"/>', ''))
     with pytest.raises(DescriptionError, match='--argument NAME=VALUE'):
         read_description(xacro_file)
+    assert read_description(xacro_file, {'mass': '3.5'}).links[0].inertial.mass == 3.5
 
 
 def test_packages_have_the_names_that_they_give_themselves(xacro_file, tmp_path):
