@@ -47,6 +47,21 @@ class CommandParser(argparse.ArgumentParser):
                 self.error(f"argument {option}: '--' is no value")
 
 
+class PrintVersion(argparse.Action):
+    """Prints which version of quadwalk is installed, and ends."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Print it; what finds it takes a while to import, and is seldom asked."""
+        from importlib import metadata
+
+        try:
+            version = metadata.version('quadwalk')
+        except metadata.PackageNotFoundError:
+            version = '(a source tree that is not installed)'
+        print(f'quadwalk {version}')
+        parser.exit()
+
+
 def pose_argument(text: str) -> Pose2D:
     """
     Read ``x,y,yaw`` in metres and radians; ``90deg`` gives the yaw in degrees.

@@ -17,7 +17,7 @@ import os
 import sys
 from types import ModuleType
 
-from quad_cli.arguments import CommandParser, with_negative_values
+from quad_cli.arguments import CommandParser, PrintVersion, with_negative_values
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped
 
@@ -69,6 +69,9 @@ def main(args: list[str] | None = None) -> int:
     """
     parser = CommandParser(
         prog='quadwalk', description='Walk a quadruped robot from a map to a goal.'
+    )
+    parser.add_argument(
+        '--version', action=PrintVersion, nargs=0, help='print the version and exit'
     )
     commands = parser.add_subparsers(dest='command', metavar='command', required=True)
     args = sys.argv[1:] if args is None else args

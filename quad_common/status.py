@@ -44,4 +44,9 @@ class Status:
     @property
     def subject(self) -> str:
         """What it is about: statuses that differ in figures alone are about the same."""
-        return self.message if self.level is Level.ERROR else _FIGURES.sub('#', self.message)
+        return self.message if self.level is Level.ERROR else without_figures(self.message)
+
+
+def without_figures(sentence: str) -> str:
+    """Return a sentence with a sign in place of each figure."""
+    return _FIGURES.sub('#', sentence)

@@ -46,6 +46,9 @@ _POLYGON_PERIOD = 0.1
 """Time between two support polygons of the same feet [s]: they stand, and to find their polygon
 takes half as long as a decision."""
 
+_MEASURED_PERIOD = 0.1
+"""Time between two measured margins [s]: to publish one takes as long as to find it."""
+
 _TAKES_JOINTS = 'each takes the joints from the others'
 _TAKES_PLANS = "each planner's plan takes the place of the others'"
 
@@ -91,6 +94,7 @@ class GaitTopics:
         if parameters.is_uneven:
             self._no_footing = node.create_publisher(PoseStamped, 'plan/impassable', 10)
             self._felt = node.create_publisher(PointCloud2, 'height_map/felt', _LATCHED)
+        self._least_measured = LeastSince(_MEASURED_PERIOD)
         self._last_heartbeat = self._last_polygon = -math.inf
         self._polygon_contacts = b''
 
@@ -202,14 +206,17 @@ class GaitTopics:
     def _publish_stability(self, state: RobotState, frame: str, stamp: Time) -> None:
         """Publish margins and support polygon, those that take time for subscribers only."""
         planned, in_contact = self._supervisor.support, self._supervisor.in_contact_at(state.time)
-        is_measured = self._is_uneven or self._measured_margins.get_subscription_count() > 0
+        is_wanted = self._measured_margins.get_subscription_count() > 0
+        is_measured = self._is_uneven or is_wanted
         measured = state.stability_margin(in_contact) if is_measured else math.nan
         # Uneven ground is not planned for a cycle ahead: there the real feet count.
         margin = measured if self._is_uneven else planned.margin_at(state.time)
         if math.isfinite(margin):
             self._margins.publish(Float64(data=margin))
-        if math.isfinite(measured):
-            self._measured_margins.publish(Float64(data=measured))
+        if is_wanted and math.isfinite(measured):
+            least = self._least_measured.take(state.time, measured)
+            if least is not None:
+                self._measured_margins.publish(Float64(data=least))
         if self._polygons.get_subscription_count() > 0 and self._is_polygon_due(state, in_contact):
             if self._is_uneven:
                 polygon = state.support_polygon(in_contact)
@@ -225,3 +232,27 @@ class GaitTopics:
             return False
         self._last_polygon, self._polygon_contacts = state.time, contacts
         return True
+
+
+class LeastSince:
+    """
+    The least of numbers, once in a while.
+
+    Parameters
+    ----------
+    period : float
+        Time from one to the next [s].
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._least, self._told_at = math.inf, -math.inf
+
+    def take(self, time: float, number: float) -> float | None:
+        """Take a number at a time [s]; return the least since the last one, None if not due."""
+        self._least = min(self._least, number)
+        # Stamps of measurements are not exact multiples of their period.
+        if 0.0 <= time - self._told_at < self._period - 1e-6:
+            return None
+        least, self._least, self._told_at = self._least, math.inf, time
+        return least

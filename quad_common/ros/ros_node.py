@@ -4,7 +4,6 @@ What the nodes have in common: parameters and diagnostics.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,6 +18,7 @@ from rclpy.parameter import Parameter as RosParameter
 from quad_common.errors import QuadError
 from quad_common.errors.quoting import clipped
 from quad_common.lifecycle import LifeState, NotActive
+from quad_common.log_limit import LogLimit
 from quad_common.parameters import checked_parameters, parameters_of
 from quad_common.process.spare_memory import give_back_spare_memory
 from quad_common.ros.clock_check import ClockCheck
@@ -41,12 +41,6 @@ _OF_ROS = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 
 _GRACE = 5.0
 """Time in which nodes that start together find one another [s]; nothing is missing yet."""
-
-_SAME_LOG_AGAIN = 10.0
-"""The same sentence is logged again only after so long [s]."""
-
-_LOGGED_SENTENCES = 200
-"""Different sentences that are logged in that time; more of them are bad input in a stream."""
 
 
 class QuadNode(GuardedNode, Generic[Table]):
@@ -73,7 +67,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._values: dict[str, object] = {}
         self._said: tuple[bytes, str] | None = None
         self._subject: tuple[bytes, str] | None = None
-        self._logged_at: dict[str, float] = {}
+        self._log_limit = LogLimit()
         self._began = time.monotonic()
         self._has_unlogged_warning = False
         self._last_refusal: dict[str, object] = {}
@@ -185,15 +179,9 @@ class QuadNode(GuardedNode, Generic[Table]):
 
     def _log(self, level: bytes, message: str, subject: str, is_waiting: bool) -> None:
         """Log a message, unless its like was a moment ago: bad input may come in streams."""
-        now = time.monotonic()
-        key = f'{level[0]} {subject}'
-        if now - self._logged_at.get(key, -math.inf) < _SAME_LOG_AGAIN:
+        if not self._log_limit.lets(Level(level[0]).name, subject):
             return
-        self._logged_at = {m: t for m, t in self._logged_at.items() if now - t < _SAME_LOG_AGAIN}
-        if len(self._logged_at) >= _LOGGED_SENTENCES:
-            return
-        self._logged_at[key] = now
-        self._has_unlogged_warning = is_waiting and now - self._began < _GRACE
+        self._has_unlogged_warning = is_waiting and time.monotonic() - self._began < _GRACE
         if level == ERROR:
             self.get_logger().error(message)
         elif level == OK or self._has_unlogged_warning:

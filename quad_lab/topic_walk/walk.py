@@ -40,6 +40,9 @@ START_TIMEOUT = 90.0
 PLAN_TIMEOUT = 60.0
 """For the planner to answer to the goal; on a busy machine it may still compile its search [s]."""
 
+_FALLEN_FOR = 5.0
+"""Time after which a robot that fell before its walk is not waited for any more [s], simulated."""
+
 _PATIENCE = 30.0
 """For a robot that has given up to go on after all, with a new plan [s], simulated."""
 
@@ -69,6 +72,24 @@ class NodesNotReady(QuadError):
         """Say what the nodes said meanwhile."""
         said = self.said or 'none published a status'
         return f'the nodes were not ready within {self.limit:.0f} s ({said})'
+
+
+@dataclass(eq=False, repr=False)
+class DoesNotStand(QuadError):
+    """The robot fell before its walk could begin."""
+
+    robot: str
+    """Its name or data file."""
+    said: str
+    """What the gait said of it; empty for nothing."""
+
+    def sentence(self) -> str:
+        """Say it, and what to look at."""
+        said = f' ({self.said})' if self.said else ''
+        return (
+            f'the robot falls as it is to stand{said}; whether its motors are strong enough says '
+            f'quadwalk robot check {self.robot}'
+        )
 
 
 @dataclass(frozen=True)
@@ -142,6 +163,8 @@ def walk(
     ------
     NodesNotReady
         If the nodes do not become ready.
+    DoesNotStand
+        If the robot falls before it walks.
     NodeDied
         If a node ends on its own.
     """
@@ -158,6 +181,7 @@ def walk(
         if not isinstance(nodes, NodeProcesses):
             nodes.tell(observer)
             listen = nodes.listen
+        _wait_until_ready(observer, nodes, listen, options.robot)
         record = _watch(observer, nodes, listen, on_progress)
         if recording is not None:
             recording.note(_facts(options, record))
@@ -289,7 +313,6 @@ def _watch(
     listen: Callable[[float], None],
     on_progress: Callable[[WalkObserver], None],
 ) -> WalkRecord:
-    _wait_until_ready(observer, nodes, listen)
     record = observer.record
     observer.give_goal()
     began = time.monotonic()
@@ -315,8 +338,10 @@ def _wait_until_ready(
     observer: WalkObserver,
     nodes: NodeProcesses | ComposedNodes,
     listen: Callable[[float], None],
+    robot: str,
 ) -> None:
     deadline = time.monotonic() + START_TIMEOUT
+    fell_at = math.inf
     while not (
         observer.planner_is_ready()
         and observer.has_found_gait()
@@ -324,6 +349,12 @@ def _wait_until_ready(
     ):
         listen(0.05)
         nodes.check()
+        if observer.statuses.get('sim_node', (b'', '', {}))[2].get('has_fallen') != 'True':
+            fell_at = math.inf
+        else:
+            fell_at = min(fell_at, observer.time)
+        if observer.time - fell_at > _FALLEN_FOR:
+            raise DoesNotStand(robot, observer.statuses.get('gait_node', (b'', '', {}))[1])
         if time.monotonic() > deadline:
             said = '; '.join(f'{name}: {status[1]}' for name, status in observer.statuses.items())
             raise NodesNotReady(START_TIMEOUT, said)

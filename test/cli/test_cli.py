@@ -235,6 +235,14 @@ def imported_by(arguments):
     return set(done.stdout.splitlines()[-1].split())
 
 
+def test_the_version_is_that_of_the_package(capsys):
+    told = ElementTree.parse(ROOT / 'package.xml').getroot().findtext('version')
+    with pytest.raises(SystemExit) as ended:
+        main(['--version'])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f'quadwalk {told}\n'
+
+
 def test_a_command_imports_what_it_needs_and_no_more():
     plan = imported_by([*PLAN, '--method', 'shortest', '--json'])
     assert 'quad_planner.search.jump_points' in plan

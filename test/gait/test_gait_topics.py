@@ -53,6 +53,25 @@ def test_margins_come_with_every_measurement():
     assert len(published_polygons([ALL] * 50)['stability_margin']) == 50
 
 
+@pytest.mark.parametrize('ground', ['flat', 'uneven'])
+def test_measured_margins_come_ten_times_a_second_and_none_that_is_less_is_left_out(ground):
+    supervisor = mock.Mock(impassable=None, wanted_plan=None)
+    supervisor.felt_ground.count = 0
+    supervisor.support.margin_at.return_value = 0.05
+    supervisor.in_contact_at.return_value = np.array(ALL)
+    node = Node()
+    topics = GaitTopics(node, supervisor, GaitParameters(ground=ground))
+    supervisor.support.polygon_at.return_value = CORNERS
+    for k in range(100):
+        state = mock.Mock(time=0.02 * k, pose=Pose2D(0.0, 0.0, 0.0))
+        state.support_polygon.return_value = CORNERS
+        state.stability_margin.return_value = 0.01 if k == 53 else 0.04
+        topics.publish_decision(None, state, 'map', Time())
+    margins = [message.data for message in node.published['stability_margin/measured']]
+    assert len(margins) == pytest.approx(20, abs=1)
+    assert margins.count(0.01) == 1
+
+
 def test_the_polygon_of_the_same_feet_comes_ten_times_a_second():
     polygons = published_polygons([ALL] * 50)['support_polygon']
     assert len(polygons) == pytest.approx(10, abs=1)

@@ -65,9 +65,46 @@ class LameAfterAWhile:
         pass
 
 
-def test_a_robot_that_falls_lame_ends_the_walk_at_once(monkeypatch):
-    monkeypatch.setattr(walk, '_wait_until_ready', lambda observer, nodes, listen: None)
+def test_a_robot_that_falls_lame_ends_the_walk_at_once():
     observer = LameAfterAWhile()
     nodes = SimpleNamespace(check=lambda: None)
     record = walk._watch(observer, nodes, observer.listen, lambda observer: None)
     assert (record.problem, record.has_arrived, observer.time) == ('lame: a knee', False, 5.0)
+
+
+class TooWeak(LameAfterAWhile):
+    """An observer of a robot that falls before it walks, and may be set upright again."""
+
+    def __init__(self, lies_for: float) -> None:
+        super().__init__()
+        self._lies_for = lies_for
+
+    @property
+    def activity(self) -> Activity:
+        return Activity.STANDING if self.time > 2.0 + self._lies_for else Activity.FALLEN
+
+    @property
+    def statuses(self) -> dict[str, tuple[bytes, str, dict[str, str]]]:
+        lies = 2.0 <= self.time <= 2.0 + self._lies_for
+        said = {'sim_node': (b'', 'fallen', {'has_fallen': str(lies)})}
+        return {**said, 'gait_node': (b'', 'the knees give way', {})}
+
+    def has_found_gait(self) -> bool:
+        return True
+
+
+def test_a_robot_that_falls_before_it_walks_is_not_waited_for():
+    observer, nodes = TooWeak(lies_for=1000.0), SimpleNamespace(check=lambda: None)
+    with pytest.raises(walk.DoesNotStand) as caught:
+        walk._wait_until_ready(observer, nodes, observer.listen, 'jelly.yaml')
+    assert str(caught.value) == (
+        'the robot falls as it is to stand (the knees give way); whether its motors are strong '
+        'enough says quadwalk robot check jelly.yaml'
+    )
+    assert observer.time < 10.0
+
+
+def test_a_robot_that_stands_up_again_is():
+    observer, nodes = TooWeak(lies_for=3.0), SimpleNamespace(check=lambda: None)
+    walk._wait_until_ready(observer, nodes, observer.listen, 'titan_viii')
+    assert observer.time > 5.0
