@@ -16,7 +16,8 @@ Result = tuple[list[Criterion], dict[str, object]]
 
 PARTS = {
     'messages': 'quad_lab.attacks.messages.message_attack.attack_messages',
-    'processes': 'quad_lab.attacks.processes.process_attack.attack_processes',
+    'stops': 'quad_lab.attacks.processes.process_attack.attack_nodes',
+    'commands': 'quad_lab.attacks.processes.process_attack.attack_demos_and_benches',
     'gate': 'quad_lab.attacks.walks.gate_attack.attack_gate',
     'execution': 'quad_lab.attacks.walks.execution_attack.attack_execution',
     'silence': 'quad_lab.attacks.walks.silence.attack_by_silence',

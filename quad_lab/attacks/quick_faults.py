@@ -29,7 +29,7 @@ _MESSAGES = 'messages'
 _ON_SHARED_NODES = (_MESSAGES, 'soak')
 """Parts that share their nodes."""
 
-_TIMED = ('kills', 'processes')
+_TIMED = ('kills', 'stops', 'commands')
 """Of the others, those that measure how soon something happens."""
 
 _NICENESS = 10

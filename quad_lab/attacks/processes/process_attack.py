@@ -67,11 +67,11 @@ _LAST_WORDS = {
 """What each prints when it is through."""
 
 
-def attack_processes(
+def attack_nodes(
     console: Console, quick: bool, seed: int
 ) -> tuple[list[Criterion], dict[str, object]]:
     """
-    Attack, and work out the bars.
+    End every node, and work out the bars.
 
     Parameters
     ----------
@@ -87,28 +87,41 @@ def attack_processes(
     tuple
         The bars, and details for JSON: every ending.
     """
+    rng, say = np.random.default_rng(seed), _Speaker(console, quick)
+    if quick:
+        stops = attack_starts_and_stops(rng, 1, say, _QUICK_PACE)
+    else:
+        stops = attack_starts_and_stops(rng, STOPS, say)
+    return ending_bars('node', stops), {'endings': [asdict(ending) for ending in stops]}
 
-    def say(number: int, count: int, ending: Ending) -> None:
-        if not quick and not is_bad(ending) and number % 20:
+
+def attack_demos_and_benches(
+    console: Console, quick: bool, seed: int
+) -> tuple[list[Criterion], dict[str, object]]:
+    """End the commands that start nodes and workers; otherwise as :func:`attack_nodes`."""
+    rng, say = np.random.default_rng(seed), _Speaker(console, quick)
+    if quick:
+        ends = attack_commands(rng, 1, say, _QUICK_PACE, _QUICK_ENDS)
+    else:
+        ends = attack_commands(rng, COMMANDS, say)
+    return ending_bars('command', ends), {'endings': [asdict(ending) for ending in ends]}
+
+
+class _Speaker:
+    """Says how things ended: each that is bad, and of the others one now and then."""
+
+    def __init__(self, console: Console, says_all: bool) -> None:
+        self._console, self._says_all = console, says_all
+
+    def __call__(self, number: int, count: int, ending: Ending) -> None:
+        if not self._says_all and not is_bad(ending) and number % 20:
             return
-        console.print(
+        self._console.print(
             f'{number}/{count} {ending.what}: {ending.signal} after {ending.delay:.2f} s, '
             f'ended in {ending.duration:.2f} s with {ending.code}'
             + (f', left {", ".join(ending.left)}' if ending.left else ''),
             highlight=False,
         )
-
-    rng = np.random.default_rng(seed)
-    if quick:
-        stops = attack_starts_and_stops(rng, 1, say, _QUICK_PACE)
-        commands = attack_commands(rng, 1, say, _QUICK_PACE, _QUICK_ENDS)
-    else:
-        stops = attack_starts_and_stops(rng, STOPS, say)
-        commands = attack_commands(rng, COMMANDS, say)
-    return ending_bars('node', stops) + ending_bars('command', commands), {
-        'stops': [asdict(ending) for ending in stops],
-        'commands': [asdict(ending) for ending in commands],
-    }
 
 
 def attack_starts_and_stops(
