@@ -10,8 +10,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from nav_msgs.srv import GetPlan
 from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
+from rclpy.parameter import Parameter as RosParameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
@@ -20,6 +22,7 @@ from quad_lab.attacks.messages.mutations import Mutation, Mutator, giants_of, ra
 from quad_lab.attacks.stage.examples import example_of, made_up, plan_request
 from quad_lab.attacks.stage.graph import Interface, inputs_of
 from quad_lab.attacks.stage.stage import Stage
+from quad_planner.parameters import FOOTPRINTS, PLANNING_METHODS
 
 _DAMAGED_FRACTION = 0.08
 """Fraction of messages whose bytes are damaged, instead of a field."""
@@ -86,6 +89,25 @@ class Attacker:
                 else:
                     self.send(target, mutation.message, f'{target} {mutation}')
                 yield
+
+    def load_all(self) -> None:
+        """
+        Let a planner plan once in every way: what it needs for one it loads then, and keeps.
+
+        Of another node nothing is asked.
+        """
+        if '/get_plan' not in [target.name for target in self.inputs]:
+            return
+        request = plan_request(self._stage.pose or _SOMEWHERE)
+        for method, footprint, any_angle in itertools.product(
+            PLANNING_METHODS, FOOTPRINTS, (False, True)
+        ):
+            wanted = {'method': method, 'footprint': footprint, 'any_angle': any_angle}
+            parameters = [RosParameter(n, value=v).to_parameter_msg() for n, v in wanted.items()]
+            change = SetParameters.Request(parameters=parameters)
+            self._stage.call(f'{self.name}/set_parameters', SetParameters, change)
+            self._stage.call('/get_plan', GetPlan, request)
+        self.restore_parameters()
 
     def restore_parameters(self) -> None:
         """Give the node back the parameters that it had."""

@@ -241,7 +241,7 @@ class MessageAttack:
         self._release()
 
     def _send_giants(self) -> None:
-        """Let every buffer grow to the largest message that it will ever hold."""
+        """Let every buffer grow to the largest message that it will hold; load what is needed."""
         for _ in range(self._effort.giants):
             for number, _ in enumerate(self._attacker.send_giants(), 1):
                 self._stage.spin(_GAP)
@@ -250,6 +250,8 @@ class MessageAttack:
                     self._look()
                     self._release()
             self._look()
+        if self._effort.giants:
+            self._attacker.load_all()
 
     def walk_on(self) -> None:
         """Give a good goal, see whether it is reached, and compare the memory with before."""
