@@ -46,8 +46,8 @@ _POLYGON_PERIOD = 0.1
 """Time between two support polygons of the same feet [s]: they stand, and to find their polygon
 takes half as long as a decision."""
 
-_MEASURED_PERIOD = 0.1
-"""Time between two measured margins [s]: to publish one takes as long as to find it."""
+_MARGIN_PERIOD = 0.1
+"""Time between two margins [s]: to publish one takes as long as to find it."""
 
 _TAKES_JOINTS = 'each takes the joints from the others'
 _TAKES_PLANS = "each planner's plan takes the place of the others'"
@@ -94,7 +94,7 @@ class GaitTopics:
         if parameters.is_uneven:
             self._no_footing = node.create_publisher(PoseStamped, 'plan/impassable', 10)
             self._felt = node.create_publisher(PointCloud2, 'height_map/felt', _LATCHED)
-        self._least_measured = LeastSince(_MEASURED_PERIOD)
+        self._least, self._least_measured = LeastSince(_MARGIN_PERIOD), LeastSince(_MARGIN_PERIOD)
         self._last_heartbeat = self._last_polygon = -math.inf
         self._polygon_contacts = b''
 
@@ -211,12 +211,10 @@ class GaitTopics:
         measured = state.stability_margin(in_contact) if is_measured else math.nan
         # Uneven ground is not planned for a cycle ahead: there the real feet count.
         margin = measured if self._is_uneven else planned.margin_at(state.time)
-        if math.isfinite(margin):
-            self._margins.publish(Float64(data=margin))
-        if is_wanted and math.isfinite(measured):
-            least = self._least_measured.take(state.time, measured)
-            if least is not None:
-                self._measured_margins.publish(Float64(data=least))
+        if (least := self._least.take(state.time, margin)) is not None:
+            self._margins.publish(Float64(data=least))
+        if is_wanted and (least := self._least_measured.take(state.time, measured)) is not None:
+            self._measured_margins.publish(Float64(data=least))
         if self._polygons.get_subscription_count() > 0 and self._is_polygon_due(state, in_contact):
             if self._is_uneven:
                 polygon = state.support_polygon(in_contact)
@@ -249,10 +247,16 @@ class LeastSince:
         self._least, self._told_at = math.inf, -math.inf
 
     def take(self, time: float, number: float) -> float | None:
-        """Take a number at a time [s]; return the least since the last one, None if not due."""
-        self._least = min(self._least, number)
+        """
+        Take a number at a time [s]; what is not finite counts as none.
+
+        Return the least since the last one; None if that was a moment ago, or there is none.
+        """
+        if math.isfinite(number):
+            self._least = min(self._least, number)
         # Stamps of measurements are not exact multiples of their period.
-        if 0.0 <= time - self._told_at < self._period - 1e-6:
+        is_due = not 0.0 <= time - self._told_at < self._period - 1e-6
+        if not is_due or math.isinf(self._least):
             return None
         least, self._least, self._told_at = self._least, math.inf, time
         return least

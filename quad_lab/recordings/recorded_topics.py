@@ -33,8 +33,6 @@ class RecordedTopic:
     """How it is published."""
     depth: int = 10
     """Number of messages that its publisher keeps."""
-    is_frequent: bool = False
-    """Whether it comes with each measurement: to acknowledge each takes as long as to send it."""
     is_on_demand: bool = False
     """Whether it is published for subscribers only, and takes the nodes time then."""
 
@@ -93,7 +91,7 @@ RECORDED = (
     PUSH,
     RecordedTopic('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', Delivery.RELIABLE),
     RecordedTopic('footholds', 'visualization_msgs/msg/MarkerArray', Delivery.RELIABLE),
-    RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE, is_frequent=True),
+    RecordedTopic('stability_margin', 'std_msgs/msg/Float64', Delivery.RELIABLE),
     RecordedTopic('emergency_stop/active', 'std_msgs/msg/Bool', Delivery.LATCHED, 1),
     RecordedTopic('emergency_stop/held', 'std_msgs/msg/Bool', Delivery.LATCHED, 1),
     RecordedTopic('diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', Delivery.RELIABLE),
@@ -103,7 +101,6 @@ RECORDED = (
         'stability_margin/measured',
         'std_msgs/msg/Float64',
         Delivery.RELIABLE,
-        is_frequent=True,
         is_on_demand=True,
     ),
     RecordedTopic(

@@ -18,7 +18,7 @@ _DEPTH = 2000
 
 def subscription_quality(topic: RecordedTopic) -> QoSProfile:
     """Return how a topic is subscribed to by whoever takes all of it: nothing may be lost."""
-    is_sensor = topic.delivery is Delivery.SENSOR or topic.is_frequent
+    is_sensor = topic.delivery is Delivery.SENSOR
     is_latched = topic.delivery is Delivery.LATCHED
     return QoSProfile(
         depth=topic.depth if is_latched else _DEPTH,

@@ -2,6 +2,7 @@
 What the gait publishes, and how often.
 """
 
+import math
 from types import SimpleNamespace
 from unittest import mock
 
@@ -13,7 +14,7 @@ pytest.importorskip('geometry_msgs')
 from builtin_interfaces.msg import Time
 
 from quad_common.planar_pose import Pose2D
-from quad_gait.gait_topics import GaitTopics
+from quad_gait.gait_topics import GaitTopics, LeastSince
 from quad_gait.parameters import GaitParameters
 
 CORNERS = np.array([[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1]])
@@ -49,15 +50,11 @@ def published_polygons(contacts, readers=1):
 ALL, THREE = (True, True, True, True), (True, False, True, True)
 
 
-def test_margins_come_with_every_measurement():
-    assert len(published_polygons([ALL] * 50)['stability_margin']) == 50
-
-
 @pytest.mark.parametrize('ground', ['flat', 'uneven'])
-def test_measured_margins_come_ten_times_a_second_and_none_that_is_less_is_left_out(ground):
+def test_margins_come_ten_times_a_second_and_none_that_is_less_is_left_out(ground):
     supervisor = mock.Mock(impassable=None, wanted_plan=None)
     supervisor.felt_ground.count = 0
-    supervisor.support.margin_at.return_value = 0.05
+    supervisor.support.margin_at.side_effect = lambda t: 0.01 if abs(t - 1.06) < 0.001 else 0.05
     supervisor.in_contact_at.return_value = np.array(ALL)
     node = Node()
     topics = GaitTopics(node, supervisor, GaitParameters(ground=ground))
@@ -67,9 +64,21 @@ def test_measured_margins_come_ten_times_a_second_and_none_that_is_less_is_left_
         state.support_polygon.return_value = CORNERS
         state.stability_margin.return_value = 0.01 if k == 53 else 0.04
         topics.publish_decision(None, state, 'map', Time())
-    margins = [message.data for message in node.published['stability_margin/measured']]
-    assert len(margins) == pytest.approx(20, abs=1)
-    assert margins.count(0.01) == 1
+    for topic in ('stability_margin', 'stability_margin/measured'):
+        margins = [message.data for message in node.published[topic]]
+        assert len(margins) == pytest.approx(20, abs=1)
+        assert margins.count(0.01) == 1
+
+
+def test_a_margin_that_is_not_known_is_not_published():
+    least = LeastSince(0.1)
+    assert least.take(0.0, math.nan) is None
+    assert least.take(0.02, 0.03) == 0.03
+    assert least.take(0.04, -math.inf) is None
+    assert least.take(0.06, 0.05) is None
+    assert least.take(0.12, 0.04) == 0.04
+    # The clock was set back.
+    assert least.take(0.01, 0.06) == 0.06
 
 
 def test_the_polygon_of_the_same_feet_comes_ten_times_a_second():
