@@ -12,6 +12,7 @@ the map is wrong by more than that, and feet find their ground better without it
 from __future__ import annotations
 
 import math
+import statistics
 from collections import deque
 
 import numpy as np
@@ -228,9 +229,13 @@ class FeltGround:
 
     def slip(self, now: Stance, leg: int) -> float:
         """Return by how much a foot other than that leg's is off the height at which it stood."""
-        others = np.arange(len(LEGS)) != leg
-        off = self._below(now)[others] - self._stood[others]
-        return 0.0 if np.isnan(off).any() else float(np.abs(off - np.median(off)).max())
+        # At every measurement of a swing: NumPy takes twenty times as long for three numbers.
+        off: list[float] = (self._below(now) - self._stood).tolist()
+        others = [off[k] for k in range(len(LEGS)) if k != leg]
+        if any(map(math.isnan, others)):
+            return 0.0
+        middle = statistics.median(others)
+        return float(max(abs(number - middle) for number in others))
 
     def is_slipping(self, now: Stance, leg: int) -> bool:
         """Tell whether a foot other than that leg's slides off what it stood on."""
