@@ -35,6 +35,12 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _SOMEWHERE = Pose2D(1.2, 1.2, 0.0)
 """On the map, where no odometry was received yet."""
 
+_ROBOTS = '/fleet/robots'
+"""Topic on which planners say where their robots are."""
+
+_LONGEST_NAME = 1000
+"""Number of letters from which on the name of a robot is too long for sure."""
+
 _NOT_CHANGED = ('use_sim_time',)
 """Parameters that are not attacked: what they change is which time is meant at all."""
 
@@ -69,6 +75,8 @@ class Attacker:
         """What was sent last, the newest last."""
         self.slow: list[str] = []
         """Requests that were answered late or never."""
+        self.robots: set[str] = set()
+        """Names of robots that it said to be there."""
         self._connect()
         self._turns = itertools.cycle(self.inputs)
 
@@ -185,6 +193,9 @@ class Attacker:
         what : str
             The message in words.
         """
+        if target.name == _ROBOTS:
+            # Longer names than any robot has are refused anyway.
+            self.robots.update(m.ns for m in message.markers if len(m.ns) < _LONGEST_NAME)
         self._send_bytes(target, serialize_message(message), what)
 
     def _send_bytes(self, target: Interface, data: bytes, what: str) -> None:

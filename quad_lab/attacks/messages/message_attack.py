@@ -205,6 +205,7 @@ class MessageAttack:
         self._attacker = Attacker(stage, report.node, self._rng)
         self._maps = stage.node.create_publisher(OccupancyGrid, 'map', _LATCHED)
         self._obstacles = stage.node.create_publisher(MarkerArray, 'obstacles', 10)
+        self._robots = stage.node.create_publisher(MarkerArray, '/fleet/robots', 10)
         # It is latched, but may come after all that says that the nodes are ready.
         stage.wait_until('a map', lambda: '/map' in stage.listener.last)
         self._good_map = stage.listener.last['/map']
@@ -262,7 +263,7 @@ class MessageAttack:
             _least(self._memory[:middle]), _least(self._memory[middle:])
         )
         self._stage.listener.context = ''
-        for publisher in (self._maps, self._obstacles):
+        for publisher in (self._maps, self._obstacles, self._robots):
             self._stage.node.destroy_publisher(publisher)
 
     def _held_in_calm(self) -> dict[str, float]:
@@ -312,7 +313,7 @@ class MessageAttack:
                 stage.wait_until_found()
 
     def _keep_going(self) -> None:
-        """Take back what a stranger may rightly ask for: a pause, a seat, a wall."""
+        """Take back what a stranger may rightly ask for: a pause, a seat, a wall, a robot."""
         stage = self._stage
         self._release()
         if self.report.state == 'walking' and not stage.is_moving():
@@ -334,6 +335,12 @@ class MessageAttack:
             stage.call('stand', Trigger)
         self._maps.publish(self._good_map)
         self._obstacles.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+        for name in sorted(self._attacker.robots):
+            gone = Marker(ns=name, id=0, action=Marker.DELETE)
+            self._robots.publish(MarkerArray(markers=[gone]))
+            # No faster than its queue is read.
+            stage.spin(_GAP)
+        self._attacker.robots.clear()
 
     def _walk_to_goal(self) -> None:
         stage, report = self._stage, self.report
