@@ -1,5 +1,6 @@
 """How often code enters each file that decides, followed call by call."""
 
+import gc
 import sys
 from collections import defaultdict
 from pathlib import Path
@@ -45,11 +46,14 @@ class Entries:
         self._names = {}
 
     def __enter__(self):
+        # Generators of other tests that are collected meanwhile would count as calls.
+        gc.disable()
         sys.setprofile(self._note)
         return self
 
     def __exit__(self, *_):
         sys.setprofile(None)
+        gc.enable()
 
     def _file(self, frame):
         name = frame.f_code.co_filename
