@@ -19,6 +19,7 @@ from rosgraph_msgs.msg import Clock
 
 from quad_common.errors import InvalidMessage, QuadError
 from quad_common.errors.quoting import clipped, quoted
+from quad_common.process.end_signals import shielded
 from quad_common.ros.callback_net import CallbackNet
 from quad_common.ros.lateness import Lateness, StreamCallback
 from quad_common.ros.pose_conversions import check_clock
@@ -266,12 +267,14 @@ def taken_apart(
     """Take a message apart, and hand it on; raise InvalidMessage if it is too long, or none."""
     if len(data) > most_bytes:
         raise InvalidMessage(what, f'it has {len(data)} bytes; {most_bytes} are the most')
-    try:
-        message = deserialize_message(data, msg_type)
-    except Exception as error:
-        # The middleware's own kind of error, for a message that is cut off or none at all. What
-        # is not taken as bytes it drops in silence.
-        raise InvalidMessage(what, 'its bytes are no message of its type') from error
+    # What a signal raises while the message's object is being made, rclpy turns into a TypeError.
+    with shielded():
+        try:
+            message = deserialize_message(data, msg_type)
+        except Exception as error:
+            # The middleware's own kind of error, for a message that is cut off or none at all.
+            # What is not taken as bytes it drops in silence.
+            raise InvalidMessage(what, 'its bytes are no message of its type') from error
     callback(message)
 
 

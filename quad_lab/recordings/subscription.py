@@ -10,6 +10,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from quad_common.errors import InvalidMessage
+from quad_common.process.end_signals import shielded
 from quad_lab.recordings.recorded_topics import Delivery, RecordedTopic
 
 _DEPTH = 2000
@@ -43,8 +44,10 @@ def message_of(data: bytes, kind: Any) -> Any:
     InvalidMessage
         If it is no such message.
     """
-    try:
-        return deserialize_message(data, kind)
-    except Exception as error:
-        # The middleware's own kind of error.
-        raise InvalidMessage('message', f'its bytes are no {kind.__name__}') from error
+    # What a signal raises while the message's object is being made, rclpy turns into a TypeError.
+    with shielded():
+        try:
+            return deserialize_message(data, kind)
+        except Exception as error:
+            # The middleware's own kind of error.
+            raise InvalidMessage('message', f'its bytes are no {kind.__name__}') from error

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 
-from quad_common.errors import QuadError
+from quad_common.errors import InvalidMessage, QuadError
 from quad_common.robot.robot import Robot
 from quad_common.ros.pose_conversions import seconds_from_time
 from quad_lab.attacks.stage.checks import numbers_not_finite, texts_too_long
@@ -27,6 +26,7 @@ from quad_lab.attacks.stage.violations import (
     TOO_LONG,
     UNREADABLE,
 )
+from quad_lab.recordings.subscription import message_of
 from quad_sim.ros_conversions import trajectory_from_message
 
 _DEPTH = 500
@@ -125,9 +125,9 @@ class TopicListener:
         if hash(data) in self._own:
             return
         try:
-            message = deserialize_message(data, topic.type)
-        except (TypeError, ValueError, RuntimeError) as error:
-            self.note(UNREADABLE, f'{topic}: {len(data)} bytes: {str(error)[:200]}')
+            message = message_of(data, topic.type)
+        except InvalidMessage as error:
+            self.note(UNREADABLE, f'{topic}: {len(data)} bytes: {str(error.__cause__)[:200]}')
             return
         self.last[topic.name] = message
         for problem in numbers_not_finite(message):
