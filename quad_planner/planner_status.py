@@ -54,7 +54,10 @@ def session_status(
         The error if the last goal was refused.
     """
     topic, goal = parameters.odom_topic, session.pending_goal
-    if not session.map.is_ready and session.problem is None:
+    if session.problem is not None:
+        # First: an earlier goal may be searched meanwhile, or searches compile.
+        return session.problem
+    if not session.map.is_ready:
         return Status(Level.WARN, "no map: waiting for one on 'map'", is_waiting=True)
     if session.is_busy and goal is None:
         return Status(
@@ -62,8 +65,6 @@ def session_status(
         )
     if goal is not None:
         return Status(Level.OK, f'searching a path to ({goal.x:.2f}, {goal.y:.2f}) m')
-    if session.problem is not None:
-        return session.problem
     if not session.has_pose:
         return Status(Level.WARN, f"no odometry: waiting for it on '{topic}'", is_waiting=True)
     if session.silence:

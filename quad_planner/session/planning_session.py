@@ -94,7 +94,7 @@ class PlanningSession(SessionMaps):
         self._is_new = False
         self._given.conclude(GoalEnd.REPLACED, 'a newer goal has taken its place')
         self._given = given = GivenGoal()
-        self.hold_reason = ''
+        self.hold_reason, self.problem = '', None
         self.map.open_all()
         self._waiting = GoalWish(frame, goal, is_given=True)
         self._try_waiting_goal()

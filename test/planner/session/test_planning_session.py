@@ -13,6 +13,8 @@ from quad_common.planar_pose import Pose2D, distance_to_polyline
 from quad_common.robot_files.robot_file import load_robot
 from quad_planner.grid.ground_limits import GroundLimits
 from quad_planner.methods.planner import make_planner
+from quad_planner.parameters import PlannerParameters
+from quad_planner.planner_status import session_status
 from quad_planner.session.given_goal import GoalEnd
 from quad_planner.session.planning_map import PlanningMap
 from quad_planner.session.planning_session import PlanningSession
@@ -104,6 +106,11 @@ class Room:
 
     def goals(self):
         return [None if plan is None else plan.poses[-1] for plan in self.plans]
+
+
+def said(walk):
+    """Return what the planner's status says."""
+    return str(session_status(walk.session, PlannerParameters(), None))
 
 
 def room(wall=False):
@@ -474,3 +481,28 @@ def test_without_another_path_the_last_plan_stays():
     no_footing(walk, Pose2D(1.5, 1.0, 0.0))
     assert walk.goals() == [GOAL]
     assert isinstance(walk.session.problem, NoPathFound)
+
+
+def test_a_goal_that_is_refused_is_said_while_an_earlier_one_is_searched():
+    walk = Room()
+    walk.session.give_goal('map', GOAL)
+    walk.session.give_goal('moon', OTHER)
+    assert 'moon' in said(walk)
+    walk.requests.work()
+    assert walk.goals() == [GOAL]
+    assert 'plan of' in said(walk)
+
+
+def test_a_goal_that_is_refused_is_said_while_searches_compile():
+    walk = Room()
+    walk.requests.submit(lambda: None, lambda result: result())
+    assert 'compile' in said(walk)
+    walk.session.give_goal('moon', GOAL)
+    assert 'moon' in said(walk)
+
+
+def test_a_new_goal_ends_what_was_said_of_the_one_before():
+    walk = Room()
+    walk.session.give_goal('moon', OTHER)
+    walk.session.give_goal('map', GOAL)
+    assert 'searching a path' in said(walk)
