@@ -89,7 +89,7 @@ class BodyEstimator:
     a bias, which is learned::
 
         v = v + dt (R f - g - b),   e = v_feet - v,
-        v = v + k w e,   b = b - dt k_b w e,   w = 1 / (1 + (|e| / s)^2)
+        v = v + k e / (1 + (|e| / s)^2),   b = b - dt k_b e
 
     Parameters
     ----------
@@ -177,9 +177,9 @@ class BodyEstimator:
                 self._robot, reading, rotation, weights, slope, (feet, jacobians)
             )
             error = by_legs - self._velocity
-            trust = 1.0 / (1.0 + float(error @ error) / self._slip**2)
-            self._velocity = self._velocity + self._options.leg_gain * trust * error
-            bias = self._bias - dt * self._options.bias_gain * trust * error
+            trust = self._options.leg_gain / (1.0 + float(error @ error) / self._slip**2)
+            self._velocity = self._velocity + trust * error
+            bias = self._bias - dt * self._options.bias_gain * error
             self._bias = np.clip(bias, -self._options.largest_bias, self._options.largest_bias)
         return BodyEstimate(
             (float(self._velocity[0]), float(self._velocity[1])),

@@ -80,19 +80,3 @@ def test_its_velocity_counts_while_it_is_recent_and_as_a_trot_may_be():
         estimate = estimator.update(wrong)
     assert np.hypot(*estimate.velocity) > 10.0
     assert estimator.velocity_at(0.6) is None
-
-
-def test_feet_that_skid_as_they_land_leave_no_bias():
-    robot = load_robot('cuhk')
-    estimator = BodyEstimator(robot, OPTIONS)
-    reading = reading_of(robot, np.full(4, 0.25))
-    # All feet run ahead for an instant: the body seems to be thrown back.
-    jacobians = robot.foot_jacobians(reading.joints)
-    skid = np.linalg.solve(jacobians, np.broadcast_to([[0.3], [0.0], [0.0]], (4, 3, 1)))[..., 0]
-    velocities = []
-    for k, time in enumerate(np.arange(0.0, 4.0, 0.02)):
-        speeds = skid if k % 8 == 0 else reading.speeds
-        estimate = estimator.update(replace(reading, time=time, speeds=speeds))
-        velocities.append(estimate.velocity[0])
-    # The mean of what the feet say is 0.04 m/s.
-    assert abs(np.mean(velocities[100:])) < 0.005
