@@ -137,8 +137,12 @@ def released_at_last(release: Callable[[], object]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def shielded() -> Iterator[None]:
-    """Let no signal raise inside this block; it raises behind it."""
+    """Let no signal raise inside this block; it raises behind it. In other threads none does."""
     global _shields
+    if threading.current_thread() is not threading.main_thread():
+        # Were they counted, what the main thread is to be told would be raised here.
+        yield
+        return
     _shields += 1
     try:
         yield

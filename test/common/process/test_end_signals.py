@@ -245,6 +245,17 @@ def test_what_is_shielded_is_finished_before_a_signal_is_raised(tmp_path):
     assert send(process, signal.SIGTERM, sent=sent) == 'whole\nended by SIGTERM\n'
 
 
+def test_what_another_thread_shields_keeps_no_signal_from_the_main_thread(tmp_path):
+    process = start(
+        COMMAND + 'import threading\n'
+        'def work():\n    with shielded():\n        say("begun")\n        time.sleep(1.0)\n'
+        'threading.Thread(target=work, daemon=True).start()\n'
+        'try:\n    time.sleep(60)\nexcept Interrupted as error:\n    say(str(error))\n',
+        tmp_path,
+    )
+    assert send(process, signal.SIGTERM) == 'ended by SIGTERM\n'
+
+
 def test_a_signal_that_python_swallows_in_a_destructor_is_raised_anew(tmp_path):
     process = start(
         COMMAND
