@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,10 @@ VELOCITY_TOLERANCE = 0.05
 """Fraction of a joint's largest velocity by which it may be exceeded between two points; at the
 points themselves it may not."""
 
+_ROWS = 256
+"""Number of points up to which limits are kept once per point: compared with rows that are all
+the same instead, numpy goes from row to row, which takes nearly twice as long."""
+
 
 @dataclass(frozen=True)
 class JointLimits:
@@ -66,19 +71,22 @@ class JointLimits:
         )
 
     @cached_property
-    def _most(self) -> tuple[Array, Array, Array]:
-        """What passes: least and largest positions, and velocities."""
-        return (
+    def _at_points(self) -> _Bounds:
+        """What passes at points."""
+        return _Bounds.of(
             self.lower - POSITION_TOLERANCE,
             self.upper + POSITION_TOLERANCE,
-            (1.0 + VELOCITY_TOLERANCE) * self.velocity,
+            self.velocity + _VELOCITY_ROUNDING,
         )
 
     @cached_property
-    def _overshot(self) -> tuple[Array, Array]:
-        """What passes between two points: least and largest positions."""
-        lower, upper, _ = self._most
-        return lower - OVERSHOOT, upper + OVERSHOOT
+    def _between(self) -> _Bounds:
+        """What passes between two points."""
+        return _Bounds.of(
+            self.lower - POSITION_TOLERANCE - OVERSHOOT,
+            self.upper + POSITION_TOLERANCE + OVERSHOOT,
+            (1.0 + VELOCITY_TOLERANCE) * self.velocity,
+        )
 
     def clip(self, positions: Array) -> Array:
         """Return the positions within range that are nearest, shape (n,) [rad]."""
@@ -106,19 +114,9 @@ class JointLimits:
         bool
             Whether no joint leaves its range by more than :data:`OVERSHOOT`.
         """
-        lower, upper = self._overshot
-        farthest = self._farthest(_steps(times)[:, None], positions, velocities)
-        return farthest is None or bool(np.all((farthest >= lower) & (farthest <= upper)))
-
-    def _farthest(self, h: Array, positions: Array, velocities: Array) -> Array | None:
-        """Return the extreme positions of cubics; None if all are within range for sure."""
-        p0, p1, v0, v1 = positions[:-1], positions[1:], velocities[:-1], velocities[1:]
-        third = h / 3.0
-        near = np.concatenate([p0 + v0 * third, p1 - v1 * third])
-        lower, upper = self._overshot
-        if ((near >= lower) & (near <= upper)).all():
-            return None
-        return _position_extrema(h, p0, v0, v1, 3.0 * (p1 - p0) / h - v0 - v1)
+        h = self._durations(times)
+        farthest = _farthest(self._between.rows(len(h)), h, positions, velocities)
+        return farthest is None or bool(self._between.rows(len(farthest)).hold(farthest).all())
 
     def check(self, times: Array, positions: Array, velocities: Array) -> None:
         """
@@ -136,38 +134,73 @@ class JointLimits:
         CommandOutsideLimits
             Naming joint, quantity and value of one that is farthest outside.
         """
-        lower, upper, fastest = self._most
-        self._compare('position', 'rad', positions, lower, upper)
-        exactly = self.velocity + _VELOCITY_ROUNDING
+        at_points = self._at_points.rows(len(times))
+        self._compare('position', 'rad', positions, at_points.lower, at_points.upper)
         # NaN compares as outside.
-        if not (np.abs(velocities) <= exactly).all():
-            self._compare('velocity', 'rad/s', velocities, -exactly, exactly)
+        if not (np.abs(velocities) <= at_points.velocity).all():
+            fastest = at_points.velocity
+            self._compare('velocity', 'rad/s', velocities, -fastest, fastest)
         if len(times) < 2:
             return
-        h = _steps(times)[:, None]
-        farthest = self._farthest(h, positions, velocities)
+        h = self._durations(times)
+        between = self._between.rows(len(h))
+        farthest = _farthest(between, h, positions, velocities)
         if farthest is not None:
-            self._compare('position', 'rad', farthest, *self._overshot)
+            overshot = self._between.rows(len(farthest))
+            self._compare('position', 'rad', farthest, overshot.lower, overshot.upper)
         v0, v1 = velocities[:-1], velocities[1:]
         middle = 3.0 * _steps(positions) / h - v0 - v1
+        fastest = between.velocity
         if (np.abs(middle) > fastest).any():
             extremes = _velocity_extrema(v0, v1, middle)
             self._compare('velocity', 'rad/s', extremes, -fastest, fastest)
+
+    def _durations(self, times: Array) -> Array:
+        """Return how long each interval lasts, for each joint, shape (m - 1, n) [s]."""
+        return _steps(times).repeat(len(self.lower)).reshape(-1, len(self.lower))
 
     def _compare(self, what: str, unit: str, values: Array, low: Array, high: Array) -> None:
         # NaN compares as outside.
         inside = (values >= low) & (values <= high)
         if inside.all():
             return
-        beyond = np.where(inside, -np.inf, np.nan_to_num(np.maximum(low - values, values - high)))
+        beyond = np.where(inside, -np.inf, np.maximum(low - values, values - high))
+        beyond[np.isnan(beyond)] = 0.0
         row, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+        # All rows of the limits are the same.
         raise CommandOutsideLimits(
             self.joint_names[joint],
             what,
             float(values[row, joint]),
-            (float(low[joint]), float(high[joint])),
+            (float(low[0, joint]), float(high[0, joint])),
             unit,
         )
+
+
+class _Bounds(NamedTuple):
+    """Limits of n joints, once for each of m points, or in one row for all points."""
+
+    lower: Array
+    """Least positions, shape (m, n) or (1, n) [rad]."""
+    upper: Array
+    """Largest positions, of that shape [rad]."""
+    velocity: Array
+    """Largest velocities, of that shape [rad/s]."""
+
+    @classmethod
+    def of(cls, *limits: Array) -> _Bounds:
+        """Repeat limits of shape (n,) for many points."""
+        return cls(*(np.tile(limit, (_ROWS, 1)) for limit in limits))
+
+    def rows(self, count: int) -> _Bounds:
+        """Return those of so many points."""
+        rows = slice(count if count <= _ROWS else 1)
+        return _Bounds(self.lower[rows], self.upper[rows], self.velocity[rows])
+
+    def hold(self, positions: Array) -> NDArray[np.bool_]:
+        """Return which positions are within, shape (m, n)."""
+        inside: NDArray[np.bool_] = (positions >= self.lower) & (positions <= self.upper)
+        return inside
 
 
 def check_command(
@@ -257,6 +290,15 @@ def velocities_between(times: Array, positions: Array, velocities: Array) -> Arr
     v0, v1 = velocities[:-1], velocities[1:]
     mean = _steps(positions) / _steps(times)[:, None]
     return _velocity_extrema(v0, v1, 3.0 * mean - v0 - v1)
+
+
+def _farthest(between: _Bounds, h: Array, positions: Array, velocities: Array) -> Array | None:
+    """Return the extreme positions of cubics; None if all are within range for sure."""
+    p0, p1, v0, v1 = positions[:-1], positions[1:], velocities[:-1], velocities[1:]
+    third = h / 3.0
+    if between.hold(p0 + v0 * third).all() and between.hold(p1 - v1 * third).all():
+        return None
+    return _position_extrema(h, p0, v0, v1, 3.0 * (p1 - p0) / h - v0 - v1)
 
 
 def _steps(rows: Array) -> Array:
