@@ -45,8 +45,6 @@ class CallbackNet:
     def __init__(self, voice: Voice) -> None:
         self._voice = voice
         self._kinds: set[tuple[str, str]] = set()
-        self.caught = 0
-        """Number of callbacks that raised something."""
         self.calls = 0
         """Number of callbacks that were called."""
 
@@ -78,7 +76,6 @@ class CallbackNet:
             self._say(partial(self._voice.report_error, without_frames(error)))
         except Exception as error:
             sentence = self._describe(what, error)
-        self.caught += 1
         return failed(sentence)
 
     def _describe(self, what: str, error: Exception) -> str:

@@ -20,7 +20,7 @@ from quad_common.errors.quoting import clipped
 from quad_common.lifecycle import LifeState, NotActive
 from quad_common.log_limit import LogLimit
 from quad_common.parameters import checked_parameters, parameters_of
-from quad_common.process.spare_memory import give_back_spare_memory
+from quad_common.process.spare_memory import SpareMemory
 from quad_common.ros.clock_check import ClockCheck
 from quad_common.ros.guarded_node import GuardedNode
 from quad_common.ros.node_parameters import descriptor, plain_value, real_changes
@@ -71,7 +71,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         self._began = time.monotonic()
         self._has_unlogged_warning = False
         self._last_refusal: dict[str, object] = {}
-        self._caught = 0
+        self._spare_memory = SpareMemory()
         self.clock_check = ClockCheck(self)
         # On the wall clock: it must speak up just when simulated time stands still.
         self.create_timer(1.0, self._on_second, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -167,10 +167,7 @@ class QuadNode(GuardedNode, Generic[Table]):
         self.report(ERROR, sentence, error=kind)
 
     def _on_second(self) -> None:
-        if self._net.caught > self._caught:
-            # It may have been refused because it was far too large.
-            self._caught = self._net.caught
-            give_back_spare_memory()
+        self._spare_memory.look()
         self.update_status()
         self._publish_status(*self._status)
         if self._has_unlogged_warning and time.monotonic() - self._began >= _GRACE:
