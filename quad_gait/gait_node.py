@@ -13,8 +13,10 @@ if __name__ == '__main__':
 import time
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState, PointCloud2
 
@@ -80,7 +82,9 @@ class GaitNode(QuadNode[GaitParameters]):
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, sensor)
         if p.uses_height_map:
             self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
-        GaitServices(self, supervisor, self._topics)
+        self._newest: float | None = None
+        self._newest_at = self.get_clock().now()
+        GaitServices(self, supervisor, self._topics, self._now)
         plans = PlanTopics(self, supervisor, self._topics, frame, self._planner)
         self._actions = plans.actions
         self.manage(self._rest)
@@ -95,6 +99,18 @@ class GaitNode(QuadNode[GaitParameters]):
         """Report what the robot does, or why it does not move."""
         notes = self._map.problem(), *self._topics.problems(), self.rest_note()
         self.report_status(self._diagnosis.status(self.clock_check.problem(), *notes))
+
+    def _now(self) -> tuple[float | None, NDArray[np.float64] | None]:
+        """Return time [s] and joints, (12,) [rad], as they are now; None for what is not known."""
+        time, joints = self._estimator.newest
+        since = (self.get_clock().now() - self._newest_at).nanoseconds / 1e9
+        return None if time is None else time + max(since, 0.0), joints
+
+    def _note_time(self) -> None:
+        """Note when something came that tells what time it is."""
+        newest, _ = self._estimator.newest
+        if newest != self._newest:
+            self._newest, self._newest_at = newest, self.get_clock().now()
 
     def _rest(self) -> None:
         """Stand, as a node that is managed does when it is active no longer."""
@@ -122,6 +138,7 @@ class GaitNode(QuadNode[GaitParameters]):
             frame = 'odom' if is_own else self._odom_frame
             odometry = self._estimator.leg_odometry
             self._topics.publish_leg_odometry(odometry, frame, message.header.stamp)
+        self._note_time()
 
     def _on_odometry(self, message: Odometry) -> None:
         stamp, frame = message.header.stamp, self._map.frame
@@ -132,6 +149,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._diagnosis.take_odometry(state is not None)
         if state is None:
             return
+        self._note_time()
         self._odom_frame = message.header.frame_id
         state = state.placed(*self._map.locate(message))
         doubt = _DOUBT if frame.doubt else ''

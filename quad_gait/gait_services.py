@@ -11,6 +11,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, Trigger
@@ -20,6 +22,8 @@ from quad_common.ros.ros_node import QuadNode
 from quad_gait.behaviours.activity import Activity
 from quad_gait.gait_topics import GaitTopics
 from quad_gait.supervisor import Supervisor
+
+Now = Callable[[], tuple[float | None, NDArray[np.float64] | None]]
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -42,14 +46,18 @@ class GaitServices:
         What decides.
     topics : GaitTopics
         What is published of it.
+    now : callable
+        Returns time [s] and joints, (12,) [rad], as they are now; None for what is not known.
     """
 
-    def __init__(self, node: QuadNode[Any], supervisor: Supervisor, topics: GaitTopics) -> None:
+    def __init__(
+        self, node: QuadNode[Any], supervisor: Supervisor, topics: GaitTopics, now: Now
+    ) -> None:
         self._topics = topics
         node.create_service(Trigger, 'stand', partial(self._on_request, supervisor.stand))
         node.create_service(Trigger, 'sit', partial(self._on_request, supervisor.sit))
         node.create_service(Trigger, 'stop', partial(self._on_request, supervisor.stop))
-        self._emergency_stop = EmergencyStop(node, supervisor, topics)
+        self._emergency_stop = EmergencyStop(node, supervisor, topics, now)
 
     def _on_request(
         self, request: Callable[[], str], _: Trigger.Request, response: Trigger.Response
@@ -75,10 +83,14 @@ class EmergencyStop:
         What decides.
     topics : GaitTopics
         Where trajectories go.
+    now : callable
+        Returns time [s] and joints, (12,) [rad], as they are now; None for what is not known.
     """
 
-    def __init__(self, node: QuadNode[Any], supervisor: Supervisor, topics: GaitTopics) -> None:
-        self._node = node
+    def __init__(
+        self, node: QuadNode[Any], supervisor: Supervisor, topics: GaitTopics, now: Now
+    ) -> None:
+        self._node, self._now = node, now
         self._supervisor = supervisor
         self._topics = topics
         # What this node has said, and not heard yet; what is older is not heard any more.
@@ -121,7 +133,7 @@ class EmergencyStop:
             self._freeze()
 
     def _freeze(self) -> None:
-        self._topics.publish_trajectory(self._supervisor.freeze(), is_last=True)
+        self._topics.publish_trajectory(self._supervisor.freeze(*self._now()), is_last=True)
         self._tell(True)
 
     def _tell(self, is_on: bool) -> None:

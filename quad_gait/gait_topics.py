@@ -77,8 +77,9 @@ class GaitTopics:
         # is to wait for that from the first one on.
         self._answers_each = parameters.is_uneven or parameters.balance
         self._is_stamped = parameters.stamped_cmd_vel
-        self._received = Path()
+        self._received, self._last_stamp = Path(), Time()
         self._followed: Plan | None = None
+        self._stops = 0
         self._last_footholds: NDArray[np.float64] | None = None
         self._trajectories = node.create_publisher(JointTrajectoryMessage, 'joint_trajectory', 10)
         self._goals = TrajectoryGoals(node, parameters.trajectory_action)
@@ -156,13 +157,28 @@ class GaitTopics:
         if self._leg_odometry.get_subscription_count() > 0:
             self._leg_odometry.publish(leg_odometry_message(odometry, frame, stamp))
 
-    def publish_followed(self, received: Path | None = None) -> None:
-        """Publish the plan that is followed when it is another one; an empty path for none."""
-        if received is not None:
+    def take_plan(self, received: Path, is_followed: bool) -> None:
+        """Take note of what was received as a plan, and publish what is followed now."""
+        self._last_stamp = received.header.stamp
+        if is_followed:
             self._received = received
-        followed = self._supervisor.wanted_plan
-        if followed is not self._followed:
-            self._followed = followed
+        self.publish_followed()
+
+    def publish_followed(self) -> None:
+        """
+        Publish the plan that is followed when it is another one; an empty path for none.
+
+        One without a frame says that the robot was stopped, also if it followed none: its goal,
+        which may wait for a path, is given up.
+        """
+        followed, stops = self._supervisor.wanted_plan, self._supervisor.stops
+        has_ended = followed is not self._followed
+        self._followed = followed
+        if stops != self._stops:
+            self._stops = stops
+            self._followed_plans.publish(Path(header=Header(stamp=self._last_stamp)))
+            has_ended = followed is not None
+        if has_ended:
             path = self._received
             self._followed_plans.publish(path if followed else Path(header=path.header))
 

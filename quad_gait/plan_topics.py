@@ -76,4 +76,4 @@ class PlanTopics:
             return
         self._supervisor.set_plan(plan)
         is_followed = plan is not None and self._supervisor.wanted_plan is plan
-        self._topics.publish_followed(message if is_followed else None)
+        self._topics.take_plan(message, is_followed)

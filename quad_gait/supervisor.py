@@ -126,6 +126,11 @@ class Supervisor:
         return self._guidance.wanted_plan
 
     @property
+    def stops(self) -> int:
+        """Number of times that nothing planned so far was wanted any more, as by a stop."""
+        return self._guidance.stops
+
+    @property
     def impassable(self) -> Pose2D | None:
         """Pose, heading to where there was no footing, from which another path was asked for."""
         return self._guidance.impassable
@@ -208,12 +213,16 @@ class Supervisor:
         else:
             outcome = self._routine.update(state)
         trajectory = outcome.trajectory
-        return None if trajectory is None else self._given(trajectory, state)
+        if trajectory is None:
+            return None
+        return self._given(trajectory, state.time, state.joint_positions)
 
-    def _given(self, trajectory: JointTrajectory, state: RobotState) -> JointTrajectory | None:
+    def _given(
+        self, trajectory: JointTrajectory, time: float, measured: NDArray[np.float64] | None
+    ) -> JointTrajectory | None:
         """Let a trajectory through the last gate; what does not pass stops the robot."""
         try:
-            return self._joints.give(trajectory, state)
+            return self._joints.give(trajectory, time, measured)
         except TrajectoryError as error:
             self._routine.forget()
             # The last one that passed ends at rest.
@@ -311,9 +320,18 @@ class Supervisor:
         """End the emergency stop; the robot stays as it is until :meth:`stand`."""
         return self.wish(Release())
 
-    def freeze(self) -> JointTrajectory | None:
+    def freeze(
+        self, time: float | None = None, measured: NDArray[np.float64] | None = None
+    ) -> JointTrajectory | None:
         """
         Stop all joints at once, and keep them as they are until :meth:`release`.
+
+        Parameters
+        ----------
+        time : float, optional
+            Now [s]; that of the last state if not given, which is old when odometry is silent.
+        measured : ndarray, shape (12,), optional
+            Where the joints are [rad]; as in the last state if not given.
 
         Returns
         -------
@@ -321,7 +339,11 @@ class Supervisor:
             It starts on arrival; None if nothing is known of the joints.
         """
         self.wish(Freeze())
-        if self._last is None:
+        last = self._last
+        if last is not None:
+            time = last.time if time is None else time
+            measured = last.joint_positions if measured is None else measured
+        if time is None or measured is None:
             return None
-        hold = next(guard.hold(self._last) for guard in self._guards if isinstance(guard, Frozen))
-        return None if hold is None else self._given(hold, self._last)
+        frozen = next(guard for guard in self._guards if isinstance(guard, Frozen))
+        return self._given(frozen.hold(time, measured), time, measured)

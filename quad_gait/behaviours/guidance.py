@@ -95,6 +95,9 @@ class Guidance:
         self._stands: tuple[Activity, str] | None = None
         self.wanted_plan: Plan | None = None
         """The plan to follow, also while something blocks the robot; None: there is none."""
+        self.stops = 0
+        """Number of times that nothing planned so far was wanted any more: the robot was stopped,
+        steered, or refused a plan while it wanted none."""
         self.plan_waits_for = ''
         """Reason for which the plan waits; empty if it does not."""
         self.is_to_sit = False
@@ -125,6 +128,8 @@ class Guidance:
             return
         if plan is not None and refusal:
             self._report.limit = f'the plan is refused: {refusal}'
+            # Whoever made it is not to make it again once it would be followed.
+            self.stops += self.wanted_plan is None
             return
         self.wanted_plan, self._pieces = plan, wish.pieces
         self.has_new_plan, self._was_stopped = True, False
@@ -136,6 +141,7 @@ class Guidance:
         if refusal:
             self._report.limit = f'steering is refused: {refusal}'
             return
+        self.stops += self.steering.twist is None or self.wanted_plan is not None
         self.forget_plan()
         self._stands = None
         self.steering.wish(wish.twist, time)
@@ -146,6 +152,7 @@ class Guidance:
 
     def stop(self) -> None:
         """Want nothing; a plan to the same goal is no reason to walk again."""
+        self.stops += 1
         self.forget_plan()
         self.steering.end()
         self._stands = None

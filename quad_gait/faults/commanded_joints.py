@@ -74,10 +74,6 @@ class CommandedJoints:
         self.gate.forget()
         self.expect_nothing()
 
-    def commanded(self, state: RobotState) -> tuple[Array, Array]:
-        """Return commanded positions [rad] and velocities [rad/s] now, each of shape (12,)."""
-        return self.gate.command(state.time, state.joints.reshape(-1))
-
     def expect_nothing(self) -> None:
         """Expect no longer that what was given out before is executed."""
         self._detector.forget()
@@ -89,7 +85,9 @@ class CommandedJoints:
         self.expect_nothing()
         self.stand()
 
-    def give(self, trajectory: JointTrajectory, state: RobotState) -> JointTrajectory:
+    def give(
+        self, trajectory: JointTrajectory, time: float, measured: Array | None
+    ) -> JointTrajectory:
         """
         Let a trajectory out.
 
@@ -97,8 +95,10 @@ class CommandedJoints:
         ----------
         trajectory : JointTrajectory
             For all joints.
-        state : RobotState
-            The robot now.
+        time : float
+            Now [s].
+        measured : ndarray, shape (12,), or None
+            Where the joints are [rad]; None if nothing is known of them.
 
         Returns
         -------
@@ -110,9 +110,8 @@ class CommandedJoints:
         TrajectoryError
             If the joints could not follow it; then it is not to be given out.
         """
-        measured = state.joint_positions
         if measured is None:
             measured = self._robot.initial_joint_angles.reshape(-1)
-        given = self.gate.admit(trajectory, state.time, measured)
-        self._detector.expect(given, state.time)
+        given = self.gate.admit(trajectory, time, measured)
+        self._detector.expect(given, time)
         return given

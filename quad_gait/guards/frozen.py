@@ -5,6 +5,7 @@ The emergency stop: all joints are held, until it is released and the robot aske
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from quad_common.errors import EmergencyStopOn, RobotStaysStill
 from quad_common.trajectory.joint_trajectory import JointTrajectory
@@ -14,6 +15,8 @@ from quad_gait.behaviours.routine import Routine
 from quad_gait.behaviours.wishes import Freeze, Release, Sit, Stand, Wish
 from quad_gait.guards.guard import Guard
 from quad_gait.state.robot_state import RobotState
+
+Array = NDArray[np.float64]
 
 _FREEZING_TIME = 0.02
 """Time in which an emergency stop brings the joints to rest [s]."""
@@ -40,6 +43,7 @@ class Frozen(Guard):
         """Take notice of the emergency stop, its release, and what may follow."""
         if isinstance(wish, Freeze):
             self._is_on = self._waits_for_stand = True
+            self._guidance.stop()
             self._guidance.abandon()
             self._routine.forget()
             self._report.limit = ''
@@ -75,13 +79,12 @@ class Frozen(Guard):
         self._report.say(Activity.STOPPED, _RELEASED)
         return GO_ON
 
-    def hold(self, state: RobotState) -> JointTrajectory | None:
-        """Return what brings all joints to rest at once; None if nothing is known of them."""
-        if not state.has_joints:
-            return None
-        position, velocity = self._joints.commanded(state)
+    def hold(self, time: float, measured: Array) -> JointTrajectory:
+        """Return what brings all joints, (12,) [rad], to rest at once at a time [s]."""
+        gate = self._joints.gate
+        position, velocity = gate.command(time, measured)
         # A cubic that only slows down goes on by a third of its velocity times its duration.
-        limits = self._joints.gate.limits
+        limits = gate.limits
         rest = limits.clip(position + velocity * (_FREEZING_TIME / 3.0))
         return JointTrajectory(
             joint_names=self._robot.joint_names,

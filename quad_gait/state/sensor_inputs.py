@@ -103,6 +103,11 @@ class SensorInputs:
         """That the imu does not tell of now, as a sentence; empty while it does."""
         self._was_moved = False
 
+    @property
+    def joints(self) -> JointReadings | None:
+        """Joint states that were taken last; None before there are any."""
+        return self._joints
+
     def imu_at(self, time: float) -> tuple[Array | None, float | None]:
         """
         Return what the imu says, unless that is old.

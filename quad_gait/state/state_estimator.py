@@ -68,6 +68,7 @@ class StateEstimator:
         self._inputs = SensorInputs(robot, options.inputs)
         self._rest = RestCheck(robot, options.rest_speed)
         self._last_time = -math.inf
+        self._joints_time = math.inf
         self._is_placed = options.starts_at_origin
         self.leg_odometry = LegOdometry(robot)
         """The pose by legs; stays where it began unless the options ask for it."""
@@ -76,6 +77,22 @@ class StateEstimator:
     def imu_problem(self) -> str:
         """That the imu has fallen silent, as a sentence; empty while it has not."""
         return self._inputs.imu_problem
+
+    @property
+    def newest(self) -> tuple[float | None, Array | None]:
+        """
+        Time and joints by what was taken last, also where odometry is silent and joints are not.
+
+        Time is odometry's [s]; by the joints' stamps it goes on. Joint positions are of shape (12,)
+        [rad]. None for what is not known.
+        """
+        readings, time = self._inputs.joints, self._last_time
+        stamp = None if readings is None else readings.time
+        if math.isinf(time):
+            time = stamp or 0.0
+        elif stamp is not None:
+            time += max(stamp - self._joints_time, 0.0)
+        return (None, None) if readings is None else (time, readings.positions)
 
     def take_joints(self, readings: JointReadings) -> bool:
         """
@@ -153,6 +170,7 @@ class StateEstimator:
             self._rest.forget()
             state = replace(state, was_moved=True)
         self._last_time = measurement.time
+        self._joints_time = state.measured_at
         if measurement.joint_positions is not None:
             self._rest.take(state.measured_at, measurement.joint_positions)
         return state

@@ -131,8 +131,6 @@ class PlanningSession(SessionMaps):
         if self._pending is not None and not self._pending.is_given:
             self._give_up_search()
         if self.plan is not None:
-            # That the robot follows it no more is no news.
-            self._own.begin_goal()
             self._publish(None)
         if is_news:
             self._output.update_status()
@@ -145,7 +143,6 @@ class PlanningSession(SessionMaps):
             # A goal that was just given is not given up for it.
             return
         self.hold_reason = reason
-        self._own.begin_goal()
         self._search(GoalWish(self.map.frame.name, place, is_given=False, is_detour=True))
         self._output.update_status()
 
@@ -236,14 +233,18 @@ class PlanningSession(SessionMaps):
         Parameters
         ----------
         stamp : int
-            Of that plan, or of the one that has ended [ns].
+            Of that plan, or of the one that has ended; of the last plan that was received, or taken
+            back, if the robot was stopped [ns].
         frame : str
-            Of the plan.
+            Of the plan; empty if the robot was stopped.
         plan : Plan or None
             None: the plan of that stamp has ended.
         """
-        followed = self._own.judge(stamp, has_ended=plan is None)
-        if followed is Followed.GOAL_ENDED:
+        has_ended = plan is None
+        followed = self._own.judge(stamp, has_ended, was_stopped=has_ended and not frame)
+        if followed is Followed.STOPPED:
+            self._stop()
+        elif followed is Followed.GOAL_ENDED:
             self._end_goal()
         if plan is None or followed is not Followed.FOREIGN:
             return
@@ -260,6 +261,14 @@ class PlanningSession(SessionMaps):
             self._given.conclude(GoalEnd.ENDED, _FOLLOWS_ANOTHER)
             self._goal, self.hold_reason = None, ''
             self._output.update_status()
+
+    def _stop(self) -> None:
+        """Give up the goal in force, and one that is searched: the robot was stopped."""
+        if any((self._goal, self._waiting, self._pending)):
+            self._output.say('the robot was stopped: its goal is given up')
+        self._given.conclude(GoalEnd.ENDED, 'the robot was stopped')
+        # What is published takes its last plan back: the same goal may be given again.
+        self.withdraw_goal()
 
     def _end_goal(self) -> None:
         """Plan no more, whatever moves the robot, until a new goal comes."""
@@ -319,8 +328,6 @@ class PlanningSession(SessionMaps):
                 self._refuse(wish, error)
             if self._is_plan_void or wish.is_detour:
                 self._publish(None)
-                # That the robot follows it no more is no news.
-                self._own.begin_goal()
                 self._void_at = None if wish.is_detour else start
         else:
             if wish.is_given:
@@ -338,7 +345,9 @@ class PlanningSession(SessionMaps):
     def _publish(self, plan: Plan | None, is_to_goal: bool = True) -> None:
         self.plan, self.is_detour = plan, not is_to_goal
         stamp = self._output.publish_plan(plan)
-        if plan is not None:
+        if plan is None:
+            self._own.take_back(stamp)
+        else:
             self._own.add(stamp, is_to_goal)
 
 
