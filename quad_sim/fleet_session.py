@@ -122,6 +122,11 @@ class FleetSession(SimSession):
         self._spawn({}, [name])
         self._text = text_from_robots(self._wanted)
 
+    def take_parameters(self, parameters: SimParameters) -> None:
+        """Let robots come and go as parameters say; QuadError refuses all of a change."""
+        self.plan_failure(parameters)
+        self.take_robots(parameters.robots)
+
     def plan_failure(self, parameters: SimParameters) -> None:
         """Raise ParameterError if a joint is to fail: it is not said whose."""
         if parameters.failing_joint:

@@ -71,8 +71,7 @@ class SimNode(QuadNode[SimParameters]):
 
     def take_parameters(self, parameters: SimParameters) -> None:
         """Let a joint fail, or let robots come and go."""
-        self._session.plan_failure(parameters)
-        self._session.take_robots(parameters.robots)
+        self._session.take_parameters(parameters)
         self._topics.match_robots()
 
     def update_status(self) -> None:

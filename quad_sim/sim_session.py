@@ -136,6 +136,12 @@ class SimSession:
             # Where nothing can draw, it is said at the start.
             simulation.check_visible('a camera').prepare_pictures()
 
+    def take_parameters(self, parameters: SimParameters) -> None:
+        """Let a joint fail, or robots come and go, as parameters say; QuadError refuses both."""
+        # What only refuses comes first: nothing of a change that is refused takes effect.
+        self.take_robots(parameters.robots)
+        self.plan_failure(parameters)
+
     def plan_failure(self, parameters: SimParameters) -> None:
         """Let a joint fail as parameters say; see :meth:`Simulation.plan_failure`."""
         self._alone.plan_failure(parameters)

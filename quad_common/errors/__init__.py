@@ -74,6 +74,7 @@ from quad_common.errors.maps import MapValueOutOfRange as MapValueOutOfRange
 from quad_common.errors.messages import InvalidMessage as InvalidMessage
 from quad_common.errors.messages import InvalidTransform as InvalidTransform
 from quad_common.errors.messages import RobotLeftOut as RobotLeftOut
+from quad_common.errors.parameters import ArgumentNotText as ArgumentNotText
 from quad_common.errors.parameters import MatrixSizeWrong as MatrixSizeWrong
 from quad_common.errors.parameters import MissingKey as MissingKey
 from quad_common.errors.parameters import NumbersInvalid as NumbersInvalid

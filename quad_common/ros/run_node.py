@@ -16,7 +16,7 @@ from rclpy.exceptions import ParameterException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
-from quad_common.errors import QuadError
+from quad_common.errors import ArgumentNotText, QuadError
 from quad_common.network.reach import (
     check_security,
     library_without_security,
@@ -65,6 +65,7 @@ def run_node(
             return 0
         check_middleware()
         leave_shared_memory(os.environ)
+        check_text(sys.argv if args is None else args)
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         except RuntimeError as error:
@@ -108,6 +109,15 @@ def keep_for_good() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(_COLLECTED_AFTER)
+
+
+def check_text(arguments: list[str]) -> None:
+    """Raise ArgumentNotText for a command-line argument that no message could hold."""
+    for argument in arguments:
+        try:
+            argument.encode()
+        except UnicodeEncodeError as error:
+            raise ArgumentNotText(argument) from error
 
 
 def check_middleware() -> None:

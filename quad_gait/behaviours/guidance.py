@@ -96,8 +96,7 @@ class Guidance:
         self.wanted_plan: Plan | None = None
         """The plan to follow, also while something blocks the robot; None: there is none."""
         self.stops = 0
-        """Number of times that nothing planned so far was wanted any more: the robot was stopped,
-        steered, or refused a plan while it wanted none."""
+        """Number of stops: from each on nothing that was planned before is wanted."""
         self.plan_waits_for = ''
         """Reason for which the plan waits; empty if it does not."""
         self.is_to_sit = False
@@ -124,11 +123,9 @@ class Guidance:
         # A planner that takes its plan back knows of the stop: the next plan was asked for.
         self._stopped_goal = None
         if plan is None and self.wanted_plan is None:
-            # There is none to take back: whatever else the robot does goes on.
-            return
+            return  # Whatever else the robot does goes on.
         if plan is not None and refusal:
             self._report.limit = f'the plan is refused: {refusal}'
-            # Whoever made it is not to make it again once it would be followed.
             self.stops += self.wanted_plan is None
             return
         self.wanted_plan, self._pieces = plan, wish.pieces
@@ -266,11 +263,7 @@ class Guidance:
         report.say(Activity.WALKING, said)
 
     def _use_new_gaits(self, state: RobotState) -> bool:
-        """
-        Take gaits that were wished for since, and keep the balance if that is possible now.
-
-        Returns whether they are others, and are to follow a plan.
-        """
+        """Take gaits wished for since; return whether they are others, and are to follow a plan."""
         new_gaits, self._new_gaits = self._new_gaits, None
         if new_gaits is not None:
             self.gaits.take(new_gaits)

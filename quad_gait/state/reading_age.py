@@ -82,6 +82,11 @@ class ReadingAge:
         since = self._since
         return since is not None and time - since <= self._timeout and not self._is_ahead()
 
+    @property
+    def is_stamped(self) -> bool:
+        """Whether the last reading has a stamp, and tells of the time of the last odometry."""
+        return self._stamp is not None and (self._now is None or self.is_recent(self._now))
+
     def _is_ahead(self) -> bool:
         """Return whether the last reading is stamped by another clock, which is ahead."""
         if self._stamp is None or self._now is None:

@@ -97,6 +97,9 @@ class SensorInputs:
         # Where odometry has no attitude nothing else would tell that the body falls.
         patience = math.inf if self._options.odometry_has_attitude else _FIRST_IMU
         self._imu_age = ReadingAge('imu', "the imu's readings", timeouts[1], patience)
+        self._attitude_age = ReadingAge(
+            'orientation by the imu', "the imu's orientations", timeouts[1], patience
+        )
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
         self.imu_problem = ''
@@ -139,6 +142,7 @@ class SensorInputs:
             If a joint cannot be where they say; they are left out then.
         """
         try:
+            _check_stamp('joint state', readings.time, self._joints_age)
             self._check_ranges(readings)
             taken = Taken.FITS
             if readings.time is not None:
@@ -180,6 +184,7 @@ class SensorInputs:
         InvalidMessage
             If the body cannot have turned like that; it is left out then.
         """
+        _check_stamp('imu', time, self._imu_age)
         if orientation is not None and time is not None:
             self._imu_check.take(time, orientation)
         if yaw_rate is not None and abs(yaw_rate) > TURN_SPEED:
@@ -189,6 +194,8 @@ class SensorInputs:
         self._imu = (orientation, yaw_rate)
         self._imu_motion = motion
         self._imu_age.take(time)
+        if orientation is not None:
+            self._attitude_age.take(time)
 
     def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
         """
@@ -220,6 +227,7 @@ class SensorInputs:
         self._was_moved = False
         self._joints_age.advance(time)
         is_imu_recent = self._imu_age.advance(time)
+        self._attitude_age.advance(time)
         self.imu_problem = self._problem_of_imu()
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(
@@ -240,7 +248,9 @@ class SensorInputs:
 
     def _problem_of_imu(self) -> str:
         """Say that an imu does not tell of now, and what follows from it; empty if it does."""
-        options, problem = self._options, self._imu_age.problem
+        options = self._options
+        # One that tells turns alone is no less silent where only it could tell the attitude.
+        problem = self._imu_age.problem or self._attitude_age.problem
         if not problem:
             return ''
         if options.odometry_has_attitude:
@@ -288,3 +298,9 @@ class SensorInputs:
                     f'the {what} of {limits.joint_names[joint]} is {values[joint]:.4g}; '
                     f'its limit is {most[joint] / _OVERLOAD:.3g}',
                 )
+
+
+def _check_stamp(what: str, time: float | None, age: ReadingAge) -> None:
+    """Refuse a reading without a stamp among others that have one: it could be of any time."""
+    if time is None and age.is_stamped:
+        raise InvalidMessage(what, 'it has no stamp, and those before it have one')

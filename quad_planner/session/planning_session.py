@@ -67,9 +67,7 @@ class PlanningSession(SessionMaps):
         self._output = output
         self._checked_at, self._is_plan_void = 0.0, False
         self._void_at: Pose2D | None = None
-        self._given = GivenGoal()
-        self._own = OwnPlans()
-        self._is_new = True
+        self._given, self._own, self._is_new = GivenGoal(), OwnPlans(), True
 
     def plan_on_new_map(self) -> None:
         """Show the map, and plan on it to the goal in force."""
@@ -233,15 +231,13 @@ class PlanningSession(SessionMaps):
         Parameters
         ----------
         stamp : int
-            Of that plan, or of the one that has ended; of the last plan that was received, or taken
-            back, if the robot was stopped [ns].
+            Of that plan, or the one that has ended; after a stop of what came last as one [ns].
         frame : str
             Of the plan; empty if the robot was stopped.
         plan : Plan or None
             None: the plan of that stamp has ended.
         """
-        has_ended = plan is None
-        followed = self._own.judge(stamp, has_ended, was_stopped=has_ended and not frame)
+        followed = self._own.judge(stamp, plan is None, was_stopped=plan is None and not frame)
         if followed is Followed.STOPPED:
             self._stop()
         elif followed is Followed.GOAL_ENDED:
@@ -313,11 +309,6 @@ class PlanningSession(SessionMaps):
         self._pending, start, goal = wish, self._pose, wish.goal
         receive = partial(self._on_result, start, wish)
         self._requests.submit(self.map.search(start, goal, start), receive)
-
-    def _give_up_search(self) -> None:
-        if self._pending is not None:
-            self._pending = None
-            self._requests.submit(lambda: None, lambda result: result())
 
     def _on_result(self, start: Pose2D, wish: GoalWish, result: Callable[[], Plan]) -> None:
         self._pending = None

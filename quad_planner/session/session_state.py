@@ -116,3 +116,9 @@ class SessionState:
     def is_waiting(self) -> bool:
         """Whether a goal waits for a map, or for a pose."""
         return self._waiting is not None
+
+    def _give_up_search(self) -> None:
+        """Search nothing any more."""
+        if self._pending is not None:
+            self._pending = None
+            self._requests.submit(lambda: None, lambda result: result())

@@ -1,7 +1,9 @@
 """A simulation runs, measures and reports as sim_node has it, without topics."""
 
 import numpy as np
+import pytest
 
+from quad_common.errors import QuadError
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.status import Level
 from quad_sim.parameters import SimParameters
@@ -80,3 +82,16 @@ def test_one_seed_measures_the_same_noise():
         running.advance(output)
     assert np.array_equal(first.readings[0].odometry_noise, second.readings[0].odometry_noise)
     assert np.array_equal(first.readings[0].imu_noise, second.readings[0].imu_noise)
+
+
+def test_nothing_of_a_change_of_parameters_that_is_refused_takes_effect():
+    running, _ = session()
+    joint = load_robot('titan_viii').joint_names[0]
+    change = SimParameters(failing_joint=joint, failure='stuck', robots='a=cuhk')
+    with pytest.raises(QuadError, match='robots'):
+        running.take_parameters(change)
+    running.advance(Recorded())
+    assert running.status().level is Level.OK
+    running.take_parameters(SimParameters(failing_joint=joint, failure='stuck'))
+    running.advance(Recorded())
+    assert running.status().message == f'{joint} is stuck; reset repairs it'

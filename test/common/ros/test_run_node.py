@@ -7,7 +7,8 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from quad_common.ros.run_node import keep_for_good
+from quad_common.errors import ArgumentNotText
+from quad_common.ros.run_node import check_text, keep_for_good
 
 
 class Node:
@@ -30,3 +31,9 @@ def test_what_is_there_at_the_start_is_not_looked_through_and_later_garbage_is_c
         assert gone() is None
     finally:
         gc.unfreeze()
+
+
+def test_an_argument_that_is_not_text_is_refused_in_a_sentence():
+    check_text(['--ros-args', '-p', 'gait:=ä☃'])
+    with pytest.raises(ArgumentNotText, match=r"the argument 'gait:=a\\udcff' is not valid UTF-8"):
+        check_text(['--ros-args', '-p', b'gait:=a\xff'.decode(errors='surrogateescape')])

@@ -279,3 +279,52 @@ def test_leg_odometry_forgets_an_absurd_joint_at_once():
     odometry.update(0.08, POSTURE)
     assert odometry.pose.distance_to(ORIGIN) < 1e-12
     assert np.isfinite(odometry.covariance).all()
+
+
+def test_readings_without_a_stamp_among_stamped_ones_are_refused():
+    inputs = standing_inputs()
+    inputs.take_imu(1.0, LEVEL, 0.0)
+    inputs.take_odometry(1.02, ORIGIN, LEVEL)
+    with pytest.raises(InvalidMessage, match='no stamp, and those before it have one'):
+        inputs.take_imu(None, np.array([1.0, 0.0, 0.0, 0.0]), 0.0)
+    moved = POSTURE.copy()
+    moved[4] += 0.2
+    with pytest.raises(InvalidMessage, match='no stamp'):
+        inputs.take_joints(readings(None, moved))
+    now = inputs.take_odometry(1.04, ORIGIN, LEVEL)
+    assert now.tilt == 0.0
+    assert np.array_equal(now.joint_positions, POSTURE)
+    inputs.take_imu(1.04, rolled(0.01), 0.0)
+    assert inputs.take_odometry(1.06, ORIGIN, LEVEL).tilt == pytest.approx(0.01)
+
+
+def test_a_driver_that_stamps_no_longer_is_believed_after_a_silence():
+    inputs = standing_inputs()
+    for time in np.arange(1.02, 1.5, 0.02):
+        inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert inputs.take_joints(readings(None))
+    assert inputs.take_odometry(1.5, ORIGIN, LEVEL).problem == ''
+
+
+@pytest.mark.parametrize('needs_attitude', [False, True])
+def test_an_imu_without_orientation_tells_no_attitude(needs_attitude):
+    options = {'odometry_has_attitude': False, 'needs_attitude': needs_attitude}
+    inputs = SensorInputs(ROBOT, InputOptions(**options))
+    for time in np.arange(0.02, 2.0, 0.02):
+        inputs.take_joints(readings(time))
+        inputs.take_imu(time, None, 0.1)
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert inputs.imu_problem.startswith('no orientation by the imu yet')
+    assert bool(now.problem) is needs_attitude
+    # What it does tell counts.
+    assert inputs.imu_at(1.98) == (None, 0.1)
+    for time in np.arange(2.0, 2.2, 0.02):
+        inputs.take_joints(readings(time))
+        inputs.take_imu(time, LEVEL, 0.1)
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert inputs.imu_problem == now.problem == ''
+    for time in np.arange(2.2, 3.0, 0.02):
+        inputs.take_joints(readings(time))
+        inputs.take_imu(time, None, 0.1)
+        now = inputs.take_odometry(time, ORIGIN, LEVEL)
+    assert inputs.imu_problem.startswith('no orientation by the imu for 0.8 s')
