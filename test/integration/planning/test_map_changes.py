@@ -9,6 +9,7 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
 from harness import ERROR, OK, Bench
+from std_srvs.srv import SetBool
 
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D, distance_to_polyline
@@ -75,4 +76,35 @@ def test_a_walk_follows_the_map_as_it_changes(bench: Bench):
 
     # And none again.
     bench.publish_map(room()[1])
+    bench.wait_for_arrival(GOAL)
+
+
+def test_a_robot_that_is_stopped_while_there_is_no_path_stays_when_there_is_one(bench: Bench):
+    start = [START.x, START.y, START.yaw]
+    bench.start('sim_node', map_file='none', start_pose=start)
+    bench.start('planner_node')
+    bench.start('gait_node')
+    for service in ('stop', 'stand'):
+        bench.client(service)
+    bench.client('emergency_stop', SetBool)
+    bench.publish_map(room()[1])
+    for stop in ('stop', 'emergency stop'):
+        bench.wait_for_status('planner_node', 'ready', level=OK)
+        bench.give_goal(GOAL)
+        bench.wait_for_walking()
+        bench.publish_map(room(slice(None))[1])
+        bench.wait_for_status('planner_node', 'no path from', level=ERROR, code=208)
+        bench.wait_for_status('gait_node', 'standing: no plan to follow', level=OK)
+        if stop == 'stop':
+            assert bench.call('stop').success
+        else:
+            bench.call('emergency_stop', SetBool, SetBool.Request(data=True))
+            bench.call('emergency_stop', SetBool, SetBool.Request(data=False))
+            assert bench.call('stand').success
+        bench.publish_map(room()[1])
+        bench.wait_for_status('planner_node', 'ready', level=OK)
+        stopped, since = bench.pose, bench.elapsed
+        bench.wait_until('ten seconds go by', lambda: bench.elapsed > since + 10.0)
+        assert bench.pose.distance_to(stopped) < 1e-6
+    bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL)
