@@ -18,7 +18,7 @@ import math
 from collections.abc import Sequence
 
 from quad_common.errors import InvalidTransform, WrongFrame
-from quad_common.frames.frame_tree import IDENTITY, MOST_FRAMES, FrameTransform, FrameTree
+from quad_common.frames.frame_tree import IDENTITY, FrameTransform, FrameTree
 from quad_common.frames.leap_watch import LeapWatch
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -49,8 +49,8 @@ class MapFrame:
         self._name = name
         self._time_constant = time_constant
         self._tree = FrameTree()
+        self._tree.needed = (name,)
         self._odom_frame: str | None = None
-        self._below_odom: set[str] = set()
         self._seen = 0
         self._is_static = False
         self._count = 0
@@ -109,6 +109,7 @@ class MapFrame:
         """Go on with another frame of the map."""
         if name != self._name:
             self._name = name
+            self._need_ends()
             self._forget_correction()
 
     def add(self, transforms: Sequence[FrameTransform]) -> None:
@@ -118,27 +119,26 @@ class MapFrame:
         Raises
         ------
         InvalidTransform
-            If one that may matter is not valid: those before it in the row are taken, and what
-            was known of the frame stays.
+            If one that may matter is not valid, or closes a cycle: those before it in the row are
+            taken, and what was known of the frame stays.
         """
         for transform in transforms:
             parent, child = transform.parent.lstrip('/'), transform.child.lstrip('/')
-            is_end = child in (self._odom_frame, self._name)
-            if not is_end and (parent == self._odom_frame or parent in self._below_odom):
-                # The robot's own links, at a high rate: they need not be planar.
-                if len(self._below_odom) < MOST_FRAMES:
-                    self._below_odom.add(child)
-                continue
-            if child == parent or (not is_end and child in self._below_odom):
+            if child == parent or self._tree.holds_link(parent, child):
+                # The robot's own links come at a high rate.
                 continue
             named = FrameTransform(
                 parent, child, transform.translation, transform.rotation, transform.is_static
             )
+            is_relevant = self._may_matter(child)
+            is_below = parent == self._odom_frame or self._tree.is_link(parent)
+            # Links need not be planar.
+            add = self._tree.add_link if is_below and not is_relevant else self._tree.add
             try:
-                self._tree.add(named)
+                add(named, self._time)
             except InvalidTransform:
                 # Else it may be a link of the robot that is not known as one yet.
-                if is_end or self._may_matter(child):
+                if is_relevant:
                     raise
 
     def locate(self, time: float, frame: str, odometry: Pose2D) -> Pose2D:
@@ -161,7 +161,8 @@ class MapFrame:
         """
         if frame != self._odom_frame:
             self._odom_frame = frame
-            self._below_odom.clear()
+            self._need_ends()
+            self._tree.forget_links()
             self._forget_correction()
         if time < self._corrected_at - 1.0:
             # The clock was set back.
@@ -230,8 +231,11 @@ class MapFrame:
         self._corrected_at = -math.inf
         self._leaps.forget()
 
+    def _need_ends(self) -> None:
+        self._tree.needed = (self._name, *filter(None, [self._odom_frame]))
+
     def _may_matter(self, frame: str) -> bool:
-        """Return whether a frame lies between map and odometry, as far as is known."""
+        """Return whether a frame is map or odometry, or between them as far as is known."""
         ends = (self._odom_frame, self._name)
         return any(end is not None and self._tree.is_above(frame, end) for end in ends)
 

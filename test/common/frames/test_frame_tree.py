@@ -1,6 +1,7 @@
 """Transforms between frames are composed along their tree; what is no turn in the plane is not."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -53,10 +54,79 @@ def test_frames_without_a_chain_between_them_are_not_related():
     assert tree(transform('map', 'a', A)).find('map', 'odom') is None
 
 
-def test_a_circle_of_frames_ends():
-    circle = tree(transform('map', 'odom', A), transform('odom', 'map', A.inverse()))
-    assert circle.find('map', 'odom') is not None
-    assert circle.find('map', 'moon') is None
+@pytest.mark.parametrize('child', ['map', 'a', 'b'])
+def test_a_transform_that_closes_a_cycle_is_refused_and_all_stays(child):
+    frames = tree(transform('map', 'a', A), transform('a', 'b', B), transform('b', 'odom', C))
+    for _ in range(3):
+        with pytest.raises(InvalidTransform, match=f"'odom' lies below '{child}' already"):
+            frames.add(transform('odom', child, A))
+    assert_same(frames.find('map', 'odom').pose, A @ B @ C)
+    assert frames.find('map', 'moon') is None
+    with pytest.raises(InvalidTransform, match="'a' lies below 'a'"):
+        frames.add(transform('a', 'a', A))
+
+
+def contradict(frames, times, is_static=False):
+    """Say again and again that the map is below odometry; return the times when it was taken."""
+    taken = []
+    for time in times:
+        try:
+            frames.add(transform('odom', 'map', B, is_static), time)
+        except InvalidTransform:
+            continue
+        taken.append(time)
+    return taken
+
+
+def test_another_root_takes_over_from_what_does_not_come_any_more():
+    frames = tree(transform('map', 'odom', A))
+    # However long ago that was: one transform alone proves nothing.
+    assert contradict(frames, [1000.0]) == []
+    assert contradict(frames, [1004.0, 1006.0, 1007.0]) == [1006.0, 1007.0]
+    assert_same(frames.find('map', 'odom').pose, B.inverse())
+
+
+def test_another_root_takes_over_from_nothing_that_still_comes_or_holds_for_good():
+    frames = FrameTree()
+    for time in range(100):
+        frames.add(transform('map', 'odom', A), float(time))
+        assert contradict(frames, [time + 0.1, time + 0.9]) == []
+    frames.add(transform('map', 'odom', A, is_static=True), 100.0)
+    assert contradict(frames, range(100, 200), is_static=True) == []
+
+
+def test_in_a_chain_what_has_not_come_for_longest_gives_way():
+    frames = tree(transform('map', 'a', A), transform('a', 'odom', B))
+    assert contradict(frames, [0.0]) == []
+    frames.add(transform('a', 'odom', B), 1.0)
+    assert contradict(frames, [6.0]) == [6.0]
+    assert_same(frames.find('a', 'map').pose, B @ B)
+
+
+def test_a_clock_that_is_set_back_lets_another_root_wait_no_longer():
+    frames = tree(transform('map', 'odom', A))
+    assert contradict(frames, [1000.0, 3.0]) == [3.0]
+
+
+def test_links_have_a_place_but_no_pose_until_they_are_forgotten():
+    frames = tree(transform('map', 'odom', A))
+    rolled = FrameTransform('odom', 'base_link', (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    frames.add_link(rolled)
+    assert frames.is_link('base_link')
+    assert frames.holds_link('odom', 'base_link')
+    assert not frames.is_link('odom')
+    assert frames.is_above('map', 'base_link')
+    assert frames.find('map', 'base_link') is None
+    with pytest.raises(InvalidTransform, match='already'):
+        frames.add(transform('base_link', 'odom', A), 0.0)
+    assert not frames.holds_link('odom', 'base_link')
+    # It comes again: the contradiction counts anew.
+    frames.add_link(rolled, 1.0)
+    with pytest.raises(InvalidTransform, match='already'):
+        frames.add(transform('base_link', 'odom', A), 6.0)
+    frames.forget_links()
+    assert not frames.is_link('base_link')
+    frames.add(transform('base_link', 'odom', A), 6.0)
 
 
 def test_a_chain_holds_for_good_if_all_its_links_do():
@@ -88,9 +158,30 @@ def test_what_is_no_pose_in_the_plane_is_refused_and_the_last_one_stays(
     assert_same(frames.find('map', 'odom').pose, A)
 
 
-def test_the_number_of_frames_is_bounded():
-    frames = tree(*(transform('map', f'frame {index}', A) for index in range(MOST_FRAMES)))
+def test_the_number_of_frames_is_bounded_and_there_is_always_room_for_one_that_is_needed():
+    frames = tree(transform('map', 'dock', C, is_static=True), transform('map', 'odom', A))
+    frames.needed = ('map', 'odom')
+    for index in range(3 * MOST_FRAMES):
+        frames.add(transform('world', f'frame {index}', A))
+    known = [index for index in range(3 * MOST_FRAMES) if frames.find('world', f'frame {index}')]
+    # Those that came last, beside the dock, which is not published again, and odometry.
+    assert known == list(range(2 * MOST_FRAMES + 2, 3 * MOST_FRAMES))
+    assert_same(frames.find('map', 'odom').pose, A)
+    assert_same(frames.find('map', 'dock').pose, C)
+
+
+def test_of_static_frames_too_those_that_are_needed_stay():
+    frames = tree(transform('map', 'a', A, is_static=True), transform('a', 'odom', B))
+    frames.needed = ('map', 'odom')
+    for index in range(2 * MOST_FRAMES):
+        frames.add(transform('world', f'frame {index}', A, is_static=True))
+    assert_same(frames.find('map', 'odom').pose, A @ B)
+    assert frames.find('world', f'frame {MOST_FRAMES}') is None
+
+
+def test_a_frame_is_refused_where_all_that_are_known_are_needed():
+    names = [f'frame {index}' for index in range(MOST_FRAMES + 1)]
+    frames = tree(*(transform(*pair, A) for pair in pairwise(names)))
+    frames.needed = (names[-1],)
     with pytest.raises(InvalidTransform, match=f'{MOST_FRAMES} frames are known'):
         frames.add(transform('map', 'one more', A))
-    frames.add(transform('map', 'frame 7', B))
-    assert_same(frames.find('map', 'frame 7').pose, B)

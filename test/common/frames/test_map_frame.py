@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import InvalidTransform, WrongFrame
-from quad_common.frames.frame_tree import FrameTransform
+from quad_common.frames.frame_tree import MOST_FRAMES, FrameTransform
 from quad_common.frames.map_frame import MapFrame
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -171,6 +171,68 @@ def test_nonsense_between_map_and_odometry_is_refused_and_the_last_correction_st
         with pytest.raises(InvalidTransform):
             frame.add([FrameTransform('b', child, (math.nan, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))])
     assert apart(frame.locate(0.1, 'odom', ORIGIN), CORRECTION) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ('parent', 'child'),
+    [
+        ('odom', 'map'),
+        ('odom', 'world'),
+        ('base_link', 'odom'),
+        ('base_link', 'world'),
+        ('lidar', 'odom'),
+        ('lidar', 'map'),
+    ],
+)
+def test_a_transform_the_wrong_way_round_is_refused_and_the_right_ones_go_on(parent, child):
+    frame = MapFrame(time_constant=0.0)
+    frame.locate(0.0, 'odom', HERE)
+    links = [transform(HERE, 'odom', 'base_link'), transform(HERE, 'base_link', 'lidar', True)]
+    for second in range(20):
+        x = 0.01 * second
+        frame.add([transform(Pose2D(x, 0.0, 0.0), 'map', 'world'), *links])
+        frame.add([transform(CORRECTION, 'world', 'odom')])
+        pose = frame.locate(float(second), 'odom', HERE)
+        assert apart(pose, Pose2D(x, 0.0, 0.0) @ CORRECTION @ HERE) < 1e-12
+        if second % 8 == 5:
+            with pytest.raises(InvalidTransform, match=f"'{parent}' lies below '{child}' already"):
+                frame.add([transform(HERE, parent, child)])
+            assert apart(frame.locate(second + 0.1, 'odom', HERE), pose) < 1e-12
+    assert len(frame.take_remarks()) == 1
+
+
+def test_a_localiser_takes_over_from_one_transform_the_wrong_way_round_before_it():
+    frame = MapFrame(time_constant=0.0)
+    frame.locate(0.0, 'odom', HERE)
+    frame.add([transform(HERE, 'odom', 'map')])
+    for second in range(10):
+        if second <= 6:
+            with pytest.raises(InvalidTransform, match="'map' lies below 'odom' already"):
+                frame.add([transform(CORRECTION)])
+        else:
+            frame.add([transform(CORRECTION)])
+        pose = frame.locate(float(second), 'odom', HERE)
+    assert apart(pose, CORRECTION @ HERE) < 1e-12
+
+
+def test_a_frame_that_was_taken_for_a_link_may_lie_between_map_and_odometry():
+    frame = MapFrame()
+    frame.locate(0.0, 'odom', HERE)
+    frame.add([transform(HERE, 'odom', 'world')])
+    frame.add([transform(CORRECTION, 'map', 'world'), transform(HERE, 'world', 'odom')])
+    assert apart(frame.locate(1.0, 'odom', HERE), CORRECTION @ HERE @ HERE) < 1e-12
+
+
+@pytest.mark.parametrize('is_static', [True, False])
+def test_however_many_frames_others_publish_there_is_room_for_the_corrections(is_static):
+    frame = MapFrame(time_constant=0.0)
+    frame.locate(0.0, 'odom', HERE)
+    others = [transform(HERE, 'earth', f'frame {k}', is_static) for k in range(2 * MOST_FRAMES)]
+    frame.add(others)
+    frame.add([transform(CORRECTION)])
+    frame.add([transform(HERE, 'odom', f'link {k}', is_static) for k in range(2 * MOST_FRAMES)])
+    frame.add(others)
+    assert apart(frame.locate(1.0, 'odom', HERE), CORRECTION @ HERE) < 1e-12
 
 
 def test_poses_and_plans_come_onto_the_map_from_any_frame_that_is_related_to_it():
