@@ -170,13 +170,14 @@ class PlanningMap:
         Raises
         ------
         QuadError
-            If it cannot be planned on.
+            If it cannot be planned on; all stays as it was.
         """
-        if self._added.mask is not None and frame != self._mask_frame:
-            self._added = replace(self._added, mask=None)
-            self._warn(f'the map is in frame {quoted(frame)}: the keepout mask is left out')
+        is_mask_lost = self._added.mask is not None and frame != self._mask_frame
+        added = replace(self._added, mask=None) if is_mask_lost else self._added
         is_moved = self._ground is not None and frame != self.frame.name
-        has_changed = self._take(grid, frame, None if is_moved else self._ground)
+        has_changed = self._take(grid, frame, None if is_moved else self._ground, added)
+        if is_mask_lost:
+            self._warn(f'the map is in frame {quoted(frame)}: the keepout mask is left out')
         if is_moved:
             self._warn(
                 f'the map is in frame {quoted(frame)} now: the height map is left out until one is'
@@ -209,7 +210,7 @@ class PlanningMap:
             raise InvalidMessage(
                 'map update', f'it is for a map in frame {quoted(frame)}, and {known}'
             )
-        return self._take(update.applied_to(self._grid), frame, self._ground)
+        return self._take(update.applied_to(self._grid), frame, self._ground, self._added)
 
     def take_mask(self, mask: OccupancyGrid, frame: str) -> bool:
         """
@@ -217,17 +218,14 @@ class PlanningMap:
 
         What is returned and raised is as of :meth:`take_heights`.
         """
+        added = replace(self._added, mask=KeepoutMask(mask))
         if self._grid is None:
-            self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
+            self._added, self._mask_frame = added, frame
             return False
         check_frame('keepout mask', frame, self.frame.name)
-        before = self._added, self._mask_frame
-        self._added, self._mask_frame = replace(self._added, mask=KeepoutMask(mask)), frame
-        try:
-            return self._take(self._grid, frame, self._ground)
-        except QuadError:
-            self._added, self._mask_frame = before
-            raise
+        has_changed = self._take(self._grid, frame, self._ground, added)
+        self._mask_frame = frame
+        return has_changed
 
     def take_heights(self, heights: HeightMap, frame: str) -> bool:
         """
@@ -256,17 +254,18 @@ class PlanningMap:
         check_frame('height map', frame, self.frame.name)
         if self._ground is not None and self._ground.is_like(heights):
             return False
-        return self._take(self._grid, frame, Ground(heights, self._limits))
+        return self._take(self._grid, frame, Ground(heights, self._limits), self._added)
 
     def take_waiting_heights(self) -> bool:
         """Take the height map that came before the map, if any; see :meth:`take_heights`."""
         waiting, self._waiting = self._waiting, None
         return waiting is not None and self.take_heights(*waiting)
 
-    def _take(self, grid: OccupancyGrid, frame: str, ground: Ground | None) -> bool:
+    def _take(
+        self, grid: OccupancyGrid, frame: str, ground: Ground | None, added: MapAdditions
+    ) -> bool:
         before = self.planner.prepared
-        self.planner.set_map(self._combined(grid, ground))
-        self._grid, self._ground = grid, ground
+        self._prepare(grid, ground, added)
         if self.planner.prepared is before and frame == self.frame.name:
             # The same map again: what was planned on it stands.
             return False
@@ -308,10 +307,19 @@ class PlanningMap:
         return self._grid is not None and bodies != self._added.bodies and self._add(bodies=bodies)
 
     def _add(self, **changes: Any) -> bool:
-        self._added = replace(self._added, **changes)
         assert self._grid is not None
-        self.planner.set_map(self._combined(self._grid, self._ground))
+        self._prepare(self._grid, self._ground, replace(self._added, **changes))
         return True
+
+    def _prepare(self, grid: OccupancyGrid, ground: Ground | None, added: MapAdditions) -> None:
+        """Plan on a map with its ground and what is added to it: on all of that, or as before."""
+        before, self._added = self._added, added
+        try:
+            self.planner.set_map(self._combined(grid, ground))
+        except BaseException:
+            self._added = before
+            raise
+        self._grid, self._ground = grid, ground
 
     def _combined(
         self,

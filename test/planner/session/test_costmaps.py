@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test_planning_session import GOAL, START, Room, room
 
-from quad_common.errors import GoalOccupied, InvalidMessage, MapError
+from quad_common.errors import GoalOccupied, InvalidMessage, MapError, ParameterError
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
@@ -96,6 +96,45 @@ def test_a_goal_in_a_zone_is_refused_and_a_mask_may_come_before_the_map():
     # In another frame the zones are nowhere.
     told.session.take_grid(room(), 'moon')
     assert any('keepout mask is left out' in warning for warning in told.warnings)
+
+
+ZONE = OccupancyGrid(filled(4, 4, 100), 0.25, Pose2D(2.5, 0.5, 0.0))
+"""A mask whose zone the goal lies in."""
+
+
+def too_large():
+    """Make a map that has more crossings of the mesh than can be searched."""
+    return OccupancyGrid(filled(80, 80, 0), 10.0, ORIGIN)
+
+
+def test_a_map_in_another_frame_that_is_refused_leaves_the_mask_in_force():
+    told = Room()
+    told.session.take_mask(ZONE, 'map')
+    with pytest.raises(ParameterError):
+        told.session.take_grid(too_large(), 'moon')
+    assert told.warnings == []
+    # Whatever has the map prepared again.
+    told.session.map.put_bodies(((1.0, 3.0, 0.1),))
+    told.give(GOAL)
+    assert isinstance(told.session.problem, GoalOccupied)
+
+
+def test_what_a_planner_does_not_take_is_not_added_to_the_map(monkeypatch):
+    told = Room()
+
+    def refuse(grid):
+        raise MapError('no')
+
+    with monkeypatch.context() as patched:
+        patched.setattr(told.session.map.planner, 'set_map', refuse)
+        with pytest.raises(MapError):
+            told.session.take_mask(ZONE, 'map')
+        with pytest.raises(MapError):
+            told.session.map.put_bodies(((3.0, 1.0, 0.3),))
+    told.session.take_grid(room(wall=True), 'map')
+    told.session.take_grid(room(), 'map')
+    told.give(GOAL)
+    assert told.goals() == [GOAL]
 
 
 def test_a_mask_raises_cells_below_its_centers_and_lowers_none():
