@@ -195,6 +195,11 @@ class MapFrame:
         found = self._tree.find(self._name, frame)
         return None if found is None else found.pose @ pose
 
+    def pose_in(self, frame: str) -> Pose2D | None:
+        """Return the pose of the map's frame in another one; None if nothing relates the two."""
+        origin = self.on_map(frame, IDENTITY)
+        return None if origin is None else origin.inverse()
+
     def plan_on_map(self, frame: str, plan: Plan) -> Plan:
         """
         Bring a plan into the map.

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
+from quad_common.planar_pose import Pose2D
 from quad_planner.grid.keepout_mask import KeepoutMask, with_discs
 from quad_planner.grid.traversability import Ground
 
@@ -19,10 +20,41 @@ class MapAdditions:
 
     mask: KeepoutMask | None = None
     """Zones to keep out of."""
+    mask_frame: str = ''
+    """Frame of the zones; all else is in the map's."""
     closed: tuple[tuple[float, float], ...] = ()
     """Places at which the robot found no footing, x and y in the map [m]."""
     bodies: tuple[tuple[float, float, float], ...] = ()
     """Other robots: x, y and radius of each in the map [m]."""
+
+    def in_frame(self, frame: str, before: Pose2D | None) -> MapAdditions:
+        """
+        Return what goes with a map in any frame.
+
+        Parameters
+        ----------
+        frame : str
+            Frame of that map. Zones that are given in another one are left out.
+        before : Pose2D or None
+            Pose of the frame of the map before in it. If that is not known, places and robots are
+            left out.
+
+        Returns
+        -------
+        MapAdditions
+            Places and robots are in that frame.
+        """
+        mask = self.mask if self.mask_frame == frame else None
+        if before is None:
+            return MapAdditions(mask, self.mask_frame)
+        places = [before @ Pose2D(x, y, 0.0) for x, y in self.closed]
+        robots = [(before @ Pose2D(x, y, 0.0), radius) for x, y, radius in self.bodies]
+        return MapAdditions(
+            mask,
+            self.mask_frame,
+            tuple((place.x, place.y) for place in places),
+            tuple((robot.x, robot.y, radius) for robot, radius in robots),
+        )
 
     def combined(
         self, grid: OccupancyGrid, ground: Ground | None, least: int, steps_over_low: bool

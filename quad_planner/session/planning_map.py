@@ -77,7 +77,6 @@ class PlanningMap:
         self._footing = KnownFooting()
         self._waiting: tuple[HeightMap, str] | None = None
         self._added = MapAdditions()
-        self._mask_frame = ''
 
     @property
     def is_ready(self) -> bool:
@@ -153,7 +152,7 @@ class PlanningMap:
 
     def take_grid(self, grid: OccupancyGrid, frame: str) -> bool:
         """
-        Take a map.
+        Take a map. In another frame than the one before, no height map and mask of that stays.
 
         Parameters
         ----------
@@ -172,8 +171,8 @@ class PlanningMap:
         QuadError
             If it cannot be planned on; all stays as it was.
         """
-        is_mask_lost = self._added.mask is not None and frame != self._mask_frame
-        added = replace(self._added, mask=None) if is_mask_lost else self._added
+        added = self._added.in_frame(frame, self.frame.pose_in(frame))
+        is_mask_lost = added.mask is not self._added.mask
         is_moved = self._ground is not None and frame != self.frame.name
         has_changed = self._take(grid, frame, None if is_moved else self._ground, added)
         if is_mask_lost:
@@ -218,14 +217,12 @@ class PlanningMap:
 
         What is returned and raised is as of :meth:`take_heights`.
         """
-        added = replace(self._added, mask=KeepoutMask(mask))
+        added = replace(self._added, mask=KeepoutMask(mask), mask_frame=frame)
         if self._grid is None:
-            self._added, self._mask_frame = added, frame
+            self._added = added
             return False
         check_frame('keepout mask', frame, self.frame.name)
-        has_changed = self._take(self._grid, frame, self._ground, added)
-        self._mask_frame = frame
-        return has_changed
+        return self._take(self._grid, frame, self._ground, added)
 
     def take_heights(self, heights: HeightMap, frame: str) -> bool:
         """

@@ -66,7 +66,6 @@ class PlanningSession(SessionMaps):
         super().__init__(planning_map, requests, options)
         self._output = output
         self._checked_at, self._is_plan_void = 0.0, False
-        self._void_at: Pose2D | None = None
         self._given, self._own, self._is_new = GivenGoal(), OwnPlans(), True
 
     def plan_on_new_map(self) -> None:

@@ -4,6 +4,7 @@ What a planning session knows: for itself, and for whoever asks what it is doing
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from quad_common.errors import QuadError
@@ -65,6 +66,10 @@ class SessionState:
         self._waiting: GoalWish | None = None
         self._pending: GoalWish | None = None
         self._goal: Pose2D | None = None
+        self._void_at: Pose2D | None = None
+        self.when_moved: Callable[[Pose2D | None], object] = lambda before: None
+        """Is told the pose of the frame of the map before in that of a new one, None if it is not
+        known: what was known in that frame is elsewhere now."""
         self.hold_reason = ''
         """Reason for which it waits, or leaves its path, for other robots; empty if it does not."""
         self.plan: Plan | None = None

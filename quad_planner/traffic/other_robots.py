@@ -114,6 +114,24 @@ class OtherRobots:
         self._inert.discard(name)
         self.speeds.forget(name)
 
+    def bring_over(self, before: Pose2D | None) -> None:
+        """
+        Go on with robots on a map in another frame.
+
+        Parameters
+        ----------
+        before : Pose2D or None
+            Pose of the frame of the map before in it; without it all robots are forgotten.
+        """
+        if before is None:
+            # The robot that looks at them has not walked from one frame into the other either.
+            for name in [*self._words, self._name]:
+                self.forget(name)
+            return
+        self._words = {n: (at, word.seen_from(before)) for n, (at, word) in self._words.items()}
+        self._moved = {n: (at, before @ pose) for n, (at, pose) in self._moved.items()}
+        self.speeds.bring_over(before)
+
     def look(self, time: float) -> None:
         """See at a time [s] who is silent, and who does not move."""
         # Time goes back when a simulator is started again.

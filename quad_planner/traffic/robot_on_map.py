@@ -50,6 +50,12 @@ class RobotOnMap:
         destination: Points = self.line[-1] if self.goal is None else self.goal
         return destination
 
+    def seen_from(self, before: Pose2D) -> RobotOnMap:
+        """Return it on a map in another frame, in which that of the map before has a pose."""
+        path = before.transform(np.reshape(self.path, (-1, 2)))
+        goal = None if self.goal is None else before.transform(self.goal)
+        return replace(self, pose=before @ self.pose, path=path, goal=goal)
+
     def staying(self) -> RobotOnMap:
         """Return it as one that stays where it is."""
         return replace(self, path=np.empty((0, 2)), goes_first=False, goal=None)

@@ -36,6 +36,10 @@ class Speeds:
         speed = self._seen.get(name, 0.0)
         return speed if speed > 0.0 else unseen
 
+    def bring_over(self, before: Pose2D) -> None:
+        """Go on in another frame, in which the one before has a pose: no robot has moved."""
+        self._last = {name: (at, before @ pose) for name, (at, pose) in self._last.items()}
+
     def forget(self, name: str) -> None:
         """Forget a robot that has left."""
         self._seen.pop(name, None)

@@ -91,6 +91,7 @@ class Traffic:
         room: Distances | None = None,
     ) -> None:
         self._session = session
+        session.when_moved = self._follow_map
         self._name = name
         self._radius = radius
         self._room = self._room_at_rest = room or Distances()
@@ -121,14 +122,7 @@ class Traffic:
         return self._others.robots
 
     def take_robot(self, time: float, robot: RobotOnMap) -> None:
-        """
-        Take what another robot says of itself at a time [s]; one's own word is left out.
-
-        Raises
-        ------
-        RobotLeftOut
-            If as many as can be are known already.
-        """
+        """Take what a robot says of itself at a time [s]; see :meth:`OtherRobots.take`."""
         self._others.take(time, robot)
 
     def forget_robot(self, name: str) -> None:
@@ -174,6 +168,11 @@ class Traffic:
         if self._route is not None:
             self._do_duty(time, own)
         self._look_whether_it_is_hopeless(time, own)
+
+    def _follow_map(self, before: Pose2D | None) -> None:
+        """Go on on a map in another frame, in which that of the map before has a pose."""
+        self._others.bring_over(before)
+        self._end()
 
     def _end(self) -> None:
         """Have nothing to do with anybody: the robot wants to go nowhere."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import PlannerTimedOut, RobotLeftOut, RobotsInTheWay
+from quad_common.frames.frame_tree import FrameTransform
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.occupancy_grid import OCCUPIED, OccupancyGrid
 from quad_common.planar_pose import Pose2D, distance_to_polyline
@@ -109,6 +110,46 @@ def test_beside_a_robot_that_stays_it_passes_as_near_as_its_outline_may():
         scene.tell('c', (4.0, 2.0))
         scene.go_on(seconds=1.0)
         assert scene.session.hold_reason == ''
+
+
+def test_robots_stay_where_they_are_on_a_map_in_another_frame():
+    scene = Scene()
+    frame, grid = scene.session.map.frame, scene.session.map.planner.prepared.grid
+    turn = FrameTransform('map', 'other', (8.0, 4.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+    frame.add([turn])
+    scene.tell('c', (4.0, 2.5), (4.0, 3.5), (3.0, 3.5))
+    scene.go_on()
+    scene.session.take_grid(grid, 'other')
+    robot = scene.traffic.others['c']
+    assert np.allclose(robot.line, [(4.0, 1.5), (4.0, 0.5), (5.0, 0.5)])
+    assert abs(robot.pose.yaw) == pytest.approx(math.pi)
+    # It has not walked there: that would be too fast for anybody to wait for it.
+    scene.traffic.take_robot(scene.time + 0.4, robot)
+    assert scene.traffic._speeds.of('c', 7.0) == 7.0
+    # What it says itself is no path in the frame before.
+    assert len(scene.traffic.own_word().path) == 0
+    scene.go_on()
+    assert np.allclose(scene.traffic.own_word().path[-1], (1.0, 2.0))
+
+
+def test_robots_on_a_map_that_nothing_relates_to_the_new_one_are_forgotten():
+    scene = Scene()
+    scene.tell('c', (4.0, 2.5))
+    scene.go_on()
+    scene.session.take_grid(scene.session.map.planner.prepared.grid, 'moon')
+    assert scene.traffic.others == {}
+    scene.session.take_pose(scene.time, Pose2D(1.0, 3.0, 0.0))
+    scene.session.give_goal('moon', Pose2D(7.0, 3.0, 0.0))
+    scene.go_on()
+    assert scene.traffic._speeds.of('b', 7.0) == 7.0
+
+
+def test_only_the_beginning_of_a_path_is_seen_from_another_frame_with_its_goal():
+    line = np.array([(1.0, 0.0), (2.0, 0.0), (3.0, 1.0)])
+    robot = RobotOnMap('c', Pose2D(0.0, 0.0, 0.0), RADIUS, line).beginning(1)
+    moved = robot.seen_from(Pose2D(1.0, 2.0, math.pi / 2.0))
+    assert np.allclose(moved.path, [(1.0, 3.0)])
+    assert np.allclose(moved.destination, (0.0, 5.0))
 
 
 def test_a_robot_alone_is_left_alone():
