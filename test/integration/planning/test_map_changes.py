@@ -103,8 +103,8 @@ def test_a_robot_that_is_stopped_while_there_is_no_path_stays_when_there_is_one(
             assert bench.call('stand').success
         bench.publish_map(room()[1])
         bench.wait_for_status('planner_node', 'ready', level=OK)
-        stopped, since = bench.pose, bench.elapsed
-        bench.wait_until('ten seconds go by', lambda: bench.elapsed > since + 10.0)
+        stopped, until = bench.pose, bench.elapsed + 10.0
+        bench.wait_until('ten seconds go by', lambda until=until: bench.elapsed > until)
         assert bench.pose.distance_to(stopped) < 1e-6
     bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL)
