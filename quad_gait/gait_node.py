@@ -44,6 +44,7 @@ from quad_gait.ros_conversions import (
     joints_from_message,
     twist_from_message,
 )
+from quad_gait.state.measured_time import MeasuredTime
 from quad_gait.state.state_estimator import StateEstimator
 from quad_gait.supervisor import Supervisor
 
@@ -82,8 +83,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, sensor)
         if p.uses_height_map:
             self.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
-        self._newest: float | None = None
-        self._newest_at = self.get_clock().now()
+        self._time = MeasuredTime()
         GaitServices(self, supervisor, self._topics, self._now)
         plans = PlanTopics(self, supervisor, self._topics, frame, self._planner)
         self._actions = plans.actions
@@ -102,15 +102,16 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _now(self) -> tuple[float | None, NDArray[np.float64] | None]:
         """Return time [s] and joints, (12,) [rad], as they are now; None for what is not known."""
-        time, joints = self._estimator.newest
-        since = (self.get_clock().now() - self._newest_at).nanoseconds / 1e9
-        return None if time is None else time + max(since, 0.0), joints
+        _, joints = self._estimator.newest
+        return self._time.now(self._clock_time(), time.monotonic()), joints
 
     def _note_time(self) -> None:
         """Note when something came that tells what time it is."""
         newest, _ = self._estimator.newest
-        if newest != self._newest:
-            self._newest, self._newest_at = newest, self.get_clock().now()
+        self._time.note(newest, self._clock_time(), time.monotonic())
+
+    def _clock_time(self) -> float:
+        return float(self.get_clock().now().nanoseconds) / 1e9
 
     def _rest(self) -> None:
         """Stand, as a node that is managed does when it is active no longer."""
