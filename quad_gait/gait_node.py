@@ -102,13 +102,9 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _now(self) -> tuple[float | None, NDArray[np.float64] | None]:
         """Return time [s] and joints, (12,) [rad], as they are now; None for what is not known."""
-        _, joints = self._estimator.newest
-        return self._time.now(self._clock_time(), time.monotonic()), joints
-
-    def _note_time(self) -> None:
-        """Note when something came that tells what time it is."""
-        newest, _ = self._estimator.newest
-        self._time.note(newest, self._clock_time(), time.monotonic())
+        newest, joints = self._estimator.newest
+        now = self._time.now(self._clock_time(), time.monotonic())
+        return newest if now is None else now, joints
 
     def _clock_time(self) -> float:
         return float(self.get_clock().now().nanoseconds) / 1e9
@@ -139,7 +135,9 @@ class GaitNode(QuadNode[GaitParameters]):
             frame = 'odom' if is_own else self._odom_frame
             odometry = self._estimator.leg_odometry
             self._topics.publish_leg_odometry(odometry, frame, message.header.stamp)
-        self._note_time()
+        newest, _ = self._estimator.newest
+        if newest is not None:
+            self._time.note_joints(newest, time.monotonic())
 
     def _on_odometry(self, message: Odometry) -> None:
         stamp, frame = message.header.stamp, self._map.frame
@@ -150,7 +148,7 @@ class GaitNode(QuadNode[GaitParameters]):
         self._diagnosis.take_odometry(state is not None)
         if state is None:
             return
-        self._note_time()
+        self._time.note_odometry(state.time, self._clock_time(), time.monotonic())
         self._odom_frame = message.header.frame_id
         state = state.placed(*self._map.locate(message))
         doubt = _DOUBT if frame.doubt else ''

@@ -124,6 +124,7 @@ from quad_common.errors.planning import StartOutsideMap as StartOutsideMap
 from quad_common.errors.planning import TooManyRequests as TooManyRequests
 from quad_common.errors.planning import WrongFrame as WrongFrame
 from quad_common.errors.robots import AxisNotAUnitVector as AxisNotAUnitVector
+from quad_common.errors.robots import CenterOfMassBelowGround as CenterOfMassBelowGround
 from quad_common.errors.robots import InitialPostureOutOfRange as InitialPostureOutOfRange
 from quad_common.errors.robots import InitialPostureSingular as InitialPostureSingular
 from quad_common.errors.robots import JointRangeEmpty as JointRangeEmpty

@@ -184,6 +184,21 @@ class InitialPostureOutOfRange(RobotFileError):
 
 
 @dataclass(eq=False, repr=False)
+class CenterOfMassBelowGround(RobotFileError):
+    """The center of mass of a robot that stands is below its feet."""
+
+    height: float
+    """Height of the center of mass over the ground [m]."""
+
+    def sentence(self) -> str:
+        """Say how high the center of mass is."""
+        return (
+            f'{self.path}: the center of mass in the initial posture is {self.height:.3g} m over '
+            'the ground on which the feet stand; it must be above it'
+        )
+
+
+@dataclass(eq=False, repr=False)
 class InitialPostureSingular(RobotFileError):
     """A leg of a robot cannot move its foot in every direction in the initial posture."""
 

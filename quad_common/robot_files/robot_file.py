@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quad_common.errors import (
+    CenterOfMassBelowGround,
     FileUnusable,
     InitialPostureOutOfRange,
     JointLimitExceeded,
@@ -193,11 +194,20 @@ def _robot_from_document(document: Mapping[str, Any], path: Path) -> Robot:
         own_urdf=named_urdf(document, names, path) if is_imported else '',
     )
     number.check_all_used(but=(*_NOT_NUMBERS, *(NAMES_OF_IMPORTED if is_imported else ())))
+    _check_posture(robot, path)
+    return robot
+
+
+def _check_posture(robot: Robot, path: Path) -> None:
+    """Raise unless the robot could stand in its initial posture."""
+    posture = robot.initial_joint_angles
     try:
-        robot.check_joint_limits(robot.initial_joint_angles)
+        robot.check_joint_limits(posture)
     except JointLimitExceeded as error:
         raise InitialPostureOutOfRange(path, error) from error
-    return robot
+    height = float(robot.center_of_mass(posture)[2]) + robot.standing_height
+    if not height > 0.0:
+        raise CenterOfMassBelowGround(path, height)
 
 
 def _joints(number: RobotNumbers, kinds: tuple[str, ...], path: Path) -> LegJoints:
