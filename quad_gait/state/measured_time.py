@@ -59,8 +59,9 @@ class MeasuredTime:
         if self._newest is None:
             return None
         by_clock, by_joints = clock - self._clock, self._joints - self._newest
-        is_told = wall - self._joints_wall < _RECENT and by_joints > 0.0
-        # A clock that stands still, unlike the joints, is none of theirs.
-        later = min(by_joints, by_clock or by_joints) if is_told else by_clock
+        later = by_clock
+        if wall - self._joints_wall < _RECENT and by_joints > 0.0:
+            # A clock that stands still or was set back, unlike theirs, is none of the joints'.
+            later = min(by_joints, by_clock) if by_clock > 0.0 else by_joints
         most = _MARGIN * self._pace * (wall - self._wall)
         return self._newest + min(max(later, 0.0), most)

@@ -58,7 +58,9 @@ def test_joint_states_that_are_stamped_ahead_say_little(ahead):
     assert time.now(2.01, 2.01) == pytest.approx(102.0, abs=0.016)
 
 
-@pytest.mark.parametrize('clock', [lambda t: t, lambda t: t + 100.0, lambda t: 2.0])
+@pytest.mark.parametrize(
+    'clock', [lambda t: t, lambda t: t + 100.0, lambda t: t - 100.0, lambda t: 2.0]
+)
 def test_while_odometry_is_silent_it_goes_on_by_the_joints_whatever_the_clock_does(clock):
     time = told()
     for newest in np.arange(2.02, 3.5, 0.02):
