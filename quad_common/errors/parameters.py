@@ -179,19 +179,17 @@ class NumbersInvalid(QuadError):
 
 @dataclass(eq=False, repr=False)
 class ArgumentNotText(QuadError):
-    """
-    A command-line argument is not text.
+    """A command-line argument is not text."""
 
-    Parameters
-    ----------
-    argument : str
-        As it was given, with surrogates for the bytes that are no UTF-8.
-    """
+    argument: str
+    """Argument as it was given, with surrogates for the bytes that are no UTF-8."""
 
-    def __init__(self, argument: str) -> None:
-        super().__init__(f'the argument {quoted(argument)} is not valid UTF-8')
+    def sentence(self) -> str:
+        """Quote the argument, and say what it must be."""
+        return f'the argument {quoted(self.argument)} is not valid UTF-8'
 
 
+@dataclass(eq=False, repr=False)
 class ParameterFixed(QuadError):
     """A parameter was to change that is taken at the start of its node only."""
 

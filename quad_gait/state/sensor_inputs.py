@@ -97,19 +97,12 @@ class SensorInputs:
         # Where odometry has no attitude nothing else would tell that the body falls.
         patience = math.inf if self._options.odometry_has_attitude else _FIRST_IMU
         self._imu_age = ReadingAge('imu', "the imu's readings", timeouts[1], patience)
-        self._attitude_age = ReadingAge(
-            'orientation by the imu', "the imu's orientations", timeouts[1], patience
-        )
+        self._is_oriented, self._oriented_at, self._first = False, math.inf, math.inf
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
         self.imu_problem = ''
         """That the imu does not tell of now, as a sentence; empty while it does."""
         self._was_moved = False
-
-    @property
-    def joints(self) -> JointReadings | None:
-        """Joint states that were taken last; None before there are any."""
-        return self._joints
 
     def imu_at(self, time: float) -> tuple[Array | None, float | None]:
         """
@@ -194,8 +187,7 @@ class SensorInputs:
         self._imu = (orientation, yaw_rate)
         self._imu_motion = motion
         self._imu_age.take(time)
-        if orientation is not None:
-            self._attitude_age.take(time)
+        self._is_oriented = self._is_oriented or orientation is not None
 
     def take_odometry(self, time: float, pose: Pose2D, orientation: Array) -> Measurement | None:
         """
@@ -227,8 +219,7 @@ class SensorInputs:
         self._was_moved = False
         self._joints_age.advance(time)
         is_imu_recent = self._imu_age.advance(time)
-        self._attitude_age.advance(time)
-        self.imu_problem = self._problem_of_imu()
+        self.imu_problem = self._problem_of_imu(self._missing_orientation(time))
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(
             time=time,
@@ -246,11 +237,22 @@ class SensorInputs:
             imu=None if imu is None else self._imu_motion,
         )
 
-    def _problem_of_imu(self) -> str:
+    def _missing_orientation(self, time: float) -> str:
+        """Say that an imu tells turns alone where only it could tell the attitude; else nothing."""
+        self._first = min(self._first, time)
+        if self._is_oriented:
+            self._oriented_at, self._is_oriented = time, False
+        if self._options.odometry_has_attitude:
+            return ''
+        if math.isinf(self._oriented_at):
+            return 'no orientation by the imu yet' if time - self._first > _FIRST_IMU else ''
+        silence = time - self._oriented_at
+        is_missing = silence > self._options.imu_timeout
+        return f'no orientation by the imu for {silence:.1f} s' if is_missing else ''
+
+    def _problem_of_imu(self, missing_orientation: str) -> str:
         """Say that an imu does not tell of now, and what follows from it; empty if it does."""
-        options = self._options
-        # One that tells turns alone is no less silent where only it could tell the attitude.
-        problem = self._imu_age.problem or self._attitude_age.problem
+        options, problem = self._options, self._imu_age.problem or missing_orientation
         if not problem:
             return ''
         if options.odometry_has_attitude:

@@ -69,6 +69,7 @@ class StateEstimator:
         self._rest = RestCheck(robot, options.rest_speed)
         self._last_time = -math.inf
         self._joints_time = math.inf
+        self._joints: JointReadings | None = None
         self._is_placed = options.starts_at_origin
         self.leg_odometry = LegOdometry(robot)
         """The pose by legs; stays where it began unless the options ask for it."""
@@ -86,7 +87,7 @@ class StateEstimator:
         Time is odometry's [s]; by the joints' stamps it goes on. Joint positions are of shape (12,)
         [rad]. None for what is not known.
         """
-        readings, time = self._inputs.joints, self._last_time
+        readings, time = self._joints, self._last_time
         stamp = None if readings is None else readings.time
         if math.isinf(time):
             time = stamp or 0.0
@@ -109,6 +110,7 @@ class StateEstimator:
             If a joint cannot be where they say; they are left out then.
         """
         is_new = self._inputs.take_joints(readings)
+        self._joints = readings
         if not (is_new and self._is_placed and self._options.has_leg_odometry):
             return False
         time = readings.time or 0.0

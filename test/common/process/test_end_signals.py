@@ -249,8 +249,8 @@ def test_what_another_thread_shields_keeps_no_signal_from_the_main_thread(tmp_pa
     process = start(
         COMMAND + 'import threading\n'
         'def work():\n    with shielded():\n        say("begun")\n        time.sleep(1.0)\n'
-        'threading.Thread(target=work, daemon=True).start()\n'
-        'try:\n    time.sleep(60)\nexcept Interrupted as error:\n    say(str(error))\n',
+        'try:\n    threading.Thread(target=work, daemon=True).start()\n'
+        '    time.sleep(60)\nexcept Interrupted as error:\n    say(str(error))\n',
         tmp_path,
     )
     assert send(process, signal.SIGTERM) == 'ended by SIGTERM\n'
