@@ -26,6 +26,7 @@ from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
 from quad_common.ros.pose_conversions import (
+    checked_name,
     orientation_from_odometry,
     pose_from_message,
     seconds_from_time,
@@ -141,6 +142,7 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _on_odometry(self, message: Odometry) -> None:
         stamp, frame = message.header.stamp, self._map.frame
+        odom_frame = checked_name(message.header.frame_id, 'odometry')
         pose = pose_from_message(message.pose.pose, 'odometry')
         orientation = orientation_from_odometry(message)
         self.clock_check.take_stamp(stamp)
@@ -149,7 +151,7 @@ class GaitNode(QuadNode[GaitParameters]):
         if state is None:
             return
         self._time.note_odometry(state.time, self._clock_time(), time.monotonic())
-        self._odom_frame = message.header.frame_id
+        self._odom_frame = odom_frame
         state = state.placed(*self._map.locate(message))
         doubt = _DOUBT if frame.doubt else ''
         self._supervisor.hold_plan(self._planner.problem or doubt)

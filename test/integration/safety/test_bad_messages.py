@@ -11,7 +11,7 @@ pytest.importorskip('rclpy')
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, Twist, Vector3
-from harness import ERROR, LATCHED, SENSOR, SLOWLY, START, Bench
+from harness import ERROR, EVERY_SAMPLE, LATCHED, SENSOR, SLOWLY, START, Bench
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan
 from rosgraph_msgs.msg import Clock
@@ -108,6 +108,12 @@ REFUSED = {
         odometry(1.2, 1e308),
         'the odometry is not a pose',
     ),
+    'a long name of the odometry': (
+        'gait_node',
+        'odom',
+        in_frame(odometry(1.2), 'x' * 100_000),
+        '100000 characters',
+    ),
     'a robot out of all maps': ('gait_node', 'odom', odometry(1e200), '-1e+06 to 1e+06 m'),
     'a clock before all time': ('gait_node', '/clock', before_time(), 'the clock cannot be used'),
     'the same for the planner': (
@@ -170,10 +176,12 @@ REFUSED = {
 def test_malformed_messages_are_refused_and_the_walk_goes_on(bench: Bench):
     # It stands for most of the time: the less is simulated meanwhile, the better.
     bench.start_robot(real_time_factor=SLOWLY)
+    legs = bench.hear(Odometry, 'odom/legs', EVERY_SAMPLE)
     for node, topic, message, words in REFUSED.values():
         # Again and again, for what is best effort may be lost.
         with bench.publishing(topic, message, QOS[topic]), bench.expects(node, words, level=ERROR):
             pass
+    assert {told.header.frame_id for told in legs} == {'odom'}
     for process in bench.processes.values():
         # Neither the names nor a stack: each was refused on purpose.
         assert len(process.log_tail(10_000)) < 50_000
