@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from quad_common.robot.robot import Robot
 from quad_common.trajectory.joint_trajectory import JointTrajectory
+from quad_gait.faults.checks.powerless_check import PowerlessCheck
+from quad_gait.faults.checks.pull_check import PullCheck
+from quad_gait.faults.checks.turning_check import TurningCheck
 from quad_gait.faults.command_tracker import CommandTracker, Explanation, TrackerOptions
 from quad_gait.faults.joint_fault import JointFault
 from quad_gait.faults.joint_path import JointPath
-from quad_gait.faults.powerless_check import PowerlessCheck
 from quad_gait.faults.standstill_check import StandstillCheck
-from quad_gait.faults.turning_check import TurningCheck
 
 Array = NDArray[np.float64]
 
@@ -89,6 +90,7 @@ class JointFaultDetector:
         self._leap = 4.0 * self._fastest
         self._tracker = CommandTracker(self._options.tracker)
         self._turning = TurningCheck(self._largest)
+        self._pull = PullCheck(self._largest)
         self._powerless = PowerlessCheck()
         self._standstill = StandstillCheck()
         self.late = 0.0
@@ -104,6 +106,7 @@ class JointFaultDetector:
         self._suspect = -1
         self._slack_for: Array = np.zeros(len(self._largest))
         self._turning.forget()
+        self._pull.forget()
         self._powerless.forget()
         self._standstill.forget()
         self.unfollowed = 0.0
@@ -224,11 +227,12 @@ class JointFaultDetector:
         step: float,
         efforts: Array | None,
     ) -> JointFault | None:
-        """Look for a joint that rests though it is commanded to turn, near its command."""
+        """Look for a joint near its command that does not turn, or that nothing pulls there."""
         options = self._options
         is_known = found is not None and found.is_latest and found.is_joined
         if not is_known or efforts is None or not efforts.any() or not self._tracker.is_exact:
             self._turning.forget()
+            self._pull.forget()
             return None
         assert found is not None
         # In transition into one that came late all joints are off, and some rest.
@@ -237,6 +241,9 @@ class JointFaultDetector:
         if np.count_nonzero(far) > 1 or self._on_latest_for < options.settling - 1e-9:
             return None
         joint = self._turning.update(found.posture, positions, efforts, step)
+        if joint < 0:
+            speeds = (found.allowed - options.tracker.tolerance) / options.tracker.lag
+            joint = self._pull.update(found.posture, speeds, positions, efforts, step)
         if joint < 0 or self._have_stopped(joint, positions, step):
             return None
         self._off_from = float(positions[joint])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quad_gait.faults.powerless_check import PowerlessCheck, PowerlessOptions
+from quad_gait.faults.checks.powerless_check import PowerlessCheck, PowerlessOptions
 
 OPTIONS = PowerlessOptions()
 STEP = 0.02

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quad_gait.faults.turning_check import TurningCheck
+from quad_gait.faults.checks.turning_check import TurningCheck
 
 STEP = 0.02
 LARGEST = np.full(12, 2.0)

@@ -1,0 +1,3 @@
+"""
+Checks of joints near their commands, measurement by measurement: each notices one kind of failure.
+"""
