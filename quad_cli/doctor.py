@@ -37,6 +37,9 @@ CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
 )
 """What is checked, in this order."""
 
+_SUBJECT = 21
+"""Width of the column of what was looked at."""
+
 _MARKS = {
     State.GOOD: '[green]ok[/green]',
     State.OPTIONAL: '[yellow]--[/yellow]',
@@ -55,26 +58,31 @@ def run(arguments: argparse.Namespace) -> int:
     findings: list[Finding] = []
     with console.status('looking ...'):
         for check in CHECKS:
-            findings += check()
+            for found in check():
+                findings.append(found)
+                if not arguments.json:
+                    _print(console, found)
     works = all(found.state is not State.WRONG for found in findings)
     if arguments.json:
         told = [{**asdict(found), 'state': found.state.value} for found in findings]
         print(json.dumps({'works': works, 'findings': told}))
-    else:
-        _print(console, findings, works)
-    return 0 if works else 1
-
-
-def _print(console: Console, findings: list[Finding], works: bool) -> None:
-    from rich.markup import escape
-
-    table = Table(show_header=False, box=None)
-    for found in findings:
-        table.add_row(_MARKS[found.state], found.subject, escape(found.said))
-        if found.mend:
-            table.add_row('', '', f'[bold]{escape(found.mend)}[/bold]')
-    console.print(table)
-    if works:
+    elif works:
         console.print('quadwalk works here; "--" marks what only some need')
     else:
         console.print('quadwalk does not work here yet: mend what is marked NO')
+    return 0 if works else 1
+
+
+def _print(console: Console, found: Finding) -> None:
+    """Print what a check has found at once: on a busy machine the next one takes its time."""
+    from rich.markup import escape
+
+    table = Table(show_header=False, box=None)
+    table.add_column()
+    table.add_column(width=_SUBJECT)
+    table.add_column()
+    table.add_row(_MARKS[found.state], found.subject, escape(found.said))
+    if found.mend:
+        table.add_row('', '', f'[bold]{escape(found.mend)}[/bold]')
+    console.print(table)
+    console.file.flush()

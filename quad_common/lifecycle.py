@@ -65,6 +65,8 @@ class NotActive(QuadError):
 
     def sentence(self) -> str:
         """Say what to do about it."""
+        if self.state == LifeState.FINALIZED.label:
+            return f'{self.node} is {self.state}: it does nothing any more; start it again'
         return (
             f'{self.node} is {self.state}: as managed is true, it does nothing until its lifecycle '
             f'manager activates it (ros2 lifecycle set /{self.node} configure, then activate)'

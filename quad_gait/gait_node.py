@@ -21,7 +21,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import Imu, JointState, PointCloud2
 
 from quad_common.frames.map_frame import MapFrame
-from quad_common.planar_pose import STILL
 from quad_common.robot_files.robot_file import load_robot
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_frame_listener import MapFrameListener
@@ -36,6 +35,7 @@ from quad_common.ros.run_node import run_node
 from quad_gait.gait_services import GaitServices
 from quad_gait.gait_status import GaitStatus
 from quad_gait.gait_topics import GaitTopics
+from quad_gait.ground.map_detail import as_feet_need
 from quad_gait.parameters import GaitParameters
 from quad_gait.plan_topics import PlanTopics
 from quad_gait.planner_watch import PlannerWatch
@@ -112,8 +112,7 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _rest(self) -> None:
         """Stand, as a node that is managed does when it is active no longer."""
-        self._supervisor.set_plan(None)
-        self._supervisor.set_twist(STILL)
+        self._supervisor.stop()
         self._topics.publish_followed()
 
     def _on_cmd_vel(self, message: Twist | TwistStamped) -> None:
@@ -123,7 +122,8 @@ class GaitNode(QuadNode[GaitParameters]):
 
     def _on_height_map(self, message: PointCloud2) -> None:
         frames = self._map.frame.frames_on_map
-        self._supervisor.set_height_map(height_map_from_message(message, frames))
+        heights = height_map_from_message(message, frames)
+        self._supervisor.set_height_map(as_feet_need(heights, self._robot))
 
     def _on_imu(self, message: Imu) -> None:
         stamp = seconds_from_time(message.header.stamp)

@@ -169,8 +169,10 @@ def specs_from_text(text: str, **numbers: float) -> tuple[TerrainSpec, ...]:
         If there is no such ground, or a number is not valid.
     """
     parts = [part.strip() for part in text.split('+')]
-    if parts in ([''], [FLAT]):
+    if parts == ['']:
         return ()
+    # Level ground adds nothing to another part.
+    parts = [part for part in parts if part != FLAT]
     if len(parts) > MOST_PARTS:
         raise ParameterError('terrain', text, f'of at most {MOST_PARTS} parts')
     return tuple(_spec(part, numbers) for part in parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from quad_common.lifecycle import TRANSITIONS, Lifecycle, LifeState
+from quad_common.lifecycle import TRANSITIONS, Lifecycle, LifeState, NotActive
 
 PATHS = {
     LifeState.UNCONFIGURED: [],
@@ -61,3 +61,10 @@ def test_numbers_and_labels_are_those_of_the_messages():
         if name == 'SHUTDOWN':
             name = f'{transition.start.name}_{name}'
         assert getattr(msg.Transition, f'TRANSITION_{name}') == transition.number
+
+
+def test_a_node_that_is_finalized_is_to_be_started_again():
+    assert str(NotActive('gait_node', 'inactive')).endswith('configure, then activate)')
+    assert str(NotActive('gait_node', 'finalized')) == (
+        'gait_node is finalized: it does nothing any more; start it again'
+    )

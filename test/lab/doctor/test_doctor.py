@@ -16,7 +16,7 @@ import pytest
 from quad_cli.main import main
 from quad_lab.doctor import engine_checks, machine_checks, ros_checks
 from quad_lab.doctor.engine_checks import check_engines
-from quad_lab.doctor.finding import State
+from quad_lab.doctor.finding import State, good
 from quad_lab.doctor.machine_checks import check_files, check_port, check_processors, check_python
 from quad_lab.doctor.ros_checks import check_ros
 from quad_sim.engines.registry import ENGINES
@@ -197,3 +197,21 @@ def test_the_command_says_whether_it_works(own_domain, capfd, monkeypatch):
     monkeypatch.setenv('XDG_CACHE_HOME', '/proc/nobody')
     assert main(['doctor']) == 1
     assert 'mend what is marked NO' in capfd.readouterr().out
+
+
+def test_what_was_found_is_printed_before_the_next_check(monkeypatch, capsys):
+    printed = []
+
+    def first():
+        yield good('first', 'is here')
+        printed.append(capsys.readouterr().out)
+
+    def second():
+        printed.append(capsys.readouterr().out)
+        yield good('second', 'too')
+
+    monkeypatch.setattr('quad_cli.doctor.CHECKS', (first, second))
+    assert main(['doctor']) == 0
+    assert 'first' in printed[0]
+    assert not printed[1]
+    assert 'second' in capsys.readouterr().out
