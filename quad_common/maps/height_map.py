@@ -9,7 +9,7 @@ cell's center; between the centers it is interpolated.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,7 @@ from quad_common.errors import (
     OutOfRange,
     ParameterError,
 )
+from quad_common.maps.disc_filter import DiscExtremes
 from quad_common.quantity import CELL_SIZE, COORDINATE, Quantity
 
 Array = NDArray[np.float64]
@@ -59,8 +60,6 @@ class HeightMap:
     """Side of a cell, in the range of :data:`quantity.CELL_SIZE` [m]."""
     origin: tuple[float, float]
     """Lower left corner of cell (0, 0), x and y in the world [m]."""
-    _images: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False)
-    """Highest and lowest within a radius of each cell, once they have been needed."""
 
     def __post_init__(self) -> None:
         """Refuse what is not a height map, and make the heights read-only."""
@@ -225,15 +224,16 @@ class HeightMap:
         ndarray, shape (...)
             Unknown cells do not count; NaN off the map and where all are unknown [m].
         """
-        return self._look_up(self.extremes(radius)[0], points)
+        return self._near(points, radius)[0]
 
     def lowest_within(self, points: ArrayLike, radius: float) -> Array:
         """Return the smallest height near points; see :meth:`highest_within`."""
-        return self._look_up(self.extremes(radius)[1], points)
+        return self._near(points, radius)[1]
 
     def step_at(self, points: ArrayLike, radius: float) -> Array:
         """Return by how much heights differ near points [m]; see :meth:`highest_within`."""
-        return self._look_up(self.steps(radius), points)
+        highest, lowest = self._near(points, radius)
+        return highest - lowest
 
     def steps(self, radius: float) -> Array:
         """
@@ -263,10 +263,11 @@ class HeightMap:
         inside: Mask = np.all((cells >= 0.0) & (cells <= size), axis=-1)
         return inside
 
-    def _look_up(self, image: Array, points: ArrayLike) -> Array:
-        """Return the values of an image in the cells that hold the points."""
+    def _near(self, points: ArrayLike, radius: float) -> tuple[Array, Array]:
+        """Return the highest and the lowest near points, shape (...); NaN off the map [m]."""
         column, row, inside = self._indices(self._cells(points))
-        return np.where(inside, image[row, column], math.nan)
+        highest, lowest = self._discs.at(row, column, self._reach(radius))
+        return np.where(inside, highest, math.nan), np.where(inside, lowest, math.nan)
 
     def _indices(self, cells: Array) -> tuple[Indices, Indices, Mask]:
         """Whole columns and rows of places in cells, and whether there is such a cell."""
@@ -319,30 +320,21 @@ class HeightMap:
         tuple of ndarray, shape (rows, columns)
             As :meth:`highest_within` and :meth:`lowest_within` at their centers [m].
         """
-        # Imported late: it takes longer than all else that a node imports, and few need it.
-        from scipy import ndimage
+        return self._discs.whole(self._reach(radius))
 
+    def _reach(self, radius: float) -> float:
+        """Return a radius in cells; ParameterError if it is not from 0 to the largest."""
         reach = float(radius) / self.resolution
         if not 0.0 <= reach <= MAX_REACH:
             raise ParameterError(
                 'radius', radius, f'from 0 to {MAX_REACH * self.resolution:g} m, {MAX_REACH} cells'
             )
-        if reach not in self._images:
-            unknown = np.isnan(self.heights)
-            side = np.arange(-math.ceil(reach), math.ceil(reach) + 1)
-            apart = np.maximum(np.abs(side) - 0.5, 0.0)
-            disc = np.hypot(apart[:, None], apart) <= reach
-            images = []
-            for filtered, nothing in (
-                (ndimage.maximum_filter, -math.inf),
-                (ndimage.minimum_filter, math.inf),
-            ):
-                known = np.where(unknown, nothing, self.heights)
-                image = filtered(known, footprint=disc, mode='constant', cval=nothing)
-                image[np.isinf(image)] = math.nan
-                images.append(image)
-            self._images[reach] = (images[0], images[1])
-        return self._images[reach]
+        return reach
+
+    @cached_property
+    def _discs(self) -> DiscExtremes:
+        """Highest and lowest within a radius of each cell, as far as they have been needed."""
+        return DiscExtremes(self.heights)
 
 
 def _differences(heights: Array) -> Array:

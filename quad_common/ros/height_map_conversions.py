@@ -17,6 +17,8 @@ from quad_common.frames.frame_names import check_frame
 from quad_common.maps.height_map import MAX_CELLS, HeightMap
 from quad_common.ros.pose_conversions import LARGEST_COORDINATE
 
+Array = NDArray[np.float64]
+
 _MOST_FIELDS = 64
 """Largest number of fields of a cloud's points."""
 
@@ -92,12 +94,11 @@ def height_map_from_message(message: PointCloud2, frames: tuple[str, ...]) -> He
         )
     if rows * columns > MAX_CELLS:
         raise InvalidMessage(what, f'it has {columns} x {rows} points; {MAX_CELLS} are the most')
-    points = _cloud_points(message, what)
-    return _height_map_of(points, what)
+    return _height_map_of(*_cloud_coordinates(message, what), what)
 
 
-def _cloud_points(message: PointCloud2, what: str) -> NDArray[np.float64]:
-    """Return x, y and z of the points of a cloud, shape (height, width, 3)."""
+def _cloud_coordinates(message: PointCloud2, what: str) -> tuple[Array, Array, Array]:
+    """Return x, y and z of the points of a cloud, shape (height, width) each."""
     rows, columns, step = message.height, message.width, message.point_step
     if len(message.fields) > _MOST_FIELDS:
         raise InvalidMessage(
@@ -136,43 +137,46 @@ def _cloud_points(message: PointCloud2, what: str) -> NDArray[np.float64]:
     cloud: NDArray[np.void] = np.ndarray(
         (rows, columns), layout, np.asarray(message.data, np.uint8), 0, (message.row_step, step)
     )
-    return np.stack([cloud[name] for name in 'xyz'], axis=-1).astype(float)
+    x, y, z = (cloud[name].astype(float) for name in 'xyz')
+    return x, y, z
 
 
-def _height_map_of(points: NDArray[np.float64], what: str) -> HeightMap:
-    """Return the height map whose cells' centers are at points, shape (rows, columns, 3)."""
-    rows, columns, _ = points.shape
-    flat = points[..., :2]
-    if not np.isfinite(flat).all():
+def _height_map_of(x: Array, y: Array, z: Array, what: str) -> HeightMap:
+    """Return the height map whose cells' centers are at points, shape (rows, columns) each."""
+    rows, columns = z.shape
+    # The extremes of what holds a NaN are NaN, at a fraction of what it takes to look for one.
+    sides = np.array([[values.min(), values.max()] for values in (x, y)])
+    if not np.isfinite(sides).all():
         raise InvalidMessage(
             what, 'x or y of a point is not finite; unknown heights have z NaN only'
         )
-    farthest = float(np.abs(flat).max())
+    farthest = float(np.abs(sides).max())
     if farthest > LARGEST_COORDINATE:
         raise InvalidMessage(
             what, f'a point is {farthest:g} m off its origin; {LARGEST_COORDINATE:g} m are the most'
         )
+    first, last = (x[0, 0], y[0, 0]), (x[-1, -1], y[-1, -1])
     longer = 0 if columns >= rows else 1
-    span = flat[-1, -1, longer] - flat[0, 0, longer]
-    resolution = round(float(span) / (max(columns, rows) - 1), _ROUNDED)
+    resolution = round(float(last[longer] - first[longer]) / (max(columns, rows) - 1), _ROUNDED)
     if not resolution > 0.0:
         raise InvalidMessage(
             what,
-            f'its points go from {tuple(flat[0, 0].tolist())} to {tuple(flat[-1, -1].tolist())} m; '
+            f'its points go from {(float(first[0]), float(first[1]))} to '
+            f'{(float(last[0]), float(last[1]))} m; '
             'x must rise along the rows, and y from row to row',
         )
-    column, row = np.meshgrid(np.arange(columns), np.arange(rows))
-    first = flat[0, 0]
-    off = np.abs(flat - first - resolution * np.stack([column, row], axis=-1)).max() / resolution
+    off_x = np.abs(x - (first[0] + resolution * np.arange(columns))).max()
+    off_y = np.abs(y - (first[1] + resolution * np.arange(rows)[:, None])).max()
+    off = float(max(off_x, off_y)) / resolution
     if off > _OFF_GRID:
         raise InvalidMessage(
             what,
             f'its points are up to {off:.2f} cells off a square grid of {resolution:g} m along '
             'the axes; x must rise along the rows, and y from row to row',
         )
-    x, y = (round(float(value) - resolution / 2.0, _ROUNDED - 1) for value in first)
-    heights = np.where(np.isfinite(points[..., 2]), points[..., 2], np.nan)
+    left, bottom = (round(float(value) - resolution / 2.0, _ROUNDED - 1) for value in first)
+    z[~np.isfinite(z)] = np.nan
     try:
-        return HeightMap(heights, resolution, (x, y))
+        return HeightMap(z, resolution, (left, bottom))
     except MapError as error:
         raise InvalidMessage(what, str(error)) from error

@@ -16,6 +16,7 @@ from quad_common.errors.quoting import quoted
 from quad_common.frames.frame_names import check_frame
 from quad_common.frames.map_frame import MapFrame
 from quad_common.maps.height_map import HeightMap
+from quad_common.maps.height_map_parts import thinned
 from quad_common.maps.occupancy_grid import OccupancyGrid
 from quad_common.plan import Plan
 from quad_common.planar_pose import Pose2D
@@ -27,6 +28,9 @@ from quad_planner.methods.planner import Planner
 from quad_planner.session.known_footing import KnownFooting
 from quad_planner.session.map_additions import MapAdditions
 from quad_planner.session.own_place import OwnPlace
+
+_PER_STEP = 20.0
+"""Number of cells of a height map in the length within which a rise is a step, at most."""
 
 _BEYOND = 2.0
 """Cells beyond the clearance at which an obstacle ahead of the robot leaves the robot free."""
@@ -249,6 +253,7 @@ class PlanningMap:
             self._waiting = heights, frame
             return False
         check_frame('height map', frame, self.frame.name)
+        heights = thinned(heights, self._limits.step_length / _PER_STEP)
         if self._ground is not None and self._ground.is_like(heights):
             return False
         return self._take(self._grid, frame, Ground(heights, self._limits), self._added)
