@@ -31,7 +31,7 @@ from quad_common.ros.pose_conversions import (
 from quad_common.trajectory.joint_trajectory import JointTrajectory
 from quad_gait.state.leg_odometry import LegOdometry
 from quad_gait.state.measurement import ImuMotion
-from quad_gait.state.possible_steps import TURN_SPEED
+from quad_gait.state.readings.possible_steps import TURN_SPEED
 from quad_gait.state.sensor_inputs import JointReadings
 
 Array = NDArray[np.float64]

@@ -130,9 +130,12 @@ class BalancedTrot(Walk):
         motion = self._motion
         if motion is None or self._is_ending or motion.is_over(state.time):
             return GO_ON if state.time < self._is_settled_at else Done(Activity.STANDING)
-        if not state.tells_balance:
+        problem = state.balance_problem
+        if problem:
             self._is_ending = True
-            self._report.limit = 'the robot comes to rest: no imu to keep its balance by'
+            self._report.limit = (
+                f'the robot comes to rest, and keeps its balance no more: {problem}'
+            )
             return GO_ON
         if not motion.is_due(state.time):
             return GO_ON

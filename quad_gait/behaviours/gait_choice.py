@@ -106,9 +106,10 @@ class GaitChoice:
         """Keep the balance if that is wanted and possible; return whether it is another manner."""
         self.unbalanced = ''
         is_wanted = self._balance is not None and not self._planned.walking.gait.is_static
-        if is_wanted and not state.tells_balance:
-            what = 'imu tells its attitude and motion' if state.imu is None else 'joint velocities'
-            self.unbalanced = f'the robot walks without keeping its balance: no {what}'
+        if is_wanted and state.balance_problem:
+            self.unbalanced = (
+                f'the robot walks without keeping its balance: {state.balance_problem}'
+            )
         before, self._keeps_balance = self._keeps_balance, is_wanted and not self.unbalanced
         return self._keeps_balance != before
 

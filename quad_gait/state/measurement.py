@@ -50,9 +50,10 @@ class Measurement:
     """Whether something else has moved the robot since the last one, as a reset does."""
     odometry: Pose2D | None = None
     """Pose of base_link in odometry's own frame, without leaps; None: that is the plan's frame."""
-
     imu: ImuMotion | None = None
     """Motion by the imu; None where it does not tell attitude and motion, or has fallen silent."""
+    late: str = ''
+    """That readings come too late to keep the balance by, as a sentence; empty if they do not."""
 
     @property
     def motion_pose(self) -> Pose2D:

@@ -55,9 +55,13 @@ class RobotState(Measurement):
         return self.joint_positions is not None
 
     @property
-    def tells_balance(self) -> bool:
-        """Whether imu and joints tell how the body moves."""
-        return self.imu is not None and self.joint_velocities is not None
+    def balance_problem(self) -> str:
+        """Reason why imu and joints do not tell how the body moves now; empty if they do."""
+        if self.imu is None:
+            return 'no imu tells its attitude and motion'
+        if self.joint_velocities is None:
+            return 'no joint velocities'
+        return self.late
 
     @cached_property
     def joints(self) -> Array:

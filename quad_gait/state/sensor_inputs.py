@@ -23,9 +23,10 @@ from quad_common.robot.robot import Robot
 from quad_common.rotations import tilt_from_quaternion
 from quad_common.trajectory.trajectory_gate import JointLimits
 from quad_gait.state.measurement import ImuMotion, Measurement
-from quad_gait.state.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
-from quad_gait.state.reading_age import ReadingAge
-from quad_gait.state.series_check import SeriesCheck, Taken
+from quad_gait.state.readings.possible_steps import TURN_SPEED, attitude_step, joint_step, pose_step
+from quad_gait.state.readings.reading_age import ReadingAge, SensorAges
+from quad_gait.state.readings.series_check import SeriesCheck, Taken
+from quad_gait.state.readings.stuck_check import StuckCheck
 
 Array = NDArray[np.float64]
 
@@ -91,12 +92,16 @@ class SensorInputs:
         self._pose_check = SeriesCheck[tuple[Pose2D, Array]]('odometry', pose_step)
         self._joints: JointReadings | None = None
         timeouts = self._options.joint_timeout, self._options.imu_timeout
-        self._joints_age = ReadingAge('joint states', 'joint states', timeouts[0])
         self._imu: tuple[Array | None, float | None] = (None, None)
         self._imu_motion: ImuMotion | None = None
         # Where odometry has no attitude nothing else would tell that the body falls.
         patience = math.inf if self._options.odometry_has_attitude else _FIRST_IMU
-        self._imu_age = ReadingAge('imu', "the imu's readings", timeouts[1], patience)
+        self._ages = SensorAges(
+            ReadingAge('joint states', 'joint states', timeouts[0]),
+            ReadingAge('imu', "the imu's readings", timeouts[1], patience),
+        )
+        self._joints_age, self._imu_age = self._ages.joints, self._ages.imu
+        self._stuck = StuckCheck()
         self._is_oriented, self._oriented_at, self._first = False, math.inf, math.inf
         # Why the last joint states were refused; empty if they were not.
         self._joint_refusal = ''
@@ -118,7 +123,8 @@ class SensorInputs:
         tuple of ndarray (4,) or None, and float or None
             Orientation, quaternion xyzw, and yaw rate [rad/s].
         """
-        return self._imu if self._imu_age.is_recent(time) else (None, None)
+        tells = self._imu_age.is_recent(time) and not self._stuck.problem
+        return self._imu if tells else (None, None)
 
     def take_joints(self, readings: JointReadings) -> bool:
         """
@@ -186,6 +192,7 @@ class SensorInputs:
             )
         self._imu = (orientation, yaw_rate)
         self._imu_motion = motion
+        self._stuck.take(orientation)
         self._imu_age.take(time)
         self._is_oriented = self._is_oriented or orientation is not None
 
@@ -217,8 +224,9 @@ class SensorInputs:
             return None
         was_moved = self._was_moved or taken is Taken.NEW_SERIES
         self._was_moved = False
-        self._joints_age.advance(time)
-        is_imu_recent = self._imu_age.advance(time)
+        positions = None if self._joints is None else self._joints.positions
+        is_stuck = self._stuck.advance(time, positions)
+        is_imu_recent = self._ages.advance(time) and not is_stuck
         self.imu_problem = self._problem_of_imu(self._missing_orientation(time))
         joints, imu = self._joints, self._imu[0] if is_imu_recent else None
         return Measurement(
@@ -227,7 +235,7 @@ class SensorInputs:
             tilt=max(
                 tilt_from_quaternion(orientation), 0.0 if imu is None else tilt_from_quaternion(imu)
             ),
-            joint_positions=None if joints is None else joints.positions,
+            joint_positions=positions,
             joint_velocities=None if joints is None else joints.velocities,
             orientation=orientation if imu is None else imu,
             joint_efforts=None if joints is None else joints.efforts,
@@ -235,6 +243,7 @@ class SensorInputs:
             problem=self._problem(),
             was_moved=was_moved,
             imu=None if imu is None else self._imu_motion,
+            late=self._ages.late,
         )
 
     def _missing_orientation(self, time: float) -> str:
@@ -252,7 +261,8 @@ class SensorInputs:
 
     def _problem_of_imu(self, missing_orientation: str) -> str:
         """Say that an imu does not tell of now, and what follows from it; empty if it does."""
-        options, problem = self._options, self._imu_age.problem or missing_orientation
+        options = self._options
+        problem = self._stuck.problem or self._imu_age.problem or missing_orientation
         if not problem:
             return ''
         if options.odometry_has_attitude:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from quad_common.errors import InvalidMessage
-from quad_gait.state.series_check import LEAST_TIME, LONGEST_GAP, SeriesCheck, Taken
+from quad_gait.state.readings.series_check import LEAST_TIME, LONGEST_GAP, SeriesCheck, Taken
 
 
 def make_check(rate=1.0):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from quad_gait.state.series_check import LONGEST_GAP
+from quad_gait.state.readings.series_check import LONGEST_GAP
 
 LEAST_MISSED = 4
 """Number of readings of the odometry without one of the sensor that make those missing."""
@@ -17,6 +17,53 @@ LEAST_MISSED = 4
 _LEAST_OLD = 10
 """Number of readings of the odometry in a row at which those of the sensor are old, though they
 come, that make them missing: after a pause of the machine odometry may be the first to come."""
+
+
+_PROMPT, _OFTEN = 0.06, 0.03
+"""Age of a reading by which a robot can keep its balance [s]: of a sensor; of odometry, whose
+readings are what it decides at."""
+
+_MEMORY = 0.5
+"""Time over which it is averaged for how much of it readings were older [s]."""
+
+_LATE, _PROMPT_AGAIN = 0.2, 0.05
+"""Part of the time from which on they are late, and below which they are not any more."""
+
+
+class Lateness:
+    """
+    Tells whether readings were too old to keep the balance by for a good part of the time.
+
+    Parameters
+    ----------
+    readings : str
+        The readings, several of them, for the sentence.
+    prompt : float
+        Age up to which they are not late [s].
+    """
+
+    def __init__(self, readings: str, prompt: float = _PROMPT) -> None:
+        self._readings = readings
+        self._prompt = prompt
+        self._time = math.inf
+        self._part = 0.0
+        self.problem = ''
+        """That they are late, as a sentence; empty if they are not."""
+
+    def update(self, time: float, age: float | None) -> None:
+        """Take how old the last reading is at a time [s]; None if there is none."""
+        step = time - self._time
+        self._time = time
+        if age is None or not 0.0 < step <= LONGEST_GAP:
+            return
+        # Of the time since this was asked last, what went by while the reading was old already.
+        late = min(max(age - self._prompt, 0.0), step) / step
+        self._part += (late - self._part) * -math.expm1(-step / _MEMORY)
+        least = _PROMPT_AGAIN if self.problem else _LATE
+        self.problem = ''
+        if self._part > least:
+            part = f'{100.0 * self._part:.0f} % of the time'
+            self.problem = f'{self._readings} are older than {self._prompt:g} s for {part}'
 
 
 class ReadingAge:
@@ -54,6 +101,8 @@ class ReadingAge:
         self._missed = self._old = 0
         self.problem = ''
         """What is wrong with the readings, as a sentence; empty if nothing is."""
+        self.lateness = Lateness(readings)
+        """Whether they come too late, or too seldom, to keep the balance by."""
 
     def take(self, stamp: float | None) -> None:
         """Note that a reading has come, measured at a time [s]; None if it has no stamp."""
@@ -71,6 +120,7 @@ class ReadingAge:
             self._since = time if self._since is None else min(self._since, time)
             self._came = time
             self._is_new = False
+        self.lateness.update(time, None if self._since is None else time - self._since)
         self._missed += 1
         age = 0.0 if self._stamp is None else time - self._stamp
         self._old = self._old + 1 if age > self._timeout else 0
@@ -86,6 +136,13 @@ class ReadingAge:
     def is_stamped(self) -> bool:
         """Whether the last reading has a stamp, and tells of the time of the last odometry."""
         return self._stamp is not None and (self._now is None or self.is_recent(self._now))
+
+    @property
+    def ahead(self) -> float:
+        """Time by which the last reading is newer than the odometry, of the same clock [s]."""
+        if self._stamp is None or self._now is None or self._is_ahead():
+            return 0.0
+        return max(self._stamp - self._now, 0.0)
 
     def _is_ahead(self) -> bool:
         """Return whether the last reading is stamped by another clock, which is ahead."""
@@ -108,3 +165,37 @@ class ReadingAge:
         if self._old >= _LEAST_OLD:
             return f'{self._readings} are {age:.1f} s older than the odometry'
         return ''
+
+
+class SensorAges:
+    """
+    Ages of joint states and of the imu's readings, and of the odometry itself.
+
+    Parameters
+    ----------
+    joints, imu : ReadingAge
+        Of the two sensors.
+    """
+
+    def __init__(self, joints: ReadingAge, imu: ReadingAge) -> None:
+        self.joints = joints
+        """Age of the joint states."""
+        self.imu = imu
+        """Age of the imu's readings."""
+        self._odometry = Lateness("odometry's readings", _OFTEN)
+        self._last: float | None = None
+        self.late = ''
+        """That any of them come too late to keep the balance by, as a sentence; or empty."""
+
+    def advance(self, time: float) -> bool:
+        """Note that odometry of a time [s] has come; return whether the imu tells of now."""
+        self.joints.advance(time)
+        is_imu_recent = self.imu.advance(time)
+        # Before this one came the last one was as old as it was going to be; and this one is as old
+        # as the sensors say.
+        before = 0.0 if self._last is None else time - self._last
+        self._odometry.update(time, max(before, self.joints.ahead, self.imu.ahead))
+        self._last = time
+        each = self._odometry, self.imu.lateness, self.joints.lateness
+        self.late = next((one.problem for one in each if one.problem), '')
+        return is_imu_recent

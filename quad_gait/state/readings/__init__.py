@@ -1,0 +1,3 @@
+"""
+Whether what sensors say is possible, of now, and prompt enough.
+"""

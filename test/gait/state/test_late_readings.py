@@ -1,0 +1,86 @@
+"""Readings that come too late, or too seldom, to keep the balance by are said to be."""
+
+import numpy as np
+import pytest
+
+from quad_common.planar_pose import Pose2D
+from quad_common.robot_files.robot_file import load_robot
+from quad_gait.state.measurement import ImuMotion
+from quad_gait.state.sensor_inputs import JointReadings, SensorInputs
+
+POSTURE = load_robot('titan_viii').initial_joint_angles.reshape(-1)
+STILL = np.zeros(12)
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+ORIGIN = Pose2D(0.0, 0.0, 0.0)
+MOTION = ImuMotion(np.zeros(3), None)
+
+
+class Stream:
+    """Readings each so often, so late, and some not at all."""
+
+    def __init__(self, period=0.01, delay=0.0, gaps=lambda time: False):
+        self.period, self.delay, self.gaps = period, delay, gaps
+        self.last = -1.0
+
+    def due(self, time):
+        """Return the stamp of a reading that comes now; None for none."""
+        stamp = time - self.delay
+        if stamp < self.last + self.period - 1e-6 or self.gaps(stamp):
+            return None
+        self.last = stamp
+        return stamp
+
+
+def late_after(seconds=4.0, imu=None, joints=None, odometry=None, inputs=None, begin=0.0):
+    """Let time go on; return what is said to be late at the end, and the inputs."""
+    inputs = inputs or SensorInputs(load_robot('titan_viii'))
+    imu, joints, odometry = imu or Stream(), joints or Stream(), odometry or Stream()
+    said = ''
+    for time in begin + 0.01 * np.arange(round(seconds / 0.01)):
+        stamp = imu.due(time)
+        if stamp is not None:
+            inputs.take_imu(stamp, LEVEL, 0.0, MOTION)
+        stamp = joints.due(time)
+        if stamp is not None:
+            inputs.take_joints(JointReadings(POSTURE, STILL, None, stamp))
+        stamp = odometry.due(time)
+        if stamp is not None:
+            said = inputs.take_odometry(stamp, ORIGIN, LEVEL).late
+    return said, inputs
+
+
+@pytest.mark.parametrize('period', [0.01, 0.02, 0.05])
+def test_sensors_at_20_hz_and_more_are_prompt(period):
+    assert not late_after(imu=Stream(period), joints=Stream(period))[0]
+
+
+@pytest.mark.parametrize('period', [0.01, 0.02, 0.03])
+def test_odometry_at_33_hz_and_more_is_prompt(period):
+    assert not late_after(odometry=Stream(period))[0]
+
+
+@pytest.mark.parametrize(
+    ('streams', 'words'),
+    [
+        ({'imu': Stream(0.1)}, "the imu's readings are older than 0.06 s"),
+        ({'imu': Stream(delay=0.15)}, "the imu's readings are older"),
+        ({'imu': Stream(gaps=lambda time: time % 0.3 < 0.15)}, "the imu's readings are older"),
+        ({'joints': Stream(0.1)}, 'joint states are older than 0.06 s'),
+        ({'joints': Stream(delay=0.1)}, 'joint states are older'),
+        ({'odometry': Stream(0.05)}, "odometry's readings are older than 0.03 s"),
+        ({'odometry': Stream(0.04)}, "odometry's readings are older"),
+        ({'odometry': Stream(delay=0.1)}, "odometry's readings are older"),
+    ],
+    ids=lambda value: '',
+)
+def test_what_comes_too_seldom_or_too_late_is_named_and_forgiven(streams, words):
+    said, inputs = late_after(**streams)
+    assert said.startswith(words)
+    assert said.endswith('% of the time')
+    assert not late_after(inputs=inputs, begin=4.2)[0]
+
+
+def test_a_single_gap_does_not_count():
+    for name in ('imu', 'joints', 'odometry'):
+        gap = Stream(gaps=lambda time: 3.8 < time < 3.9)
+        assert not late_after(**{name: gap})[0]
