@@ -10,6 +10,7 @@ from nav_msgs.msg import OccupancyGrid
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import PointCloud2
 
+from quad_common.errors import QuadError
 from quad_common.ros.height_map_conversions import height_map_from_message
 from quad_common.ros.map_conversions import grid_from_message
 from quad_common.ros.ros_node import QuadNode
@@ -41,6 +42,8 @@ class MapTopics:
     def __init__(self, node: QuadNode[PlannerParameters], session: PlanningSession) -> None:
         self._node = node
         self._session = session
+        self.refusal = ''
+        """Sentence with which the last map was refused; empty if it was not."""
         node.create_subscription(OccupancyGrid, 'map', self._on_map, _LATCHED)
         node.create_subscription(OccupancyGrid, 'keepout_filter_mask', self._on_mask, _LATCHED)
         node.create_subscription(PointCloud2, 'height_map', self._on_height_map, _LATCHED)
@@ -48,8 +51,13 @@ class MapTopics:
             node.create_subscription(OccupancyGridUpdate, 'map_updates', self._on_update, 10)
 
     def _on_map(self, message: OccupancyGrid) -> None:
-        grid = grid_from_message(message, self._node.parameters.largest_map)
-        self._session.take_grid(grid, message.header.frame_id or 'map')
+        try:
+            grid = grid_from_message(message, self._node.parameters.largest_map)
+            self._session.take_grid(grid, message.header.frame_id or 'map')
+        except QuadError as error:
+            self.refusal = str(error)
+            raise
+        self.refusal = ''
 
     def _on_update(self, message: Any) -> None:
         update: GridUpdate = update_from_message(message)

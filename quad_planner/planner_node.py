@@ -60,7 +60,7 @@ class PlannerNode(QuadNode[PlannerParameters]):
         self._session = planner_setup.session_from_parameters(
             p, load_robot(p.robot), frame, self._requests, self._topics, time.monotonic
         )
-        MapTopics(self, self._session)
+        self._maps = MapTopics(self, self._session)
         self.create_subscription(PoseStamped, 'goal_pose', self._on_goal, 10)
         self.create_subscription(Odometry, p.odom_topic, self._on_odometry, qos_profile_sensor_data)
         self._gait = GaitTopics(self, self._session)
@@ -83,7 +83,9 @@ class PlannerNode(QuadNode[PlannerParameters]):
         elif self.rest_note():
             self.report(WARN, self.rest_note(), is_waiting=True)
         else:
-            problems = SessionProblems(self._corrections.problem(), self._gait.problem())
+            problems = SessionProblems(
+                self._corrections.problem(), self._gait.problem(), self._maps.refusal
+            )
             self.report_status(session_status(self._session, self.parameters, self._pace, problems))
 
     def take_parameters(self, parameters: PlannerParameters) -> None:

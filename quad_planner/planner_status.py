@@ -22,6 +22,8 @@ class SessionProblems(NamedTuple):
     """That corrections of odometry have grown old."""
     lost_gait: str = ''
     """That the gait node that followed plans is gone."""
+    refused_map: str = ''
+    """Why the last map was refused."""
 
 
 NO_PROBLEMS = SessionProblems()
@@ -58,6 +60,10 @@ def session_status(
         # First: an earlier goal may be searched meanwhile, or searches compile.
         return session.problem
     if not session.map.is_ready:
+        if problems.refused_map:
+            return Status(
+                Level.ERROR, f"no map: the one on 'map' is refused: {problems.refused_map}"
+            )
         return Status(Level.WARN, "no map: waiting for one on 'map'", is_waiting=True)
     if session.is_busy and goal is None:
         return Status(

@@ -16,7 +16,7 @@ import numpy as np
 
 from quad_common.errors import QuadError
 from quad_common.maps.map_file import load_map
-from quad_common.maps.occupancy_grid import OccupancyGrid
+from quad_common.maps.occupancy_grid import MAX_CELLS, OccupancyGrid
 from quad_common.planar_pose import Pose2D
 from quad_common.robot_files.robot_file import load_robot
 from quad_gait.behaviours.activity import Activity
@@ -253,6 +253,8 @@ def _start_nodes(nodes: NodeProcesses | ComposedNodes, options: WalkOptions) -> 
         'method': options.method,
         'any_angle': True,
         'gait': options.gait,
+        # Whatever can be read is walked on.
+        'largest_map': MAX_CELLS,
     }
     gait: dict[str, object] = {
         'robot': options.robot,

@@ -108,3 +108,16 @@ def test_a_robot_that_is_stopped_while_there_is_no_path_stays_when_there_is_one(
         assert bench.pose.distance_to(stopped) < 1e-6
     bench.give_goal(GOAL)
     bench.wait_for_arrival(GOAL)
+
+
+def test_a_planner_without_a_map_says_why_the_last_one_was_refused(bench: Bench):
+    bench.start('sim_node', map_file='none', start_pose=[START.x, START.y, START.yaw])
+    bench.start('planner_node', largest_map=9999)
+    bench.wait_for_status('planner_node', 'no map: waiting')
+    bench.publish_map(room()[1])
+    refused = "no map: the one on 'map' is refused: the map has 100 x 100 cells"
+    bench.wait_for_status('planner_node', refused, level=ERROR)
+    cells = np.zeros((60, 60), np.int8)
+    smaller = OccupancyGrid(cells, RESOLUTION, Pose2D(0.0, 0.0, 0.0))
+    bench.publish_map(grid_message(smaller, 'map', Time()))
+    bench.wait_for_status('planner_node', 'ready', level=OK)
