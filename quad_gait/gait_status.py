@@ -23,6 +23,8 @@ _LEVELS = {
     Activity.EMERGENCY_STOP: Level.ERROR,
 }
 
+_NUMB = 'joint states have no efforts: feet do not feel the ground'
+
 
 class GaitStatus:
     """
@@ -51,6 +53,7 @@ class GaitStatus:
         self._estimator = estimator
         self._topic = parameters.odom_topic
         self._timeout = parameters.odom_timeout
+        self._feels_ground = parameters.is_uneven
         self._clock = clock
         self._received_at: float | None = None
         self._is_time_still = False
@@ -120,5 +123,6 @@ class GaitStatus:
             },
             is_waiting=activity is Activity.WAITING,
         )
-        own = supervisor.limit, missing, supervisor.unbalanced, supervisor.felt_ground.remark
+        numb = _NUMB if self._feels_ground and self._estimator.lacks_efforts else ''
+        own = supervisor.limit, missing, supervisor.unbalanced, supervisor.felt_ground.remark, numb
         return status.with_notes(*own, *notes)

@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 _CLOCK_SET_BACK = 1.0
 """Time by which a measurement must be older than the last one for that [s]."""
 
+_EFFORTLESS = 50
+"""Number of joint states in a row without efforts after which there are none."""
+
 
 @dataclass(frozen=True)
 class EstimatorOptions:
@@ -70,6 +73,7 @@ class StateEstimator:
         self._last_time = -math.inf
         self._joints_time = math.inf
         self._joints: JointReadings | None = None
+        self._without_efforts = 0
         self._is_placed = options.starts_at_origin
         self.leg_odometry = LegOdometry(robot)
         """The pose by legs; stays where it began unless the options ask for it."""
@@ -78,6 +82,11 @@ class StateEstimator:
     def imu_problem(self) -> str:
         """That the imu has fallen silent, as a sentence; empty while it has not."""
         return self._inputs.imu_problem
+
+    @property
+    def lacks_efforts(self) -> bool:
+        """Whether the last joint states, a good number of them, have no efforts, or only 0."""
+        return self._without_efforts >= _EFFORTLESS
 
     @property
     def newest(self) -> tuple[float | None, Array | None]:
@@ -111,6 +120,8 @@ class StateEstimator:
         """
         is_new = self._inputs.take_joints(readings)
         self._joints = readings
+        has_efforts = readings.efforts is not None and bool(readings.efforts.any())
+        self._without_efforts = 0 if has_efforts else self._without_efforts + 1
         if not (is_new and self._is_placed and self._options.has_leg_odometry):
             return False
         time = readings.time or 0.0

@@ -20,6 +20,7 @@ from quad_gait.gait_status import GaitStatus
 from quad_gait.parameters import GaitParameters
 from quad_gait.planner_watch import PlannerWatch
 from quad_gait.state.body_placement import BodyPose
+from quad_gait.state.sensor_inputs import JointReadings
 from quad_gait.state.stance import Stance
 from quad_gait.supervisor import Supervisor
 
@@ -176,6 +177,24 @@ def test_a_wrong_height_map_is_a_warning(robot):
     assert robot.status.has_changed(ORIGIN)
     assert robot.said().level is Level.WARN
     assert 'the height map does not show what the feet met' in robot.said().message
+
+
+@pytest.mark.parametrize('efforts', [None, np.zeros(12)])
+@pytest.mark.parametrize('ground', ['uneven', 'flat'])
+def test_feet_that_cannot_feel_uneven_ground_are_a_warning(robot, clock, ground, efforts):
+    estimator = robot.supervisor.estimator
+    status = GaitStatus(robot.supervisor, estimator, GaitParameters(ground=ground), clock)
+    status.take_odometry(is_new=True)
+    robot.supervisor.update(measurement(ROBOT, 1.0))
+    joints = ROBOT.initial_joint_angles.reshape(-1)
+    for count in range(50):
+        assert 'efforts' not in status.status(None).message
+        estimator.take_joints(JointReadings(joints, None, efforts, 1.0 + 0.02 * count))
+    said = status.status(None)
+    numb = said.message.endswith('; joint states have no efforts: feet do not feel the ground')
+    assert numb == (ground == 'uneven') == (said.level is Level.WARN)
+    estimator.take_joints(JointReadings(joints, None, np.full(12, 0.1), 2.0))
+    assert status.status(None).level is Level.OK
 
 
 def test_a_change_is_told_once(robot):
