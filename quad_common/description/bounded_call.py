@@ -20,9 +20,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-_PATIENCE = 60.0
-"""Time on the wall clock for a call, which may wait for files [s]."""
-
 _ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
 """Each of NumPy's threads takes address space, which is bounded."""
 
@@ -34,6 +31,8 @@ class Bounds(NamedTuple):
     """Processor time [s]."""
     memory: int
     """Address space [bytes]."""
+    patience: float = 60.0
+    """Time on the wall clock, for it may wait for files [s]."""
 
 
 class CallFailed(Exception):
@@ -84,7 +83,7 @@ def call_in_bounds(function: Callable[..., Any], *arguments: object, bounds: Bou
     BeyondBounds
         If it took longer, needed more memory, or crashed.
     """
-    order = function.__module__, function.__name__, arguments, tuple(bounds)
+    order = function.__module__, function.__name__, arguments, tuple(bounds)[:2]
     try:
         done = subprocess.run(
             [sys.executable, '-m', __name__],
@@ -93,11 +92,11 @@ def call_in_bounds(function: Callable[..., Any], *arguments: object, bounds: Bou
             # Where this package is found, whatever lies in the user's folder.
             cwd=Path(__file__).parents[2],
             capture_output=True,
-            timeout=_PATIENCE,
+            timeout=bounds.patience,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise BeyondBounds(f'it waits for more than {_PATIENCE:.0f} s') from None
+        raise BeyondBounds(f'it takes, or waits, more than {bounds.patience:.0f} s') from None
     try:
         result, error = pickle.loads(done.stdout)
     except (EOFError, pickle.UnpicklingError):

@@ -20,8 +20,8 @@ from quad_common.description.package_index import in_real_folders, packages_arou
 from quad_common.errors import DescriptionUnusable, MissingOptionalDependency
 from quad_common.errors.quoting import quoted
 
-_BOUNDS = Bounds(seconds=20, memory=2**32)
-"""Large descriptions of robots take a tenth of a second."""
+_BOUNDS = Bounds(seconds=20, memory=2**32, patience=20.0)
+"""Large descriptions of robots take a tenth of a second; a file may include a pipe."""
 
 
 def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:

@@ -18,7 +18,7 @@ from quad_common.robot_files.robot_file import load_robot
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.description import bounded_call, reading
+from quad_common.description import bounded_call, reading, xacro_expansion
 from quad_common.description.bounded_call import Bounds
 from quad_common.description.meshes import mesh_path
 from quad_common.description.reading import read_description
@@ -224,14 +224,16 @@ def test_expressions_that_xacro_would_compute_for_ever_are_given_up(name, tmp_pa
 
 def test_a_file_that_xacro_waits_for_is_given_up(tmp_path, monkeypatch):
     pytest.importorskip('xacro')
-    monkeypatch.setattr(bounded_call, '_PATIENCE', 1.5)
+    bounds = xacro_expansion._BOUNDS
+    assert bounds.patience <= 20.0
+    monkeypatch.setattr(xacro_expansion, '_BOUNDS', bounds._replace(patience=1.5))
     os.mkfifo(tmp_path / 'pipe')
     path = tmp_path / 'robot.xacro'
     path.write_text(
         '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         '<xacro:include filename="pipe"/><link name="a"/></robot>'
     )
-    with pytest.raises(DescriptionError, match='it waits for more than 2 s'):
+    with pytest.raises(DescriptionError, match='it takes, or waits, more than 2 s'):
         read_description(path)
 
 
@@ -257,11 +259,12 @@ def test_what_mujoco_would_compute_for_ever_is_given_up(asset, world, tmp_path, 
 
 def test_a_mesh_that_mujoco_waits_for_is_given_up(tmp_path, monkeypatch):
     pytest.importorskip('mujoco')
-    monkeypatch.setattr(bounded_call, '_PATIENCE', 1.5)
+    bounds = reading._BOUNDS_OF_MJCF._replace(patience=1.5)
+    monkeypatch.setattr(reading, '_BOUNDS_OF_MJCF', bounds)
     os.mkfifo(tmp_path / 'pipe.stl')
     path = tmp_path / 'robot.xml'
     path.write_text(MUJOCO.format('<mesh name="a" file="pipe.stl"/>', BODY))
-    with pytest.raises(DescriptionError, match='MuJoCo cannot read it: it waits for more than 2 s'):
+    with pytest.raises(DescriptionError, match='MuJoCo cannot read it: it takes, or waits, '):
         read_description(path)
 
 
