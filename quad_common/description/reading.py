@@ -20,9 +20,9 @@ from quad_common.description.bounded_call import (
     CallFailed,
     call_in_bounds,
 )
+from quad_common.description.elements import check_elements
 from quad_common.description.xacro_expansion import expanded
 from quad_common.errors import (
-    DescriptionEntryInvalid,
     DescriptionUnusable,
     FileUnusable,
     MissingOptionalDependency,
@@ -36,15 +36,6 @@ _WHAT = "robot's description"
 
 _BOUNDS_OF_MJCF = Bounds(seconds=40, memory=2**33)
 """Robots whose meshes have a million corners take some seconds."""
-
-_SHAPES = {
-    'box': ('size',),
-    'cylinder': ('radius', 'length'),
-    'capsule': ('radius', 'length'),
-    'sphere': ('radius',),
-    'mesh': ('filename',),
-}
-"""Shapes that a geometry may be, and the attributes that each must have."""
 
 try:
     import yourdfpy
@@ -128,7 +119,7 @@ def _robot_from_urdf(root: Any, path: Path) -> Any:
     if not root.get('name'):
         # The reader wants one; xacro files are often without.
         root.set('name', path.name.partition('.')[0] or 'robot')
-    _check_elements(root, path)
+    check_elements(root, path)
     try:
         model = yourdfpy.URDF.load(
             io.BytesIO(etree.tostring(root)), load_meshes=False, build_scene_graph=False
@@ -138,35 +129,3 @@ def _robot_from_urdf(root: Any, path: Path) -> Any:
         detail = f'{type(error).__name__}: {error}'
         raise DescriptionUnusable(path, f'the URDF cannot be read: {detail}') from error
     return model.robot
-
-
-def _check_elements(root: Any, path: Path) -> None:
-    """Refuse elements without what the reader of URDF expects of them."""
-    needed = {
-        'link': (('name',), {}),
-        'joint': (('name', 'type'), {'parent': 'link', 'child': 'link'}),
-    }
-    for kind, (attributes, children) in needed.items():
-        for element in root.iterfind(kind):
-            name = f"{kind} '{element.get('name', '')}'"
-            for attribute in attributes:
-                if not element.get(attribute):
-                    raise DescriptionEntryInvalid(path, name, f'has no {attribute}')
-            for child, attribute in children.items():
-                found = element.find(child)
-                if found is None or not found.get(attribute):
-                    raise DescriptionEntryInvalid(path, name, f'names no {child}')
-    for geometry in root.iter('geometry'):
-        owner = geometry.getparent().getparent()
-        name = f"link '{owner.get('name', '')}'" if owner is not None else 'a shape'
-        shapes = [shape for shape in geometry if isinstance(shape.tag, str)]
-        if len(shapes) != 1 or shapes[0].tag not in _SHAPES:
-            found_tags = ', '.join(str(shape.tag) for shape in shapes) or 'nothing'
-            raise DescriptionEntryInvalid(path, name, f'has a geometry of {found_tags}')
-        for attribute in _SHAPES[shapes[0].tag]:
-            if not shapes[0].get(attribute):
-                problem = f'has a {shapes[0].tag} without {attribute}'
-                raise DescriptionEntryInvalid(path, name, problem)
-        if shapes[0].tag == 'capsule':
-            # An extension of some engines, which the reader does not know.
-            shapes[0].tag = 'cylinder'

@@ -96,6 +96,14 @@ _OF_PLACES: dict[str, Change] = {
         r'(?s)(joint name="lf_hip_roll_joint".*?axis xyz=")[^"]*', r'\g<1>0 1 0'
     ),
     'an axis across the others': _replaced(r'axis xyz="0 1 0"', 'axis xyz="1 0 0"'),
+    'an axis without numbers': _replaced(r'axis xyz="0 1 0"', 'axis'),
+    'an origin of one number': _replaced(r'origin xyz="[^"]*"', 'origin xyz="0.04"'),
+    'an origin of two numbers': _replaced(r'origin xyz="[^"]*"', 'origin xyz="0.04 0"', 4),
+    'a place of a joint of one number': _replaced(
+        r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>0.04'
+    ),
+    'an origin of one angle': _replaced(r'rpy="[^"]*"', 'rpy="0.1"'),
+    'an origin of five angles': _replaced(r'rpy="[^"]*"', 'rpy="0 0 0 0 0"'),
     'an origin of words': _replaced(r'origin xyz="[^"]*"', 'origin xyz="here"', 4),
     'an origin far away': _replaced(
         r'(?s)(joint name="lf_hip_roll_joint".*?origin xyz=")[^"]*', r'\g<1>1e30 0 0'

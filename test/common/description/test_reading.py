@@ -23,7 +23,7 @@ from quad_common.description.bounded_call import Bounds
 from quad_common.description.meshes import mesh_path
 from quad_common.description.reading import read_description
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import DescriptionError
+from quad_common.errors import DescriptionEntryInvalid, DescriptionError
 
 XACRO = """<?xml version="1.0"?>
 <robot name="mine" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -191,6 +191,56 @@ def test_capsules_are_cylinders(tmp_path):
     path.write_text(urdf_from_robot(load_robot('genibo')).replace('<cylinder', '<capsule'))
     shapes = [link.collisions[0].geometry for link in read_description(path).links]
     assert sum(shape.cylinder is not None for shape in shapes) == 12
+
+
+def write_robot(tmp_path, change):
+    """A link and a joint with everything that counts its numbers, and one change."""
+    text = (
+        '<robot name="a"><link name="body"><inertial><origin xyz="0 0 0"/><mass value="1"/>'
+        '</inertial><visual><origin xyz="1 2 3" rpy="0 0 0"/><geometry><sphere radius="1"/>'
+        '</geometry><material name="m"><texture filename="a.png"/></material></visual></link>'
+        '<link name="leg"/><joint name="hip" type="revolute"><origin xyz="4 5 6" rpy="0 0 1"/>'
+        '<parent link="body"/><child link="leg"/><axis xyz="0 1 0"/>'
+        '<limit lower="0" upper="0" effort="1" velocity="1"/></joint></robot>'
+    )
+    assert change[0] in text
+    path = tmp_path / 'robot.urdf'
+    path.write_text(text.replace(*change))
+    return path
+
+
+@pytest.mark.parametrize(
+    ('was', 'becomes', 'said'),
+    [
+        ('xyz="0 0 0"', 'xyz="0.04"', "link 'body' has an origin with xyz='0.04'.* 3 numbers"),
+        ('xyz="1 2 3"', 'xyz="1 2"', "link 'body' has an origin with xyz='1 2'.* 3 numbers"),
+        ('xyz="4 5 6"', 'xyz="4"', "joint 'hip' has an origin with xyz='4'.* 3 numbers"),
+        ('xyz="4 5 6"', 'xyz="4 5 6 7"', "joint 'hip' has an origin with xyz='4 5 6 7'"),
+        ('xyz="4 5 6"', 'xyz="4 5 up"', "joint 'hip' has an origin with xyz='4 5 up'"),
+        ('rpy="0 0 1"', 'rpy="0.1"', "joint 'hip' has an origin with rpy='0.1'.* 3 numbers"),
+        ('rpy="0 0 1"', 'rpy="0 0 0 0 0"', "joint 'hip' has an origin with rpy="),
+        ('axis xyz="0 1 0"', 'axis', "joint 'hip' has an axis without xyz"),
+        ('axis xyz="0 1 0"', 'axis xyz="1"', "joint 'hip' has an axis with xyz='1'"),
+        ('<limit', '<mimic/><limit', "joint 'hip' has a mimic that names no joint"),
+    ],
+)
+def test_numbers_are_counted_and_whose_they_are_is_said(was, becomes, said, tmp_path):
+    with pytest.raises(DescriptionEntryInvalid, match=said):
+        read_description(write_robot(tmp_path, (was, becomes)))
+
+
+def test_a_fourth_angle_is_not_read(tmp_path):
+    path = write_robot(tmp_path, ('rpy="0 0 1"', 'rpy="0 0 1 0"'))
+    tree = KinematicTree(read_description(path), path)
+    path = write_robot(tmp_path, ('rpy="0 0 1"', 'rpy="0 0 1"'))
+    assert (tree.pose('leg') == KinematicTree(read_description(path), path).pose('leg')).all()
+
+
+def test_a_texture_without_a_file_is_none(tmp_path):
+    path = write_robot(tmp_path, ('<texture filename="a.png"/>', '<texture/>'))
+    assert read_description(path).links[0].visuals[0].material.texture is None
+    path = write_robot(tmp_path, ('a.png', 'b.png'))
+    assert read_description(path).links[0].visuals[0].material.texture.filename == 'b.png'
 
 
 def test_chains_of_thousands_of_links_are_read(tmp_path):
