@@ -4,7 +4,8 @@ Meshes that descriptions name: where they are, and their corners.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
+from quad_common.description.mesh_files import Mesh, MeshFiles
+from quad_common.description.shape_sizes import LARGEST, in_three
 from quad_common.errors import DescriptionUnusable, MeshNotFound
 from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import is_file
@@ -20,9 +23,6 @@ from quad_common.files.package_path import is_in_package, package_candidates
 from quad_common.files.whole_file import write_text
 
 Array = NDArray[np.float64]
-
-_LARGEST = 1e3
-"""Largest coordinate of a mesh's corner [m]."""
 
 _FILE = 'file://'
 
@@ -91,7 +91,7 @@ def _candidates(name: str, folder: Path) -> list[Path]:
     return [*package_candidates(name, folder), folder / rest, folder.parent / rest]
 
 
-def mesh_corners(mesh: Any, description: Path) -> Array:
+def mesh_corners(mesh: Any, description: Path, files: MeshFiles) -> Array:
     """
     Read the corners of a mesh.
 
@@ -101,6 +101,8 @@ def mesh_corners(mesh: Any, description: Path) -> Array:
         Name and scale.
     description : Path
         The description that names it.
+    files : MeshFiles
+        Its files of meshes.
 
     Returns
     -------
@@ -112,26 +114,20 @@ def mesh_corners(mesh: Any, description: Path) -> Array:
     DescriptionError
         If it is not there, or no mesh.
     """
-    corners: Array = np.array(_read(mesh_path(mesh.filename, description), description).vertices)
-    scaled: Array = corners.reshape(-1, 3) * scale_of(mesh)
-    if not (np.abs(scaled) <= _LARGEST).all():
+    corners = _read(mesh_path(mesh.filename, description), description, files).corners
+    scaled: Array = corners * in_three(1.0 if mesh.scale is None else mesh.scale)
+    if not (np.abs(scaled) <= LARGEST).all():
         raise DescriptionUnusable(
             description,
             f'the mesh {quoted(mesh.filename)} has a corner that is no place: its numbers must be '
-            f'finite, and from {-_LARGEST:g} to {_LARGEST:g} m with its scale',
+            f'finite, and from {-LARGEST:g} to {LARGEST:g} m with its scale',
         )
     return scaled
 
 
-def scale_of(mesh: Any) -> Array:
-    """Return the scale of a mesh along its axes, shape (3,)."""
-    scale = 1.0 if mesh.scale is None else mesh.scale
-    return np.broadcast_to(np.asarray(scale, dtype=float), (3,))
-
-
-def convert_mesh(path: Path, target: Path, description: Path) -> None:
+def convert_mesh(path: Path, target: Path, description: Path, files: MeshFiles) -> None:
     """
-    Write a mesh in the format of another file, told by its suffix, without its colors.
+    Write a mesh of a format that not every engine reads as a file of the format .obj.
 
     Raises
     ------
@@ -140,20 +136,22 @@ def convert_mesh(path: Path, target: Path, description: Path) -> None:
     FileUnusable
         If the other file cannot be written.
     """
-    mesh = _read(path, description)
-    text = mesh.export(file_type=target.suffix[1:], include_texture=False)
-    write_text(target, text, 'mesh')
+    write_text(target, _read(path, description, files).text, 'mesh')
 
 
-def _read(path: Path, description: Path) -> Any:
-    import trimesh
-
-    try:
-        mesh: Any = trimesh.load(path, force='mesh', process=False)
-        # Scenes without a shape have no corners.
-        assert len(mesh.vertices) > 0
-    # Readers of a dozen formats raise what they like.
-    except Exception as error:
-        reason = f'the mesh {path} cannot be read: {type(error).__name__}: {error}'
-        raise DescriptionUnusable(description, reason) from error
+def _read(path: Path, description: Path, files: MeshFiles) -> Mesh:
+    mesh = files.read(path)
+    if isinstance(mesh, str):
+        raise DescriptionUnusable(description, f'the mesh {path} {mesh}')
     return mesh
+
+
+def files_of(names: Collection[str], description: Path) -> MeshFiles:
+    """Return the files of the meshes of some names, those that are there."""
+
+    def find() -> Iterator[Path]:
+        for name in names:
+            with suppress(MeshNotFound):
+                yield mesh_path(name, description)
+
+    return MeshFiles(find)

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from quad_common.description.meshes import mesh_corners
 from quad_common.description.poses import moved, pose_of
+from quad_common.description.shape_sizes import in_three
 from quad_common.description.tree import KinematicTree
 
 Array = NDArray[np.float64]
@@ -46,16 +46,16 @@ def points_of(tree: KinematicTree, links: Iterable[str]) -> Iterator[Points]:
         if shapes:
             for link, shape in shapes:
                 pose = tree.pose(link) @ pose_of(shape.origin)
-                kind, places, radius = _sampled(shape.geometry, tree.path)
+                kind, places, radius = _sampled(shape.geometry, tree)
                 yield Points(kind, link, moved(pose, places), radius)
             return
 
 
-def _sampled(geometry: Any, path: Path) -> tuple[str, Array, float]:
+def _sampled(geometry: Any, tree: KinematicTree) -> tuple[str, Array, float]:
     if geometry.sphere is not None:
         return 'sphere', np.zeros((1, 3)), float(geometry.sphere.radius)
     if geometry.box is not None:
-        half = np.broadcast_to(np.asarray(geometry.box.size, dtype=float), (3,)) / 2.0
+        half = in_three(geometry.box.size) / 2.0
         return 'box', np.array(list(product((-1.0, 1.0), repeat=3))) * half, 0.0
     if geometry.cylinder is not None:
         turn = np.linspace(0.0, 2.0 * np.pi, _ROUND, endpoint=False)
@@ -63,4 +63,4 @@ def _sampled(geometry: Any, path: Path) -> tuple[str, Array, float]:
         half_length = geometry.cylinder.length / 2.0
         ends = [np.column_stack([ring, np.full(_ROUND, z)]) for z in (-half_length, half_length)]
         return 'cylinder', np.concatenate(ends), 0.0
-    return 'mesh', mesh_corners(geometry.mesh, path), 0.0
+    return 'mesh', mesh_corners(geometry.mesh, tree.path, tree.meshes), 0.0

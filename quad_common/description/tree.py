@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from quad_common.description.mass import Mass, no_mass
+from quad_common.description.meshes import files_of
 from quad_common.description.poses import pose_of
+from quad_common.description.shape_sizes import LARGEST, size_problem
 from quad_common.errors import DescriptionEntryInvalid, DescriptionUnusable
 
 Array = NDArray[np.float64]
@@ -30,9 +32,6 @@ TURNING = ('revolute', 'continuous')
 _KINDS = (*TURNING, 'prismatic', 'fixed', 'floating', 'planar')
 
 _SHORTEST_AXIS = 1e-6
-
-_LARGEST = 1e3
-"""Largest length that a description may have [m]."""
 
 _HEAVIEST = 1e4
 """Largest mass of a link [kg], and its largest moment of inertia [kg m^2]."""
@@ -111,6 +110,10 @@ class KinematicTree:
             self.parents[joint.child] = joint
             self.children[joint.parent].append(joint)
         self.root = self._only_root()
+        shapes = [s for link in robot.links for s in (*link.collisions, *link.visuals)]
+        meshes = [s.geometry.mesh for s in shapes if s.geometry is not None and s.geometry.mesh]
+        self.meshes = files_of(sorted({mesh.filename for mesh in meshes}), path)
+        """Files of the meshes that links name."""
 
     def chain(self, link: str) -> list[TreeJoint]:
         """List the joints between the root and a link, from the root on."""
@@ -171,7 +174,7 @@ class KinematicTree:
         if given.type == 'fixed':
             # Exporters write axes of 0 there, which mean nothing.
             axis, length = np.array([1.0, 0.0, 0.0]), 1.0
-        if not _SHORTEST_AXIS < length < _LARGEST:
+        if not _SHORTEST_AXIS < length < LARGEST:
             raise self._invalid('joint', name, f'has the axis {given.axis}')
         limit = given.limit
         has_range = given.type == 'revolute' and limit is not None
@@ -196,7 +199,7 @@ class KinematicTree:
         )
 
     def _checked(self, kind: str, name: str, pose: Array) -> Array:
-        if not (np.isfinite(pose).all() and np.abs(pose).max() <= _LARGEST):
+        if not (np.isfinite(pose).all() and np.abs(pose).max() <= LARGEST):
             raise self._invalid(kind, name, 'has an origin that is no place')
         return pose
 
@@ -229,6 +232,8 @@ class KinematicTree:
                 raise self._invalid('link', name, 'has an inertia that is no number')
         for shape in (*link.collisions, *link.visuals):
             self._checked('link', name, pose_of(shape.origin))
+            if problem := size_problem(shape.geometry):
+                raise self._invalid('link', name, problem)
 
     @cached_property
     def _at_zero(self) -> dict[str, Array]:

@@ -19,21 +19,18 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from quad_common.description.mass import Mass
-from quad_common.description.meshes import convert_mesh, is_elsewhere, mesh_path
+from quad_common.description.mesh_files import READ_BY_ALL
+from quad_common.description.meshes import convert_mesh, is_elsewhere, mesh_corners, mesh_path
 from quad_common.description.poses import inverse, pose_of
+from quad_common.description.shape_sizes import THINNEST, in_three, sizes_of, thin_box
 from quad_common.description.tree import KinematicTree
-from quad_common.errors import DescriptionUnusable, MeshNotFound
+from quad_common.errors import DescriptionEntryInvalid, DescriptionUnusable, MeshNotFound
+from quad_common.errors.quoting import quoted
 from quad_common.files.bounded_file import make_folder
 from quad_common.importing.masses import Part
 from quad_common.importing.robot_import import ImportedRobot
 
 Array = NDArray[np.float64]
-
-_READ_BY_ALL = ('.obj', '.stl')
-"""Formats of meshes that every engine reads."""
-
-_THINNEST = 1e-5
-"""Extent below which a shape is none [m]."""
 
 _FOOT = 0.02
 """Mass of a foot that has none of its own, as a fraction of its calf's; taken from that."""
@@ -177,6 +174,7 @@ class _Shapes:
         self.robot = robot
         self._folder = meshes
         self._converted: dict[Path, Path] = {}
+        self._boxes: dict[tuple[str, str], tuple[Array, Array] | None] = {}
 
     def of_link(self, link: str, use: str, into: Array) -> list[Any]:
         """Return a link's ``visuals`` or ``collisions``, in the frame to which ``into`` takes."""
@@ -185,34 +183,82 @@ class _Shapes:
         for shape in getattr(tree.links[link], use):
             placed = deepcopy(shape)
             placed.origin = into @ tree.pose(link) @ pose_of(shape.origin)
-            if not _has_extent(placed.geometry) or not self._finds_mesh(placed, use):
+            if not self._has_extent(placed.geometry) or not self._has_mesh(placed, use, link):
                 continue
             # Names are free in URDF, but engines want different ones.
             placed.name = None
             found.append(placed)
         return found
 
-    def _finds_mesh(self, shape: Any, use: str) -> bool:
-        """Give a shape's mesh its absolute path; return whether it can be had."""
+    def _has_extent(self, geometry: Any) -> bool:
+        """Whether a shape is any: dummies have sizes of 0, which engines refuse."""
+        if geometry is None:
+            return False
+        sizes = sizes_of(geometry)
+        if geometry.box:
+            geometry.box.size = in_three(geometry.box.size)
+        if (sizes == 0.0).any():
+            return False
+        if (sizes < THINNEST).any():
+            self.robot.notes.assume(
+                f'shapes that are thinner than {1e3 * THINNEST:g} mm are left out'
+            )
+            return False
+        return True
+
+    def _has_mesh(self, shape: Any, use: str, link: str) -> bool:
+        """Give a mesh its absolute path, a flat one a box; return whether the shape can be had."""
         mesh = shape.geometry.mesh
         if mesh is None:
             return True
+        tree, notes = self.robot.tree, self.robot.notes
         try:
-            path = mesh_path(mesh.filename, self.robot.tree.path)
-            if path.suffix.lower() not in _READ_BY_ALL:
+            box = self._thin_box(mesh)
+            path = mesh_path(mesh.filename, tree.path)
+            if box is None and path.suffix.lower() not in READ_BY_ALL:
                 path = self._converted_mesh(path)
         except (MeshNotFound, DescriptionUnusable):
             if use == 'collisions':
                 raise
-            self.robot.notes.assume('meshes that are only looked at are missing or unreadable')
+            notes.assume('meshes that are only looked at are missing or unreadable')
             return False
-        if is_elsewhere(mesh.filename, self.robot.tree.path):
-            self.robot.notes.assume(
+        if box is not None:
+            if use == 'collisions':
+                self._make_box(shape, link, *box)
+                return True
+            notes.assume('meshes that are only looked at and have no volume are left out')
+            return False
+        if is_elsewhere(mesh.filename, tree.path):
+            notes.assume(
                 'meshes are not where the description says; those around it whose paths end alike '
                 'are taken'
             )
         mesh.filename = str(path)
         return True
+
+    def _thin_box(self, mesh: Any) -> tuple[Array, Array] | None:
+        """Return the box of a mesh without volume; None if it has one."""
+        key = mesh.filename, str(mesh.scale)
+        if key not in self._boxes:
+            tree = self.robot.tree
+            self._boxes[key] = thin_box(mesh_corners(mesh, tree.path, tree.meshes))
+        return self._boxes[key]
+
+    def _make_box(self, shape: Any, link: str, pose: Array, size: Array) -> None:
+        """Have a thin box stand for a flat mesh that a link collides with."""
+        name = shape.geometry.mesh.filename
+        if size[1] == 0.0:
+            problem = (
+                f'collides with the mesh {quoted(name)}, whose corners, with its scale, are on one '
+                'line; it must have a volume'
+            )
+            raise DescriptionEntryInvalid(self.robot.tree.path, f"link '{link}'", problem)
+        self.robot.notes.assume(
+            f'a box {1e3 * size[2]:g} mm thick stands for the flat mesh {quoted(name)} that '
+            f"'{link}' collides with"
+        )
+        shape.origin = shape.origin @ pose
+        shape.geometry = yourdfpy.urdf.Geometry(box=yourdfpy.urdf.Box(size))
 
     def _converted_mesh(self, path: Path) -> Path:
         """Write a mesh as one that all engines read, once."""
@@ -220,18 +266,7 @@ class _Shapes:
             make_folder(self._folder)
             count = len(self._converted)
             target = self._folder.resolve() / f'{path.stem}_{count}.obj'
-            convert_mesh(path, target, self.robot.tree.path)
+            tree = self.robot.tree
+            convert_mesh(path, target, tree.path, tree.meshes)
             self._converted[path] = target
         return self._converted[path]
-
-
-def _has_extent(geometry: Any) -> bool:
-    """Whether a shape is any: dummies have sizes of 0, which engines refuse."""
-    if geometry is None:
-        return False
-    sizes = [
-        *np.ravel(geometry.box.size if geometry.box else ()),
-        *((geometry.sphere.radius,) if geometry.sphere else ()),
-        *((geometry.cylinder.radius, geometry.cylinder.length) if geometry.cylinder else ()),
-    ]
-    return all(size > _THINNEST for size in sizes)

@@ -41,6 +41,16 @@ def good_description() -> str:
     return urdf_from_robot(load_robot('genibo'))
 
 
+_MESHES = {
+    'flat.obj': 'v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n',
+    'line.obj': 'v 0 0 0\nv 0.1 0 0\nv 0.2 0 0\nf 1 2 3\n',
+    'text.stl': 'no mesh',
+    'empty.obj': '# nothing\n',
+    'archive.zip': 'PK',
+}
+"""Meshes that faults name, by their files beside the description."""
+
+
 def _replaced(pattern: str, by: str, count: int = 1) -> Change:
     """Replace what matches a pattern, at most so many times; all of it if the count is 0."""
 
@@ -51,6 +61,11 @@ def _replaced(pattern: str, by: str, count: int = 1) -> Change:
         return changed
 
     return change
+
+
+def _with_mesh(use: str, attributes: str) -> Change:
+    """Put a mesh in the place of the first shape of a use."""
+    return _replaced(rf'(?s)(<{use}>.*?<geometry>).*?(</geometry>)', rf'\1<mesh {attributes}/>\2')
 
 
 _OF_FILES: dict[str, Change] = {
@@ -145,14 +160,24 @@ _OF_LIMITS: dict[str, Change] = {
 """Faults of what joints can do."""
 
 _OF_SHAPES: dict[str, Change] = {
-    'a mesh that is not there': _replaced(
-        r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
-        r'\1<mesh filename="missing.stl"/>\2',
-    ),
-    'a mesh that is none': _replaced(
-        r'(?s)(<collision>.*?<geometry>).*?(</geometry>)',
-        r'\1<mesh filename="broken.urdf"/>\2',
-    ),
+    'a mesh that is not there': _with_mesh('collision', 'filename="missing.stl"'),
+    'a mesh that is none': _with_mesh('collision', 'filename="text.stl"'),
+    'a mesh on a line': _with_mesh('collision', 'filename="line.obj"'),
+    'a mesh that is shrunk to a point': _with_mesh('collision', 'filename="flat.obj" scale="0"'),
+    'a mesh without corners': _with_mesh('collision', 'filename="empty.obj"'),
+    'a mesh in an archive': _with_mesh('collision', 'filename="archive.zip"'),
+    'a scale of two numbers': _with_mesh('collision', 'filename="line.obj" scale="1 1"'),
+    'a scale of four numbers': _with_mesh('collision', 'filename="line.obj" scale="1 1 1 1"'),
+    'a seen scale that is no number': _with_mesh('visual', 'filename="line.obj" scale="nan 1 1"'),
+    'a seen ball of astronomers': _replaced(r'sphere radius="[^"]*"', 'sphere radius="1e30"'),
+    'balls without any number': _replaced(r'sphere radius="[^"]*"', 'sphere radius="nan"', 0),
+    'an infinite ball': _replaced(r'sphere radius="[^"]*"', 'sphere radius="inf"', 0),
+    'a cylinder without a number': _replaced(r'cylinder radius="[^"]*"', 'cylinder radius="nan"'),
+    'an infinite cylinder': _replaced(r' length="[^"]*"', ' length="inf"', 0),
+    'a negative cylinder': _replaced(r' length="[^"]*"', ' length="-0.1"', 0),
+    'a box of two numbers': _replaced(r'box size="[^"]*"', 'box size="0.2 0.1"', 2),
+    'a box of four numbers': _replaced(r'box size="[^"]*"', 'box size="0.2 0.1 0.1 0.1"', 2),
+    'a negative box': _replaced(r'box size="[^"]*"', 'box size="0.2 -0.1 0.1"', 2),
     'a box of words': _replaced(r'box size="[^"]*"', 'box size="large"', 2),
     'a ball without radius': _replaced(r'<sphere radius="[^"]*" ?/>', '<sphere/>', 0),
     'a shape of no kind': _replaced(
@@ -206,6 +231,8 @@ def import_broken(fault: str, change: Change) -> BrokenImport:
     text = change(good_description())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / 'broken.urdf'
+        for name, mesh in _MESHES.items():
+            (path.parent / name).write_text(mesh)
         path.write_bytes(text.encode('utf-8', 'surrogateescape'))
         began = time.process_time()
         try:

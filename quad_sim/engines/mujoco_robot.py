@@ -277,8 +277,14 @@ def robot_spec(robot: Robot, time_step: float, appearance: Appearance) -> Any:
     urdf = urdf_from_robot(robot)
     try:
         spec: Any = mujoco.MjSpec.from_string(_seen(urdf) if robot.own_urdf else urdf)
+        _complete(spec, robot, time_step, appearance)
     except ValueError as error:
         raise RobotNotLoaded(robot.name, 'MuJoCo', str(error)) from error
+    return spec
+
+
+def _complete(spec: Any, robot: Robot, time_step: float, appearance: Appearance) -> None:
+    """Let a robot move, with its motors and colors; what MuJoCo cannot compile is a ValueError."""
     spec.compiler.fusestatic = False
     spec.compiler.discardvisual = False
     spec.worldbody.first_body().add_freejoint()
@@ -287,7 +293,6 @@ def robot_spec(robot: Robot, time_step: float, appearance: Appearance) -> Any:
     _set_motors(spec, robot, time_step)
     if robot.own_urdf:
         _part_overlapping_links(spec, robot)
-    return spec
 
 
 def robots_spec(specs: Mapping[str, Any]) -> Any:

@@ -2,9 +2,12 @@
 A robot with a URDF of its own is simulated on its own links.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from quad_common.errors import RobotNotLoaded
 from quad_common.planar_pose import Pose2D
 from quad_common.robot.urdf import urdf_from_robot
 from quad_common.robot_files.robot_file import load_robot
@@ -84,3 +87,33 @@ def test_contacts_have_its_own_names(simulator, own):
 def test_a_fall_is_told_by_its_own_links(own):
     assert own.part_names.falls >= {'trunk'}
     assert own.part_names.feet[0] == 'toe one'
+
+
+FLAT = 'v 0 0 0\nv .1 0 0\nv 0 .1 0\nf 1 2 3\n'
+
+
+@pytest.mark.parametrize('engine', ENGINES_WITH_PHYSICS)
+@pytest.mark.parametrize('use', ['visual', 'collision'])
+def test_a_robot_with_a_flat_mesh_stands_in_any_engine(engine, use, tmp_path):
+    (tmp_path / 'flat.obj').write_text(FLAT)
+    mesh = f'<{use}><geometry><mesh filename="flat.obj"/></geometry></{use}>'
+    path = tmp_path / 'plated.urdf'
+    text = urdf_from_robot(load_robot('genibo'))
+    path.write_text(text.replace('</inertial>', f'</inertial>{mesh}', 1))
+    data_file, _ = write_robot(import_robot(path), tmp_path / 'plated.yaml')
+    robot = load_robot(data_file)
+    simulator = make_simulator(engine, robot, None)
+    try:
+        assert not stand(simulator, robot, 0.1).has_fallen
+    finally:
+        simulator.close()
+
+
+def test_what_mujoco_cannot_compile_is_a_robot_that_is_not_loaded(own, tmp_path):
+    pytest.importorskip('mujoco')
+    flat = tmp_path / 'flat.obj'
+    flat.write_text(FLAT)
+    mesh = f'<collision><geometry><mesh filename="{flat}"/></geometry></collision>'
+    broken = replace(own, own_urdf=own.own_urdf.replace('</inertial>', f'</inertial>{mesh}', 1))
+    with pytest.raises(RobotNotLoaded, match=r"MuJoCo cannot load the URDF of 'own': .*'flat'"):
+        make_simulator('mujoco', broken, None)
