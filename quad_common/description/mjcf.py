@@ -228,7 +228,16 @@ class _Conversion:
             limit=yourdfpy.urdf.Limit(
                 effort=largest_effort(model, joint), velocity=None, lower=lower, upper=upper
             ),
+            mimic=self._mimic(joint),
         )
+
+    def _mimic(self, joint: int) -> Any:
+        """Say which joint another one follows, by a constraint; None if it moves for itself."""
+        model, kind = self._model, int(mujoco.mjtEq.mjEQ_JOINT)
+        for k in np.flatnonzero((model.eq_type == kind) & (model.eq_obj1id == joint)):
+            if model.eq_active0[k] and (other := int(model.eq_obj2id[k])) >= 0:
+                return yourdfpy.urdf.Mimic(joint=model.joint(other).name or f'joint {other}')
+        return None
 
     def _add_link(
         self, name: str, body: int, frame: Array, share: float, has_shapes: bool = True

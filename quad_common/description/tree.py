@@ -61,6 +61,8 @@ class TreeJoint:
     """Largest torque that is stated [N m]."""
     velocity: float | None
     """Largest speed that is stated [rad/s]."""
+    follows: str = ''
+    """Name of the joint that it follows, without a motor of its own; empty if it follows none."""
 
     @property
     def moves(self) -> bool:
@@ -183,6 +185,8 @@ class KinematicTree:
         if not lower <= upper:
             raise self._invalid('joint', name, f'has the range {lower} to {upper}')
         if lower == upper:
+            if lower != 0.0:
+                raise self._invalid('joint', name, f'is fixed at {lower:g} rad by its limits')
             # Exporters write 0 to 0 where nobody said anything.
             lower, upper = -math.inf, math.inf
         return TreeJoint(
@@ -196,6 +200,7 @@ class KinematicTree:
             upper=float(upper),
             effort=None if limit is None else _stated(limit.effort),
             velocity=None if limit is None else _stated(limit.velocity),
+            follows='' if given.mimic is None else str(given.mimic.joint),
         )
 
     def _checked(self, kind: str, name: str, pose: Array) -> Array:

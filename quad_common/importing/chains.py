@@ -71,15 +71,42 @@ def find_legs(tree: KinematicTree, notes: Notes) -> list[LegChain]:
         if joint.kind not in TURNING:
             problem = f"cannot be used: its joint '{joint.name}' is {joint.kind}"
             raise LegNotFeasible(tree.path, joint.name, problem)
+    _check_motors(tree, legs)
     others = [chain for chain in chains if chain not in legs]
-    others_joints = {joint.name for chain in others for joint in chain}
-    if others_joints:
-        names = ', '.join(sorted(others_joints)[:4]) + (' ...' if len(others_joints) > 4 else '')
-        count = len(others_joints)
-        notes.assume(
-            f'{count} other {"joint is" if count == 1 else "joints are"} held at 0 ({names})'
-        )
+    _note_others({joint.name: joint for chain in others for joint in chain}, notes)
     return [LegChain(tuple(leg)) for leg in legs]
+
+
+def _check_motors(tree: KinematicTree, legs: list[list[TreeJoint]]) -> None:
+    """Refuse legs with a joint that follows another: a gait moves each joint for itself."""
+    for leg in legs:
+        followers = [joint for joint in leg if joint.follows]
+        if followers:
+            joint, driven = followers[0], JOINTS_PER_LEG - len(followers)
+            problem = (
+                f"cannot be used: its joint '{joint.name}' follows '{joint.follows}' (mimic), and "
+                f'{f"only {_word(driven)}" if driven else "none"} of its joints '
+                f'{"has a motor" if driven == 1 else "have motors"}'
+            )
+            raise LegNotFeasible(tree.path, leg[0].name, problem)
+
+
+def _note_others(others: dict[str, TreeJoint], notes: Notes) -> None:
+    """Say which joints are held, by their names; joints that follow others, too."""
+    if not others:
+        return
+    names = ', '.join(sorted(others)[:4]) + (' ...' if len(others) > 4 else '')
+    notes.assume(
+        f'{len(others)} other {"joint is" if len(others) == 1 else "joints are"} held at 0 '
+        f'({names})'
+    )
+    followers = sorted(name for name, joint in others.items() if joint.follows)
+    if followers:
+        said = [f"'{name}' follows '{others[name].follows}'" for name in followers[:2]]
+        notes.assume(
+            'joints that follow others (mimic) are held at 0, too '
+            f'({", ".join(said)}{" ..." if len(followers) > 2 else ""})'
+        )
 
 
 def _are_alike(tree: KinematicTree, chain: list[TreeJoint], other: list[TreeJoint]) -> bool:

@@ -98,6 +98,15 @@ _OF_THE_TREE: dict[str, Change] = {
     'a joint without kind': _replaced(' type="revolute"', ''),
     'an unknown kind of joint': _replaced('type="revolute"', 'type="elastic"'),
     'a sliding joint': _replaced('type="revolute"', 'type="prismatic"'),
+    'a joint that follows another': _replaced(
+        r'(joint name="lf_knee_pitch_joint" type="revolute">)',
+        r'\1<mimic joint="lf_hip_pitch_joint" multiplier="-2"/>',
+    ),
+    'a joint that follows none': _replaced(
+        r'(joint name="lf_knee_pitch_joint" type="revolute">)', r'\1<mimic/>'
+    ),
+    'a name of two lines': _replaced('lf_knee_pitch_joint', 'lf_knee&#10;joint'),
+    'a name of 300 characters': _replaced('lf_knee_pitch_joint', 300 * 'k'),
     'a fixed joint in a leg': _replaced('type="revolute"', 'type="fixed"'),
 }
 """Faults of links and joints, and of what hangs where."""
@@ -152,6 +161,9 @@ _OF_LIMITS: dict[str, Change] = {
     'limits exchanged': _replaced(r' lower="([^"]*)" upper="([^"]*)"', r' lower="\2" upper="\1"'),
     'limits of words': _replaced(r' lower="[^"]*"', ' lower="low"'),
     'limits that are no number': _replaced(r' lower="[^"]*"', ' lower="nan"'),
+    'a joint that is locked': _replaced(
+        r' lower="[^"]*" upper="[^"]*"', ' lower="0.3" upper="0.3"'
+    ),
     'a range in which nothing stands': _replaced(
         r'(?s)(joint name="lf_knee_pitch_joint".*?) lower="[^"]*" upper="[^"]*"',
         r'\1 lower="-0.11" upper="-0.10"',

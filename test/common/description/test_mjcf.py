@@ -444,6 +444,25 @@ def test_closed_loops_are_refused_but_not_what_holds_the_robot(tmp_path):
         robot_from_mjcf(write(tmp_path, body, closed))
 
 
+@pytest.mark.parametrize(
+    ('constraint', 'follows'),
+    [
+        ('joint1="knee" joint2="hip" polycoef="0 -2 0 0 0"', 'hip'),
+        ('joint1="knee" joint2="hip" active="false"', None),
+        ('joint1="knee"', None),
+        ('joint1="hip" joint2="knee"', None),
+    ],
+)
+def test_a_joint_that_follows_another_by_a_constraint_is_told(tmp_path, constraint, follows):
+    body = (
+        '<body><freejoint/><geom size=".1"/><body><joint name="hip"/><geom size=".1"/><body>'
+        '<joint name="knee"/><geom size=".1"/></body></body></body>'
+    )
+    rest = f'<equality><joint {constraint}/></equality>'
+    mimic = joint_of(robot_from_mjcf(write(tmp_path, body, rest)), 'knee').mimic
+    assert (mimic and mimic.joint) == follows
+
+
 def test_what_has_no_joints_is_no_quadruped(tmp_path):
     path = write(tmp_path, '<body><freejoint/><geom size=".1"/></body><geom size=".1"/>')
     with pytest.raises(NotAQuadruped, match='no joint that moves'):

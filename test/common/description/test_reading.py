@@ -2,6 +2,7 @@
 Descriptions are read whichever format they have, and what is wrong with them is said.
 """
 
+import math
 import os
 import resource
 import signal
@@ -241,6 +242,19 @@ def test_a_texture_without_a_file_is_none(tmp_path):
     assert read_description(path).links[0].visuals[0].material.texture is None
     path = write_robot(tmp_path, ('a.png', 'b.png'))
     assert read_description(path).links[0].visuals[0].material.texture.filename == 'b.png'
+
+
+@pytest.mark.parametrize('limit', ['0.3', '-1e-3'])
+def test_a_joint_that_its_limits_lock_is_not_free(limit, tmp_path):
+    change = ('lower="0" upper="0"', f'lower="{limit}" upper="{limit}"')
+    path = write_robot(tmp_path, change)
+    said = f"joint 'hip' is fixed at {float(limit):g} rad by its limits"
+    with pytest.raises(DescriptionEntryInvalid, match=said):
+        KinematicTree(read_description(path), path)
+    # What exporters write where nobody said anything.
+    path = write_robot(tmp_path, ('lower="0"', 'lower="0"'))
+    joint = KinematicTree(read_description(path), path).joints['hip']
+    assert (joint.lower, joint.upper) == (-math.inf, math.inf)
 
 
 def test_chains_of_thousands_of_links_are_read(tmp_path):

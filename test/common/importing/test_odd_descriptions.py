@@ -2,13 +2,14 @@
 What descriptions say of shapes, motors, masses and names is taken as it stands, or it is said.
 """
 
+import re
 from xml.etree import ElementTree
 
 import pytest
 
 pytest.importorskip('yourdfpy')
 
-from quad_common.errors import DescriptionEntryInvalid
+from quad_common.errors import DescriptionEntryInvalid, LegNotFeasible
 from quad_common.importing.robot_document import write_robot
 from quad_common.importing.robot_import import import_robot
 from quad_common.robot.urdf import urdf_from_robot
@@ -53,6 +54,32 @@ class Described:
 @pytest.fixture
 def described(tmp_path):
     return Described(tmp_path)
+
+
+def test_a_leg_with_a_joint_that_follows_another_is_refused(described):
+    for joint in described.root.iter('joint'):
+        if joint.get('name').endswith('knee_pitch_joint'):
+            driver = joint.get('name').replace('knee', 'hip')
+            ElementTree.SubElement(joint, 'mimic', joint=driver, multiplier='-2')
+    said = (
+        "its joint 'lf_knee_pitch_joint' follows 'lf_hip_pitch_joint' (mimic), and only two of its "
+        'joints have motors'
+    )
+    with pytest.raises(LegNotFeasible, match=re.escape(said)):
+        described.imported()
+
+
+def test_joints_beside_the_legs_that_follow_others_are_held_and_said(described):
+    for side, parent in (('left', 'base_link'), ('right', 'base_link')):
+        ElementTree.SubElement(described.root, 'link', name=side)
+        joint = ElementTree.SubElement(described.root, 'joint', name=f'{side}_j', type='revolute')
+        ElementTree.SubElement(joint, 'parent', link=parent)
+        ElementTree.SubElement(joint, 'child', link=side)
+        ElementTree.SubElement(joint, 'limit', lower='-1', upper='1', effort='1', velocity='1')
+    ElementTree.SubElement(joint, 'mimic', joint='left_j')
+    assumed = described.imported().notes.assumed
+    assert '2 other joints are held at 0 (left_j, right_j)' in assumed
+    assert any("held at 0, too ('right_j' follows 'left_j')" in each for each in assumed)
 
 
 @pytest.mark.parametrize('sizes', [{}, {'scale': '1 1 0'}, {'scale': '0 0 0'}])
